@@ -7,12 +7,11 @@ target_link_libraries(oncollide INTERFACE oncollide_pipeline oncollide_files)
 target_include_directories(oncollide INTERFACE $<BUILD_INTERFACE:${CMAKE_CURRENT_LIST_DIR}/include/all>)
 install(FILES ${CMAKE_CURRENT_LIST_DIR}/include/all/oncollide/oncollide.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/oncollide)
 
-# Generated geometry and scenes, for tests and examples. Their code is in the libraries: scene files name generators.
+# Generated geometry and scenes, for examples and tests.
 add_library(oncollide_samples INTERFACE)
 add_library(oncollide::samples ALIAS oncollide_samples)
 set_target_properties(oncollide_samples PROPERTIES EXPORT_NAME samples)
-target_include_directories(oncollide_samples INTERFACE $<INSTALL_INTERFACE:${ONCOLLIDE_SAMPLES_INCLUDE}>)
-target_link_libraries(oncollide_samples INTERFACE oncollide)
+target_link_libraries(oncollide_samples INTERFACE oncollide oncollide_catalogue)
 install(TARGETS oncollide oncollide_samples EXPORT oncollide)
 
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/oncollide)

@@ -5,7 +5,7 @@
 #       SOURCES kd_tree.cpp ...
 #       DEPENDS scenes               lower modules only
 #       LINK    Qhull::qhull_r)      private third-party libraries
-#   SAMPLES: headers of generated geometry and scenes, which only users of oncollide::samples see
+#   SAMPLES: a part of oncollide::samples; only its users see the headers
 #   FOLDER: where its headers are, if not in the folder of its name
 #
 # A module can include its own headers and the headers of modules that it depends on, as <oncollide/MODULE/x.hpp>, and
@@ -13,7 +13,8 @@
 # not compile, and an editor follows every include in a fresh clone (compile_flags.txt).
 
 set(ONCOLLIDE_SAMPLES_INCLUDE ${CMAKE_INSTALL_INCLUDEDIR}/oncollide-samples)
-set(ONCOLLIDE_LAYERS base scenes files broadphase narrowphase pipeline) # bottom first; none depends on files
+# Bottom first. Only catalogue depends on files.
+set(ONCOLLIDE_LAYERS base scenes generators files catalogue broadphase narrowphase pipeline)
 
 # Eigen aligns its types for the processor's widest registers, so a program compiled with -march=native would use other
 # structure layouts. All users of the library get the baseline's alignment.
@@ -47,7 +48,11 @@ if(TARGET nlohmann_json::nlohmann_json) # tests/builds/portable has no modules
 endif()
 
 function(oncollide_add_module name)
-  cmake_parse_arguments(arg "" "FOLDER" "HEADERS;SAMPLES;SOURCES;DEPENDS;LINK" ${ARGN})
+  cmake_parse_arguments(arg "SAMPLES" "FOLDER" "HEADERS;SOURCES;DEPENDS;LINK" ${ARGN})
+  set(include ${CMAKE_INSTALL_INCLUDEDIR})
+  if(arg_SAMPLES)
+    set(include ${ONCOLLIDE_SAMPLES_INCLUDE})
+  endif()
   if(NOT arg_FOLDER)
     set(arg_FOLDER ${name})
   endif()
@@ -67,7 +72,7 @@ function(oncollide_add_module name)
   target_compile_features(oncollide_${name} PUBLIC cxx_std_20)
   target_compile_definitions(oncollide_${name} INTERFACE ${ONCOLLIDE_EIGEN_LAYOUT})
   target_include_directories(oncollide_${name} PUBLIC
-    $<BUILD_INTERFACE:${include_tree}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+    $<BUILD_INTERFACE:${include_tree}> $<INSTALL_INTERFACE:${include}>)
   target_link_libraries(oncollide_${name} PUBLIC Eigen3::Eigen
     PRIVATE $<BUILD_INTERFACE:oncollide_flags> ${arg_LINK})
   foreach(dependency IN LISTS arg_DEPENDS)
@@ -84,11 +89,7 @@ function(oncollide_add_module name)
   install(TARGETS oncollide_${name} EXPORT oncollide ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
   foreach(header IN LISTS arg_HEADERS)
     get_filename_component(folder ${header} DIRECTORY)
-    install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/oncollide/${arg_FOLDER}/${folder})
-  endforeach()
-  foreach(header IN LISTS arg_SAMPLES)
-    get_filename_component(folder ${header} DIRECTORY)
-    install(FILES ${header} DESTINATION ${ONCOLLIDE_SAMPLES_INCLUDE}/oncollide/${arg_FOLDER}/${folder})
+    install(FILES ${header} DESTINATION ${include}/oncollide/${arg_FOLDER}/${folder})
   endforeach()
 endfunction()
 

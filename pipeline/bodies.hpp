@@ -12,7 +12,7 @@
 #include <oncollide/base/prefetch.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/narrowphase/model.hpp>
-#include <oncollide/scenes/ids.hpp>
+#include <oncollide/pipeline/results.hpp>
 
 namespace oncollide {
 

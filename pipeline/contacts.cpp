@@ -1,5 +1,5 @@
 // Two meshes at two poses, in one call.
-#include <oncollide/pipeline/contacts.hpp>
+#include <oncollide/pipeline/mesh_queries.hpp>
 
 #include <fmt/format.h>
 

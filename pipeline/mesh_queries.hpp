@@ -1,17 +1,34 @@
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include <Eigen/Geometry>
 
-#include <oncollide/narrowphase/verdict.hpp>
-#include <oncollide/pipeline/contacts.hpp>
+#include <oncollide/pipeline/results.hpp>
 #include <oncollide/pipeline/settings.hpp>
 #include <oncollide/scenes/geometry.hpp>
 
 namespace oncollide {
+
+// --- Two meshes at two poses, in one line. Poses are rigid: body frame to world, metres.
+// Each call builds its trees (5 ns per triangle, 60 ns per traversed triangle); a World keeps them.
+// Throw Error{bad_data} for poses that are not rigid, and for a mesh that make_mesh would refuse.
+
+/// Exact: the verdict is separate or colliding; touching counts as colliding.
+Finding collide(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b, const Eigen::Isometry3d& pose_b);
+
+/// As World::distance().
+Distance distance(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b, const Eigen::Isometry3d& pose_b,
+                  double tolerance = 0, double cutoff = std::numeric_limits<double>::infinity());
+
+/// As World::contacts().
+std::vector<Contact> contacts(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b,
+                              const Eigen::Isometry3d& pose_b);
+
+// --- Many queries.
 
 /// Two meshes, by number, at two poses.
 struct MeshQuery {

@@ -12,8 +12,8 @@
 #include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
 #include <oncollide/narrowphase/spheres/walk.hpp>
 #include <oncollide/pipeline/prefetcher.hpp>
+#include <oncollide/pipeline/results.hpp>
 #include <oncollide/pipeline/settings.hpp>
-#include <oncollide/scenes/ids.hpp>
 
 namespace oncollide {
 

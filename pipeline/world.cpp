@@ -8,6 +8,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
+#include <oncollide/pipeline/query_worker.hpp> // for the destructor of Impl
 
 namespace oncollide {
 

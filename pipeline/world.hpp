@@ -10,10 +10,8 @@
 
 #include <Eigen/Geometry>
 
-#include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/results.hpp>
 #include <oncollide/pipeline/settings.hpp>
-#include <oncollide/scenes/ids.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 #include <oncollide/scenes/model/shape.hpp>

@@ -1,4 +1,4 @@
-#include <oncollide/scenes/columns.hpp>
+#include <oncollide/scenes/scene.hpp>
 
 #include <algorithm>
 #include <atomic>

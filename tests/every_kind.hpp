@@ -3,8 +3,8 @@
 #include <vector>
 
 #include <oncollide/base/random.hpp>
+#include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/geometry.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "hard/tangent/placed_body.hpp"
 

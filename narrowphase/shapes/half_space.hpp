@@ -1,6 +1,6 @@
 #pragma once
 #include <oncollide/base/function_ref.hpp>
-#include <oncollide/narrowphase/body_part.hpp>
+#include <oncollide/narrowphase/finding.hpp>
 #include <oncollide/narrowphase/model.hpp>
 #include <oncollide/narrowphase/shapes/convex_pair.hpp>
 

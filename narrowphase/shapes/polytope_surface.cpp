@@ -3,7 +3,7 @@
 #include <limits>
 
 #include <oncollide/narrowphase/shapes/convex_surface.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/scenes/model/surface_grid.hpp>
 
 namespace oncollide {
 
@@ -12,7 +12,7 @@ namespace {
 constexpr auto not_yet = std::numeric_limits<std::uint32_t>::max();
 
 struct Core {
-    Mesh operator()(const Box& b) const { return make_box_mesh(b.half); }
+    Mesh operator()(const Box& b) const { return box_mesh(b.half); }
     Mesh operator()(const ConvexHull& h) const
     {
         std::vector<Triangle> faces = convex_surface(h.points);

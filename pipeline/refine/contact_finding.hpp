@@ -2,8 +2,8 @@
 #include <array>
 #include <vector>
 
-#include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/refine/triangle_walks.hpp>
+#include <oncollide/pipeline/results.hpp>
 
 namespace oncollide {
 

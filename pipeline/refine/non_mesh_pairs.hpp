@@ -3,9 +3,9 @@
 #include <oncollide/narrowphase/obb/map_walk.hpp>
 #include <oncollide/narrowphase/obb/shape_walk.hpp>
 #include <oncollide/narrowphase/obb/solid_distance.hpp>
-#include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 #include <oncollide/pipeline/refine/triangle_walks.hpp>
+#include <oncollide/pipeline/results.hpp>
 
 namespace oncollide {
 

@@ -7,8 +7,8 @@
 
 #include <Eigen/Geometry>
 
+#include <oncollide/narrowphase/finding.hpp>
 #include <oncollide/narrowphase/model.hpp>
-#include <oncollide/narrowphase/verdict.hpp>
 #include <oncollide/pipeline/refine/pair_cache.hpp>
 #include <oncollide/pipeline/results.hpp>
 #include <oncollide/pipeline/settings.hpp>

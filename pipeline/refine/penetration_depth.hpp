@@ -3,8 +3,8 @@
 #include <vector>
 
 #include <oncollide/narrowphase/inside/point_location.hpp>
-#include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
+#include <oncollide/pipeline/results.hpp>
 
 namespace oncollide {
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <oncollide/narrowphase/shapes/half_space.hpp>
-#include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
+#include <oncollide/pipeline/results.hpp>
 
 namespace oncollide {
 

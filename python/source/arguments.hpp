@@ -10,7 +10,7 @@
 #include <Eigen/Geometry>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/scenes/ids.hpp>
+#include <oncollide/pipeline/results.hpp>
 
 /// Conversion of Python arguments, with checks: every error names the call, the argument and the valid values.
 namespace oncollide::python {

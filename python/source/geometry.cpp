@@ -5,10 +5,9 @@
 
 #include <oncollide/base/printable.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
+#include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
 
 namespace oncollide::python {
 

@@ -1,7 +1,8 @@
 // Terrains and occupancy maps.
 #include <fmt/format.h>
 
-#include <oncollide/scenes/files/terrain_file.hpp>
+#include <oncollide/samples/generators.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 #include "geometry.hpp"
 

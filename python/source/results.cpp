@@ -1,7 +1,6 @@
 // Structured arrays over the library's results, and Distance.
 #include <cstddef>
 
-#include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/results.hpp>
 #include <oncollide/pipeline/world.hpp>
 

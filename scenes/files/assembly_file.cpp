@@ -1,4 +1,4 @@
-#include <oncollide/scenes/files/assembly_file.hpp>
+#include <oncollide/scenes/files/scene_file.hpp>
 
 #include <algorithm>
 #include <cctype>
@@ -12,7 +12,7 @@
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/scenes/files/assembly/raw_assembly.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 namespace oncollide {
 

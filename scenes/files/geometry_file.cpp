@@ -5,8 +5,6 @@
 
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
-#include <oncollide/scenes/files/terrain_file.hpp>
 
 namespace oncollide {
 

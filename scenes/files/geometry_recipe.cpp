@@ -7,9 +7,8 @@
 #include <oncollide/scenes/cooked/cooked_map.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
-#include <oncollide/scenes/files/terrain_file.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/scenes/files/generators.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 namespace oncollide {
 
@@ -17,69 +16,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Limit of generators' parameters in a file: a typing error should not fill the memory.
-constexpr int most_per_recipe = 10'000'000;
-
-int count(const Node& node, std::string_view key, int most = most_per_recipe)
+const Generators& generators_for(const Node& node, const SceneReading& reading)
 {
-    return static_cast<int>(node[key].integer(1, most));
-}
-
-double size(const Node& node, std::string_view key)
-{
-    node[key]; // must exist
-    return node.positive(key, 0);
-}
-
-std::uint64_t seed(const Node& node)
-{
-    return node.has("seed") ? node["seed"].natural() : 1;
-}
-
-Mesh generate(const Node& node)
-{
-    const std::string_view kind = node["kind"].text();
-    if (kind == "box") return node.only({"kind", "half"}), make_box_mesh(node["half"].vector3());
-    if (kind == "sphere") {
-        node.only({"kind", "radius", "triangles"});
-        return make_sphere_mesh(size(node, "radius"), count(node, "triangles"));
-    }
-    if (kind == "torus") {
-        node.only({"kind", "major", "minor", "triangles"});
-        return make_torus_mesh(size(node, "major"), size(node, "minor"), count(node, "triangles"));
-    }
-    if (kind == "torus_knot") {
-        node.only({"kind", "p", "q", "major", "minor", "tube", "triangles"});
-        return make_torus_knot_mesh(count(node, "p", 1000), count(node, "q", 1000), size(node, "major"),
-                                    size(node, "minor"), size(node, "tube"), count(node, "triangles"));
-    }
-    if (kind == "gear") {
-        node.only({"kind", "teeth", "root_radius", "tip_radius", "thickness", "bore_radius"});
-        return make_gear_mesh(count(node, "teeth", 100'000), size(node, "root_radius"), size(node, "tip_radius"),
-                              size(node, "thickness"), size(node, "bore_radius"));
-    }
-    if (kind == "terrain") {
-        node.only({"kind", "size", "height", "cells", "seed"});
-        return make_terrain_mesh(size(node, "size"), size(node, "height"), count(node, "cells", 2000), seed(node));
-    }
-    if (kind == "hills") {
-        node.only({"kind", "cells", "spacing", "height", "seed", "x", "y", "size"});
-        const auto whole = [&](const char* key) { return static_cast<std::uint32_t>(node[key].integer(0, 20'000)); };
-        return make_hills_mesh(whole("cells"), size(node, "spacing"), size(node, "height"), seed(node), whole("x"),
-                               whole("y"), static_cast<std::uint32_t>(count(node, "size", 2000)));
-    }
-    if (kind == "needles") {
-        node.only({"kind", "count", "length", "aspect", "size", "seed"});
-        return make_needles_mesh(count(node, "count"), size(node, "length"), size(node, "aspect"), size(node, "size"),
-                                 seed(node));
-    }
-    if (kind == "soup") {
-        node.only({"kind", "count", "edge", "size", "seed"});
-        return make_soup_mesh(count(node, "count"), size(node, "edge"), size(node, "size"), seed(node));
-    }
-    node["kind"].fail(fmt::format(
-        "no generator named '{}'{}", kind,
-        valid_names(kind, {"box", "sphere", "torus", "torus_knot", "gear", "terrain", "hills", "needles", "soup"})));
+    if (!reading.generators) node.fail("needs generators, which this program does not pass to load_scene()");
+    return *reading.generators;
 }
 
 std::vector<Eigen::Vector3d> points_of(const Node& node)
@@ -118,7 +58,7 @@ Mesh fitted(const std::string& name, Mesh mesh, const MeshOptions& options)
 }
 
 /// A cooked mesh stays in its file.
-GeometryData read_mesh(const Node& node, const std::string& name, const fs::path& folder, const MeshReading& meshes)
+GeometryData read_mesh(const Node& node, const std::string& name, const fs::path& folder, const SceneReading& reading)
 {
     node.only({"file", "generate", "vertices", "triangles", "scale", "fit_diagonal", "centre"});
     const bool listed = node.has("vertices") || node.has("triangles");
@@ -131,17 +71,17 @@ GeometryData read_mesh(const Node& node, const std::string& name, const fs::path
         const Node file = node["file"];
         return at(file, [&]() -> GeometryData {
             const fs::path path = file_in(folder, file.text());
-            if (!meshes.on_demand) return load_mesh(path, options);
+            if (!reading.on_demand) return load_mesh(path, options);
             if (is_cooked(path) && options == MeshOptions{}) return std::make_shared<const CookedMesh>(path);
-            if (meshes.cooked)
-                if (const auto cooked = meshes.cooked(path, options))
+            if (reading.cooked)
+                if (const auto cooked = reading.cooked(path, options))
                     return std::make_shared<const CookedMesh>(*cooked);
             return load_mesh(path, options);
         });
     }
     if (node.has("generate")) {
         const Node generator = node["generate"];
-        return fitted(name, at(generator, [&] { return generate(generator); }), options);
+        return fitted(name, at(generator, [&] { return generators_for(generator, reading).mesh(generator); }), options);
     }
     return at(node, [&] { return fitted(name, listed_mesh(node, name), options); });
 }
@@ -177,7 +117,7 @@ Shape read_shape(const Node& node)
         valid_names(kind, {"sphere", "box", "capsule", "cylinder", "convex_hull", "ellipsoid", "cone", "half_space"})));
 }
 
-OccupancyMap read_map(const Node& node, const fs::path& folder)
+OccupancyMap read_map(const Node& node, const fs::path& folder, const SceneReading& reading)
 {
     if (node.has("file")) {
         MapOptions options;
@@ -191,30 +131,16 @@ OccupancyMap read_map(const Node& node, const fs::path& folder)
         const Node file = node["file"];
         return at(file, [&] { return load_octomap(file_in(folder, file.text()), options); });
     }
-    const Node value = node[node.one_of({"file", "building"})];
-    value.only({"rooms", "resolution", "seed"});
-    return at(value,
-              [&] { return make_building_map(count(value, "rooms", 100), size(value, "resolution"), seed(value)); });
+    const Node building = node[node.one_of({"file", "building"})];
+    return at(building, [&] { return generators_for(building, reading).building(building); });
 }
 
-Terrain read_terrain(const Node& node, const fs::path& folder)
+Terrain read_terrain(const Node& node, const fs::path& folder, const SceneReading& reading)
 {
-    const std::string_view source = node.has("hills") ? "hills" : "file";
-    if (source == "hills") {
+    if (node.has("hills")) {
         node.only({"hills"});
         const Node hills = node["hills"];
-        hills.only({"cells", "spacing", "height", "seed"});
-        return at(hills, [&] {
-            constexpr int most = 20'000;
-            const Node cells = hills["cells"];
-            const bool two = cells.is_array();
-            if (two && cells.size() != 2) cells.fail("must be one number or two");
-            const auto x = static_cast<std::uint32_t>((two ? cells[0] : cells).integer(1, most)),
-                       y = static_cast<std::uint32_t>((two ? cells[1] : cells).integer(1, most));
-            if (std::uint64_t(x) * y > most_per_recipe)
-                cells.fail(fmt::format("{} x {} cells; at most {} in all", x, y, most_per_recipe));
-            return make_hills(x, y, size(hills, "spacing"), size(hills, "height"), seed(hills));
-        });
+        return at(hills, [&] { return generators_for(hills, reading).hills(hills); });
     }
     node.only({"file", "spacing", "origin", "vertical_scale", "no_data", "bytes", "error", "centre", "diagonal",
                "diagonals", "columns", "rows", "type"});
@@ -335,7 +261,7 @@ std::string recipe_of(const Node& entry, const fs::path& folder)
 } // namespace
 
 GeometryId add_geometry(Scene& scene, std::string_view given_name, const Node& entry, const fs::path& folder,
-                        const MeshReading& meshes)
+                        const SceneReading& reading)
 {
     const std::string name(given_name);
     const std::string_view source = entry.one_of({"mesh", "shape", "octomap", "terrain"});
@@ -343,29 +269,21 @@ GeometryId add_geometry(Scene& scene, std::string_view given_name, const Node& e
     if (source == "shape") return at(node, [&] { return scene.add(name, read_shape(node)); });
 
     if (source == "octomap") {
-        OccupancyMap map = read_map(node, folder);
-        if (map.cells().chunks() && !meshes.on_demand) map.cells().chunks()->need_all();
+        OccupancyMap map = read_map(node, folder, reading);
+        if (map.cells().chunks() && !reading.on_demand) map.cells().chunks()->need_all();
         return at(entry, [&] { return scene.add(name, std::move(map), recipe_of(entry, folder)); });
     }
     if (source == "terrain") {
-        Terrain terrain = read_terrain(node, folder);
-        if (terrain.chunks() && !meshes.on_demand) terrain.chunks()->need_all();
+        Terrain terrain = read_terrain(node, folder, reading);
+        if (terrain.chunks() && !reading.on_demand) terrain.chunks()->need_all();
         return at(entry, [&] { return scene.add(name, std::move(terrain), recipe_of(entry, folder)); });
     }
-    GeometryData mesh = read_mesh(node, name, folder, meshes);
+    GeometryData mesh = read_mesh(node, name, folder, reading);
     const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&mesh);
     if (const std::size_t flat = cooked ? (*cooked)->zero_area() : std::get<Mesh>(mesh).zero_area)
         scene.warnings.push_back(
             fmt::format("{}: {} triangle{} without area (kept)", name, flat, flat == 1 ? "" : "s"));
     return at(entry, [&] { return scene.add(name, std::move(mesh), recipe_of(entry, folder)); });
-}
-
-GeometryId add_geometry(Scene& scene, const std::string& name, const Json& entry)
-{
-    const std::string text = entry.dump();
-    JsonTape tape({name});
-    tape.read(text, 0);
-    return add_geometry(scene, name, Node(tape), {});
 }
 
 void Expansion::count(const Geometry& geometry, const Node& entry)

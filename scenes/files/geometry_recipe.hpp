@@ -23,10 +23,7 @@ using Json = nlohmann::json;
 /// line to scene.warnings. Throws Error like load_scene.
 /// @param folder  the base of relative paths in the entry
 GeometryId add_geometry(Scene& scene, std::string_view name, const Node& entry, const std::filesystem::path& folder,
-                        const MeshReading& meshes = {});
-
-/// The same for code that builds the entry; paths are relative to the current folder.
-GeometryId add_geometry(Scene& scene, const std::string& name, const Json& entry);
+                        const SceneReading& reading = {});
 
 /// The entry that makes `geometry` again: its recipe with paths relative to `folder`, or its data. A map or terrain
 /// without a recipe gets the entry of the file `made_file`, which the caller must write.

@@ -1,4 +1,4 @@
-#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -9,8 +9,8 @@
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/scenes/cooked/cooked_map.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/octomap_nodes.hpp>
-#include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide {
 

@@ -1,6 +1,6 @@
 // Replaces the functions that need OctoMap in builds without it.
 #include <oncollide/base/error.hpp>
-#include <oncollide/scenes/model/occupancy_map.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 namespace oncollide {
 namespace {
@@ -15,11 +15,6 @@ namespace {
 OccupancyMap load_octomap(const std::filesystem::path& path, const MapOptions&)
 {
     refuse(path.string());
-}
-
-OccupancyMap make_building_map(int, double, std::uint64_t)
-{
-    refuse("building");
 }
 
 void save_octomap(const OccupancyMap&, const std::filesystem::path& path)

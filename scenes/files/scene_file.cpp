@@ -8,10 +8,10 @@
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/near_word.hpp>
 #include <oncollide/base/reading_progress.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/geometry_recipe.hpp>
 #include <oncollide/scenes/files/json/json_fault.hpp>
 #include <oncollide/scenes/files/json/json_node.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
 #include <oncollide/scenes/files/quaternion.hpp>
 #include <oncollide/scenes/files/scene_pose.hpp>
 #include <oncollide/scenes/files/tables/body_table.hpp>
@@ -200,7 +200,7 @@ void read_tables(Scene& scene, const Node& tables, const fs::path& folder)
     for (const Node& table : tables) at(table, [&] { read_body_table(scene, table, folder); });
 }
 
-void read_tiles(Scene& scene, const Node& sets, const fs::path& folder, const MeshReading& meshes)
+void read_tiles(Scene& scene, const Node& sets, const fs::path& folder, const SceneReading& reading)
 {
     if (!sets.is_array()) sets.fail("must be an array of objects with the key: file");
     for (const Node& node : sets) {
@@ -213,7 +213,7 @@ void read_tiles(Scene& scene, const Node& sets, const fs::path& folder, const Me
         like.mask = read_u32(mask, like.mask);
         like.group = read_u32(group, like.group);
         const std::string name(own_name ? own_name->text() : "tiles");
-        at(node, [&] { add_tiles(scene, name, file_in(folder, node["file"].text()), like, meshes); });
+        at(node, [&] { add_tiles(scene, name, file_in(folder, node["file"].text()), like, reading); });
     }
 }
 
@@ -227,7 +227,7 @@ bool excludes_names(const Node& root)
     return false;
 }
 
-Scene read_scene(SceneText& text, const fs::path& path, const MeshReading& meshes, BodySink* sink)
+Scene read_scene(SceneText& text, const fs::path& path, const SceneReading& reading, BodySink* sink)
 {
     const Node root = text.root();
     root.only({"name", "frames", "geometries", "bodies", "tables", "tiles", "recording", "exclude"});
@@ -241,14 +241,14 @@ Scene read_scene(SceneText& text, const fs::path& path, const MeshReading& meshe
     if (!geometries.is_object()) geometries.fail("must be an object: a name and a geometry for each");
     Expansion expansion;
     for (const Node& geometry : geometries)
-        expansion.count(scene.geometries[index(add_geometry(scene, geometry.key(), geometry, folder, meshes))],
+        expansion.count(scene.geometries[index(add_geometry(scene, geometry.key(), geometry, folder, reading))],
                         geometry);
     if (root.has("bodies") || !(root.has("tables") || root.has("tiles"))) reserve(scene, root["bodies"]);
     text.each_body([&](const Node& body) {
         if (!scene.skip_body()) read_body(scene, body, folder);
     });
     if (root.has("tables")) read_tables(scene, root["tables"], folder);
-    if (root.has("tiles")) read_tiles(scene, root["tiles"], folder, meshes);
+    if (root.has("tiles")) read_tiles(scene, root["tiles"], folder, reading);
     if (root.has("recording")) {
         const Node entry = root["recording"];
         at(entry, [&] { scene.record(open_recording(entry, folder)); });
@@ -262,7 +262,7 @@ Scene read_scene(SceneText& text, const fs::path& path, const MeshReading& meshe
 
 } // namespace
 
-Scene load_scene(const fs::path& path, const MeshReading& meshes, BodySink* sink)
+Scene load_scene(const fs::path& path, const SceneReading& reading, BodySink* sink)
 {
     const std::string file = path == "-" ? "standard input" : path.string();
     std::error_code ignored;
@@ -272,7 +272,7 @@ Scene load_scene(const fs::path& path, const MeshReading& meshes, BodySink* sink
     try {
         SceneText text(file, json);
         try {
-            return read_scene(text, path, meshes, sink);
+            return read_scene(text, path, reading, sink);
         } catch (const Error&) {
             text.each_body([](const Node&) {}); // reports JSON errors before other errors
             throw;

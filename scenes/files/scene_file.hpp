@@ -1,18 +1,30 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
-#include <oncollide/scenes/files/mesh_file.hpp>
+#include <Eigen/Geometry>
+
+#include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {
 
-/// How a scene reads its meshes.
-struct MeshReading {
+// Files of many bodies: scenes, and assemblies of meshes.
+
+class Generators;
+
+/// How a scene reads its geometries.
+struct SceneReading {
     bool on_demand = false; ///< meshes in cooked files stay there, and are read in parts as tests need them
     /// The cooked file to use instead of a mesh file; the mesh file may be missing; empty: the mesh file is read.
     std::function<std::optional<std::filesystem::path>(const std::filesystem::path&, const MeshOptions&)> cooked{};
+    /// Makes generated geometries, such as sample_generators() of oncollide::samples; null: they are refused.
+    const Generators* generators = nullptr;
 };
 
 /// Reads a scene file (JSON; schema in docs/scene-format.md). Paths in it are relative to the file's own folder. "-" is
@@ -20,12 +32,42 @@ struct MeshReading {
 /// path and the place in it (`bodies[3].mesh`), and for an unknown key or name list the valid ones.
 /// @param sink  receives the bodies; null: the scene stores them. A scene whose "exclude" names bodies, not numbers,
 ///   stores its bodies in any case.
-Scene load_scene(const std::filesystem::path& path, const MeshReading& meshes = {}, BodySink* sink = nullptr);
+Scene load_scene(const std::filesystem::path& path, const SceneReading& reading = {}, BodySink* sink = nullptr);
 
 /// Writes `scene` with its poses at frame 0 (start_poses), so that load_scene restores it bit for bit: every number is
 /// written in a form that reads back exactly. Paths of files that the scene uses are relative to `path`'s folder.
 /// Geometries made in code without a recipe are written into the scene file (meshes) or beside it as `.bt` files
 /// (maps). Temporary name, then renamed. Throws Error{cannot_write}.
 void save_scene(const Scene& scene, const std::filesystem::path& path);
+
+// --- Assemblies.
+
+/// A mesh at a pose. Parts of an assembly may have equal names.
+struct AssemblyPart {
+    std::string name;    ///< of its node, else of its mesh, else "node 17"; for other files the file name without
+                         ///< extension
+    std::string path;    ///< the names of at most seven of its ancestors and its own, separated by '/'
+    std::uint32_t above; ///< the number of its parent node; no_node_above: it has none
+    std::size_t mesh;    ///< in Assembly::meshes
+    Eigen::Isometry3d pose;
+};
+constexpr std::uint32_t no_node_above = 0xffffffffu;
+
+/// The contents of a file, part by part. Parts that are copies of each other share a mesh.
+struct Assembly {
+    std::vector<std::shared_ptr<const Geometry>> meshes;
+    std::vector<AssemblyPart> parts;
+};
+
+/// Whether the file name means an assembly: glTF, GLB, COLLADA (.dae) and 3MF.
+bool is_assembly_file(const std::filesystem::path& path);
+
+/// Reads a mesh file as an assembly: each node of a glTF or COLLADA file, and each object that a 3MF file's build
+/// places, is a part if it has triangles, at its pose in the scene; any other file is one part. Throws as load_mesh.
+/// @param scale  metres per unit of the file; finite, > 0
+Assembly load_assembly(const std::filesystem::path& path, double scale = 1, int threads = 1);
+
+/// The same as a scene of one frame: a dynamic body for each part. Parts with equal names get a number appended.
+Scene load_assembly_scene(const std::filesystem::path& path);
 
 } // namespace oncollide

@@ -1,5 +1,5 @@
+#include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
-#include <oncollide/scenes/files/terrain_file.hpp>
 
 #include <fmt/format.h>
 

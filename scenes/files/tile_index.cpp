@@ -102,15 +102,15 @@ IndexedTile index_tile(const fs::path& folder, const std::string& file)
 }
 
 void add_tiles(Scene& scene, const std::string& name, const fs::path& index, const BodyInit& like,
-               const MeshReading& meshes)
+               const SceneReading& reading)
 {
     const std::vector<IndexedTile> tiles = load_tile_index(index);
     scene.reserve(scene.size() + tiles.size());
     std::uint64_t flat = 0;
     for (const IndexedTile& tile : tiles) {
         const fs::path file = file_in(index.parent_path(), tile.file);
-        GeometryData mesh = meshes.on_demand ? GeometryData(std::make_shared<const CookedMesh>(file, tile.outline))
-                                             : GeometryData(load_mesh(file));
+        GeometryData mesh = reading.on_demand ? GeometryData(std::make_shared<const CookedMesh>(file, tile.outline))
+                                              : GeometryData(load_mesh(file));
         BodyInit body = like;
         body.name = fmt::format("{}/{}", name, file.stem().string());
         body.geometry =

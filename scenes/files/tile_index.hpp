@@ -28,8 +28,8 @@ IndexedTile index_tile(const std::filesystem::path& folder, const std::string& f
 /// Adds a geometry and a static body for each tile of an index, both named `name`/STEM, where STEM is the stem of the
 /// tile's file name.
 /// @param like  the other properties of these bodies; its name and geometry are ignored
-/// @param meshes  on demand: the tiles stay in their files; else all are read
+/// @param reading  on demand: the tiles stay in their files; else all are read
 void add_tiles(Scene& scene, const std::string& name, const std::filesystem::path& index, const BodyInit& like,
-               const MeshReading& meshes);
+               const SceneReading& reading);
 
 } // namespace oncollide

@@ -1,8 +1,6 @@
 #pragma once
 #include <cstdint>
-#include <filesystem>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -116,25 +114,5 @@ OccupancyMap make_occupancy_map(std::shared_ptr<const octomap::OcTree> tree, boo
 /// An octree of the map's known cells, all as certain as OctoMap allows; also of the unknown cells if they count as
 /// occupied. Cost: 100 ns and 20 to 80 bytes per node.
 std::shared_ptr<octomap::OcTree> make_octree(const OccupancyMap& map);
-
-/// Options of load_octomap.
-struct MapOptions {
-    bool unknown_is_occupied = false; ///< as for make_occupancy_map()
-    /// Cells of at least this probability are occupied; above 0 and below 1; by default 0.5, as in OctoMap. Only for
-    /// `.ot` files: a `.bt` file holds no probabilities.
-    std::optional<double> occupancy_threshold{};
-};
-
-/// Reads `.bt` and `.ot` files. Throws Error{no_input}, Error{bad_data} (empty, truncated, wrong kind, no occupied
-/// cell) or Error{usage} for a threshold out of range. As in OctoMap, a `.bt` file whose root has no children means
-/// that the whole grid is occupied. The probabilities of a `.ot` file are kept for later scans. Cost: a `.bt` file 10
-/// ns per byte and 4 bytes per byte.
-OccupancyMap load_octomap(const std::filesystem::path& path, const MapOptions& options = {});
-
-/// A building of about `rooms` x `rooms` rooms with furniture at the given resolution (m); needs no file.
-OccupancyMap make_building_map(int rooms, double resolution, std::uint64_t seed);
-
-/// Writes the known cells as a `.bt` file (temporary name, then renamed). Throws Error{cannot_write}.
-void save_octomap(const OccupancyMap& map, const std::filesystem::path& path);
 
 } // namespace oncollide

@@ -10,7 +10,6 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/scenes/model/convex_hull.hpp>
 #include <oncollide/scenes/model/hull_slack.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/model/surface_grid.hpp>
 
 namespace oncollide {
@@ -291,7 +290,7 @@ BoundingMesh bounding_mesh_of(const Shape& shape)
 {
     return std::visit(Match{[](const Sphere& s) { return enclose_sphere(s.radius); },
                             [](const Box& b) {
-                                return BoundingMesh{make_box_mesh(b.half), 0.0};
+                                return BoundingMesh{box_mesh(b.half), 0.0};
                             },
                             [](const Capsule& c) { return enclose_capsule(c); },
                             [](const Cylinder& c) { return enclose_cylinder(c); },

@@ -60,6 +60,27 @@ void octasphere(int frequency, std::vector<Eigen::Vector3d>& points, std::vector
     }
 }
 
+Mesh box_mesh(const Eigen::Vector3d& half)
+{
+    std::vector<Eigen::Vector3d> points;
+    for (int corner = 0; corner < 8; ++corner)
+        points.push_back(
+            half.cwiseProduct(Eigen::Vector3d(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1)));
+    return make_mesh("box", std::move(points),
+                     {{0, 4, 6},
+                      {0, 6, 2},
+                      {1, 3, 7},
+                      {1, 7, 5},
+                      {0, 1, 5},
+                      {0, 5, 4},
+                      {2, 6, 7},
+                      {2, 7, 3},
+                      {0, 2, 3},
+                      {0, 3, 1},
+                      {4, 5, 7},
+                      {4, 7, 6}});
+}
+
 Mesh make_prism(const std::string& name, double radius, double half, int sides)
 {
     GridBuilder grid(sides, 1, false);

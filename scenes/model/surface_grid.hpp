@@ -75,6 +75,9 @@ private:
     int columns_, rows_, point_columns_, point_rows_;
 };
 
+/// A box with corners +-half, as 12 triangles with outward orientation.
+Mesh box_mesh(const Eigen::Vector3d& half);
+
 /// A closed prism along z, from -half to half, whose corners are on a circle of that radius; its caps are fans.
 Mesh make_prism(const std::string& name, double radius, double half, int sides);
 

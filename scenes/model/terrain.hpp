@@ -142,16 +142,6 @@ private:
 Terrain make_terrain(const std::string& name, const TerrainGrid& grid, std::span<const double> heights);
 Terrain make_terrain(const std::string& name, const TerrainGrid& grid, std::span<const float> heights);
 
-/// Hills over [0, cells_x spacing] x [0, cells_y spacing], at most `height` high; exact at 2 bytes or fewer.
-/// Deterministic, on every platform. Throws Error{usage} for counts or sizes that make no terrain. Cost: 30 ns per
-/// cell.
-Terrain make_hills(std::uint32_t cells_x, std::uint32_t cells_y, double spacing, double height, std::uint64_t seed);
-
-/// The cells [x, x + size) x [y, y + size) of make_hills(cells, cells, ...) as a mesh; such meshes together make up the
-/// hills. Throws Error{usage}.
-Mesh make_hills_mesh(std::uint32_t cells, double spacing, double height, std::uint64_t seed, std::uint32_t x,
-                     std::uint32_t y, std::uint32_t size);
-
 /// Moves the terrain so that its bounds' centre is at the origin.
 Terrain centred(Terrain terrain);
 

@@ -2,8 +2,8 @@
 
 #include <oncollide/base/random.hpp>
 #include <oncollide/broadphase/pose_bounds.hpp>
-#include <oncollide/scenes/catalogue/catalogue.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/catalogue.hpp>
+#include <oncollide/samples/generators.hpp>
 
 namespace oncollide {
 namespace {

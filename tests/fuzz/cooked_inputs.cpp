@@ -13,11 +13,11 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/pipeline/world.hpp>
+#include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/cooked/cooked_map.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
 #include <oncollide/scenes/geometry.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
 
 namespace oncollide::test {
 

@@ -1,4 +1,5 @@
 #include "formats.hpp"
+#include "load_with_samples.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,10 +15,8 @@
 #include "tools/run_command.hpp"
 #include <oncollide/base/error.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
-#include <oncollide/scenes/files/assembly_file.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
-#include <oncollide/scenes/files/terrain_file.hpp>
 #include <oncollide/scenes/files/tile_index.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
@@ -100,11 +99,11 @@ void load(const fs::path& file)
     const std::string ending = file.extension();
     if (file.filename() == "tiles.json") return load_tiles(file);
     if (ending == ".json") {
-        check(load_scene(file));
+        check(test::load_with_samples(file));
     } else if (ending == ".csv") {
-        check(load_scene(file.parent_path() / "table.json"));
+        check(test::load_with_samples(file.parent_path() / "table.json"));
     } else if (file.filename() == "recorded.npy") {
-        Scene scene = load_scene(file.parent_path() / "recorded.json");
+        Scene scene = test::load_with_samples(file.parent_path() / "recorded.json");
         Mover mover;
         for (int frame = 0; frame < std::min(scene.frames, 5); ++frame) mover.move(scene, frame), check(scene);
     } else if (ending == ".bt" || ending == ".ot") {

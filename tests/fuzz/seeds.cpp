@@ -10,8 +10,9 @@
 #include "scenes/xml_writers.hpp"
 #include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
+#include <oncollide/samples/generators.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/tile_index.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide::test {

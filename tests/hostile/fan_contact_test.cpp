@@ -1,12 +1,12 @@
 // Pairs of meshes that touch at vertices with hundreds of triangles each: n^2 pairs of triangles touch.
-#include <ctime>
 #include <cmath>
+#include <ctime>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 namespace oncollide {
 namespace {

@@ -10,8 +10,8 @@
 #include "hostile/structure.hpp"
 #include "scenes/mesh_writers.hpp"
 #include "scenes/test_files.hpp"
-#include <oncollide/scenes/files/mesh_file.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 namespace oncollide {
 namespace {

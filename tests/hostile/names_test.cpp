@@ -6,8 +6,8 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/base/printable.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 namespace oncollide::test {
 namespace {

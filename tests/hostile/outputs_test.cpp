@@ -4,7 +4,7 @@
 #include "scenes/mesh_writers.hpp"
 #include "tools/command_fixture.hpp"
 #include <oncollide/base/output_file.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 namespace oncollide::test {
 namespace {

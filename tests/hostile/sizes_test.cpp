@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "scenes/test_files.hpp"
-#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 
 namespace oncollide {

@@ -6,10 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include "hostile/structure.hpp"
+#include "load_with_samples.hpp"
 #include "scenes/test_files.hpp"
 #include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/files/scene_file.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide {
@@ -53,7 +54,7 @@ TEST(HostileStructure, MutatedScenesAreSteppedOrRefused)
     for (int round = 0; round < rounds; ++round) {
         const auto path = folder.write("a.json", mutated(std::uint64_t(round)).dump());
         try {
-            Scene scene = load_scene(path);
+            Scene scene = test::load_with_samples(path);
             ++accepted;
             Pipeline pipeline(scene, {.depth = 2, .exact = ExactLevel::predicates});
             Mover mover;

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/narrowphase/obb/box_walk.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "random_pose.hpp"
 #include "voxel_grid.hpp"

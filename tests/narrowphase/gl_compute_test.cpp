@@ -6,7 +6,7 @@
 
 #include <oncollide/narrowphase/gl/gpu.hpp>
 #include <oncollide/narrowphase/spheres/ocst.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "narrowphase/geometry_surface.hpp"
 

@@ -8,7 +8,7 @@
 
 #include <oncollide/narrowphase/obb/grid_split.hpp>
 #include <oncollide/narrowphase/obb/traversal.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "random_pose.hpp"
 

@@ -6,11 +6,11 @@
 
 #include <oncollide/base/random.hpp>
 #include <oncollide/broadphase/pose_bounds.hpp>
-#include <oncollide/narrowphase/obb/traversal.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/hulls/inner_spheres.hpp>
 #include <oncollide/narrowphase/inside/point_location.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/narrowphase/obb/traversal.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "random_pose.hpp"
 

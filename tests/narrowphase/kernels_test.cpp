@@ -9,7 +9,7 @@
 #include <oncollide/broadphase/box_kernel.hpp>
 #include <oncollide/narrowphase/spheres/octant_kernel.hpp>
 #include <oncollide/narrowphase/spheres/surface.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "narrowphase/geometry_surface.hpp"
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/narrowphase/spheres/ocst.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "narrowphase/geometry_surface.hpp"
 

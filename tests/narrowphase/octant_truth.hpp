@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <oncollide/narrowphase/spheres/ocst.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 #include "narrowphase/geometry_surface.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/gl/picture.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 namespace oncollide {
 namespace {

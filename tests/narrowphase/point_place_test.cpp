@@ -9,7 +9,7 @@
 #include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/inside/point_location.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "mesh_parts.hpp"
 #include "random_pose.hpp"

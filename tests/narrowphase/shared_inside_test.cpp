@@ -6,7 +6,7 @@
 
 #include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/inside/shared_inside.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "mesh_parts.hpp"
 #include "random_pose.hpp"

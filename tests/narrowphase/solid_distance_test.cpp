@@ -9,7 +9,7 @@
 
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/narrowphase/obb/solid_distance.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "random_pose.hpp"
 

@@ -6,7 +6,7 @@
 
 #include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/obb/traversal.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "random_pose.hpp"
 

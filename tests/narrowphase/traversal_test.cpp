@@ -13,7 +13,7 @@
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/obb/traversal.hpp>
 #include <oncollide/narrowphase/obb/triangle_parts.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "random_pose.hpp"
 

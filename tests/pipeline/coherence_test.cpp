@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/pipeline/world.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "every_kind.hpp"
 #include "random_pose.hpp"

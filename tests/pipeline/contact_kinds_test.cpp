@@ -9,7 +9,7 @@
 #include <oncollide/narrowphase/relative_pose.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 #include "narrowphase/mesh_parts.hpp"

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/pipeline/world.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "differential/convex_truth.hpp"
 #include "differential/drawn_scene.hpp"

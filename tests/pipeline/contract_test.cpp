@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/random.hpp>
-#include <oncollide/scenes/catalogue/catalogue.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/catalogue.hpp>
+#include <oncollide/samples/generators.hpp>
 
 namespace oncollide::tools::contract_test {
 namespace {

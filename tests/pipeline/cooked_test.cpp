@@ -11,11 +11,11 @@
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/cooked/cooked_map.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
-#include <oncollide/scenes/files/terrain_file.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 #include "cooked_bytes.hpp"
 #include "random_pose.hpp"

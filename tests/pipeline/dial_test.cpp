@@ -6,7 +6,7 @@
 #include <random>
 
 #include <oncollide/pipeline/world.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 namespace oncollide::test {
 namespace {

@@ -4,7 +4,7 @@
 #include <oncollide/narrowphase/gl/gpu.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
 #include <oncollide/pipeline/world_access.hpp>
-#include <oncollide/scenes/catalogue/catalogue.hpp>
+#include <oncollide/samples/catalogue.hpp>
 
 namespace oncollide::gpu_test {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/pipeline/world.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "differential/convex_truth.hpp"
 #include "every_kind.hpp"

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/narrowphase/relative_pose.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "hard/body_trial.hpp"
 #include "hard/body_truth.hpp"

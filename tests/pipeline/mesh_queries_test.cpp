@@ -4,7 +4,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/world.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "random_pose.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <oncollide/pipeline/model_store.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 namespace oncollide {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/world.hpp>
+#include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/geometry.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "random_pose.hpp"
 

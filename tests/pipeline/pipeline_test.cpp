@@ -4,8 +4,8 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/catalogue/catalogue.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/catalogue.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "count_allocations.hpp"
 

@@ -7,10 +7,10 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/obb/traversal.hpp>
-#include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/pipeline/results.hpp>
+#include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 #include "random_pose.hpp"

@@ -1,7 +1,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/pipeline/report.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include <algorithm>
 #include <array>

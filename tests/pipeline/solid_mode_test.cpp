@@ -8,7 +8,7 @@
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 #include <oncollide/narrowphase/relative_pose.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/model/mesh_topology.hpp>
 #include <oncollide/scenes/motion.hpp>
 

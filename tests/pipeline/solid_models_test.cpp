@@ -5,7 +5,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/model.hpp>
 #include <oncollide/pipeline/world.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "narrowphase/mesh_parts.hpp"
 

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include <oncollide/pipeline/world.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "differential/differential.hpp"
 

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 #include "random_pose.hpp"

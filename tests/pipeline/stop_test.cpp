@@ -5,7 +5,7 @@
 
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/world.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "random_pose.hpp"
 

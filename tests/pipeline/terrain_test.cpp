@@ -4,8 +4,8 @@
 
 #include <oncollide/base/random.hpp>
 #include <oncollide/pipeline/world.hpp>
+#include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/geometry.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "random_pose.hpp"
 

@@ -11,7 +11,7 @@
 #include <oncollide/base/executor.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/world.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "allocations.hpp"
 #include "random_pose.hpp"

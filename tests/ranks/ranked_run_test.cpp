@@ -10,8 +10,8 @@
 #include <oncollide/base/random.hpp>
 #include <oncollide/pipeline/ranks/ranked_run.hpp>
 #include <oncollide/pipeline/report.hpp>
-#include <oncollide/scenes/catalogue/catalogue.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/catalogue.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "tools/run_command.hpp"
 

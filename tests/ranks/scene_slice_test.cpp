@@ -4,10 +4,10 @@
 #include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/pipeline/ranks/ranked_run.hpp>
-#include <oncollide/scenes/catalogue/catalogue.hpp>
+#include <oncollide/samples/catalogue.hpp>
+#include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
 
 #include "cooked_bytes.hpp"
 #include "tools/run_command.hpp"

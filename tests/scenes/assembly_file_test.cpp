@@ -5,9 +5,9 @@
 
 #include "scenes/mesh_writers.hpp"
 #include "scenes/test_files.hpp"
-#include <oncollide/scenes/files/assembly_file.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
+#include <oncollide/scenes/files/scene_file.hpp>
 
 namespace oncollide {
 namespace {

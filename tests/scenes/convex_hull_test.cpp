@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "test_files.hpp"
-#include <oncollide/scenes/files/mesh_file.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {

@@ -1,7 +1,7 @@
 #include <oncollide/base/random.hpp>
 #include <oncollide/base/reading_progress.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/mesh/decimal.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
 
 #include <array>
 #include <charconv>
@@ -16,7 +16,7 @@
 
 #include "mesh_writers.hpp"
 #include "test_files.hpp"
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "test_files.hpp"
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 namespace oncollide {
 namespace {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/model/mesh_topology.hpp>
 
 namespace oncollide {

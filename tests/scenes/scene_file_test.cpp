@@ -5,11 +5,12 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "load_with_samples.hpp"
 #include "same_scene.hpp"
 #include "test_files.hpp"
 #include <oncollide/base/random.hpp>
-#include <oncollide/scenes/files/scene_file.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 namespace oncollide {
 namespace {
@@ -19,7 +20,7 @@ using test::expect_error;
 
 class SceneFile : public testing::Test {
 protected:
-    Scene load(const std::string& content) { return load_scene(folder_.write("scene.json", content)); }
+    Scene load(const std::string& content) { return test::load_with_samples(folder_.write("scene.json", content)); }
 
     /// A scene with the geometry "ball", and one body with these members.
     Scene load_body(const std::string& members)
@@ -78,7 +79,7 @@ TEST_F(SceneFile, LoadsTheExampleOfItsDocumentation)
     EXPECT_GT(scene.size(), 4u);
     EXPECT_TRUE(scene.warnings.empty());
     save_scene(scene, folder_.path() / "copy.json");
-    Scene copy = load_scene(folder_.path() / "copy.json");
+    Scene copy = test::load_with_samples(folder_.path() / "copy.json");
     test::expect_same_scene(scene, copy);
 }
 
@@ -366,15 +367,15 @@ TEST_F(SceneFile, RefusesFilesThatAreNoScene)
 {
     refuses("", "empty");
     expect_error(
-        ErrorKind::no_input, [&] { load_scene(folder_.path() / "none.json"); }, "none.json: ");
+        ErrorKind::no_input, [&] { test::load_with_samples(folder_.path() / "none.json"); }, "none.json: ");
     expect_error(
-        ErrorKind::no_input, [&] { load_scene(folder_.path()); }, "folder");
+        ErrorKind::no_input, [&] { test::load_with_samples(folder_.path()); }, "folder");
     for (const char* name : {"bunny.obj", "bunny.PLY", "bunny.stl", "bunny.gltf"})
         expect_error(
-            ErrorKind::bad_data, [&] { load_scene(folder_.write(name, "v 0 0 0\n")); }, name,
+            ErrorKind::bad_data, [&] { test::load_with_samples(folder_.write(name, "v 0 0 0\n")); }, name,
             "is a mesh, not a scene file");
     expect_error(
-        ErrorKind::bad_data, [&] { load_scene(folder_.write("map.bt", "#")); }, "map.bt", "is an OctoMap");
+        ErrorKind::bad_data, [&] { test::load_with_samples(folder_.write("map.bt", "#")); }, "map.bt", "is an OctoMap");
 }
 
 TEST_F(SceneFile, RefusesEveryTruncationOfAScene)
@@ -560,7 +561,7 @@ TEST_F(SceneFile, ReadsBodiesAndGeometriesInLinearTime)
             text += fmt::format(R"({}{{"name": "b{}", "geometry": "g{}"}})", i ? "," : "", i, i % geometries);
         const auto path = folder_.write("many.json", text + "]}");
         const double begin = cpu_time();
-        EXPECT_EQ(load_scene(path).size(), std::size_t(bodies));
+        EXPECT_EQ(test::load_with_samples(path).size(), std::size_t(bodies));
         return cpu_time() - begin;
     };
     EXPECT_LT(time_of(100'000, 1), 30 * time_of(10'000, 1) + 0.05);
@@ -618,7 +619,7 @@ TEST_F(SceneFile, GivesBackASceneMadeInCodeBitForBit)
 {
     Scene scene = made_in_code();
     save_scene(scene, folder_.path() / "made.json");
-    Scene read = load_scene(folder_.path() / "made.json");
+    Scene read = test::load_with_samples(folder_.path() / "made.json");
     test::expect_same_scene(scene, read);
     EXPECT_TRUE(read.warnings.empty());
 }
@@ -640,7 +641,7 @@ TEST_F(SceneFile, SavesTheStartNotTheCurrentPoses)
     Mover().move(moved, 33);
     save_scene(scene, folder_.path() / "a.json");
     save_scene(moved, folder_.path() / "a2.json");
-    Scene again = load_scene(folder_.path() / "a2.json");
+    Scene again = test::load_with_samples(folder_.path() / "a2.json");
     test::expect_same_scene(scene, again);
 }
 
@@ -652,12 +653,12 @@ TEST_F(SceneFile, NamesMeshFilesRelativeToWhereItIsWritten)
     save_scene(scene, folder_.path() / "deep" / "er" / "moved.json");
     EXPECT_NE(content_of("deep/er/moved.json").find("\"../../tri.obj\""), std::string::npos)
         << content_of("deep/er/moved.json");
-    Scene read = load_scene(folder_.path() / "deep" / "er" / "moved.json");
+    Scene read = test::load_with_samples(folder_.path() / "deep" / "er" / "moved.json");
     test::expect_same_scene(scene, read);
 
     // The pair of files may move together.
     std::filesystem::rename(folder_.path() / "deep", folder_.path() / "depth");
-    Scene moved = load_scene(folder_.path() / "depth" / "er" / "moved.json");
+    Scene moved = test::load_with_samples(folder_.path() / "depth" / "er" / "moved.json");
     test::expect_same_scene(scene, moved);
 }
 
@@ -683,7 +684,7 @@ TEST_F(SceneFile, ReplacesAnOldFileInOneStep)
     folder_.write("old.json", "old");
     const Scene scene = load_body(ball);
     save_scene(scene, folder_.path() / "old.json");
-    EXPECT_EQ(load_scene(folder_.path() / "old.json").size(), 1u);
+    EXPECT_EQ(test::load_with_samples(folder_.path() / "old.json").size(), 1u);
     for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
         EXPECT_EQ(entry.path().string().find(".part"), std::string::npos) << entry.path();
 }

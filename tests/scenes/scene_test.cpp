@@ -5,7 +5,7 @@
 
 #include "same_scene.hpp"
 #include "test_files.hpp"
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "count_allocations.hpp"
 

@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "test_files.hpp"
+#include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/model/convex_hull.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide::shape_test {

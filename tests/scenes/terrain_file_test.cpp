@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <oncollide/scenes/files/scene_file.hpp>
-#include <oncollide/scenes/files/terrain_file.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
+#include "load_with_samples.hpp"
 #include "same_scene.hpp"
 #include "test_files.hpp"
 
@@ -231,7 +231,7 @@ TEST(TerrainFile, SceneFilesHaveTerrains)
         "hill": {"terrain": {"file": "hill.npy", "spacing": [10, 20], "vertical_scale": 0.5, "no_data": 300, "diagonal": "falling"}},
         "hills": {"terrain": {"hills": {"cells": [20, 10], "spacing": 5, "height": 30, "seed": 4}}}},
         "bodies": [{"geometry": "hill", "static": true}, {"geometry": "hills"}]})");
-    Scene scene = load_scene(file);
+    Scene scene = test::load_with_samples(file);
     const auto& hill = std::get<Terrain>(scene.geometries[0].data);
     EXPECT_EQ(hill.cells(), 1u);
     EXPECT_EQ(hill.spacing(), Eigen::Vector2d(10, 20));
@@ -245,13 +245,13 @@ TEST(TerrainFile, SceneFilesHaveTerrains)
     grid.error = 0.25;
     scene.add("made", make_terrain("made", grid, six));
     save_scene(scene, folder.path() / "again.json");
-    Scene again = load_scene(folder.path() / "again.json");
+    Scene again = test::load_with_samples(folder.path() / "again.json");
     expect_same_scene(scene, again);
     const auto wrong = [&](const char* entry, auto... parts) {
         const auto bad = folder.write(
             "bad.json", fmt::format(R"({{"geometries": {{"g": {{"terrain": {}}}}}, "bodies": []}})", entry));
         expect_error(
-            ErrorKind::bad_data, [&] { load_scene(bad); }, "bad.json: geometries.g.terrain", parts...);
+            ErrorKind::bad_data, [&] { test::load_with_samples(bad); }, "bad.json: geometries.g.terrain", parts...);
     };
     wrong(R"({"file": "hill.npy", "bytes": 3})", "3 bytes");
     wrong(R"({"file": "hill.npy", "no_data": "none"})", "no_data");

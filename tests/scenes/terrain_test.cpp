@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/random.hpp>
+#include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/model/terrain.hpp>
 
 #include "test_files.hpp"

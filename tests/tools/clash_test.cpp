@@ -7,7 +7,7 @@
 #include "clash/units.hpp"
 #include "csv_rows.hpp"
 #include "tools/command_fixture.hpp"
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 namespace oncollide::test {
 namespace {

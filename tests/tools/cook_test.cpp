@@ -4,6 +4,8 @@
 #include <sys/wait.h>
 
 #include "tools/command_fixture.hpp"
+#include <oncollide/samples/generators.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide::test {

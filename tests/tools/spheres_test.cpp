@@ -7,7 +7,7 @@
 
 #include "narrowphase/mesh_parts.hpp"
 #include "spheres/level_quality.hpp"
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 namespace oncollide::test {
 namespace {

@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/random.hpp>
-#include <oncollide/pipeline/contacts.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/catalogue/catalogue.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/pipeline/results.hpp>
+#include <oncollide/samples/catalogue.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "every_kind.hpp"
 #include "narrowphase/mesh_parts.hpp"

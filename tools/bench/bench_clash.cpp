@@ -12,7 +12,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 #include "cli/options.hpp"
 #include "cli/system.hpp"

@@ -12,7 +12,8 @@
 #include <oncollide/base/near_word.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/printable.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/samples/catalogue.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 
 #include "cli/system.hpp"
@@ -59,7 +60,8 @@ double processor_ms()
 /// Number of triangles of a mesh, or of bodies of a scene.
 std::size_t read_count(const fs::path& path)
 {
-    return path.extension() == ".json" ? load_scene(path).size() : load_mesh(path).triangles.size();
+    if (path.extension() != ".json") return load_mesh(path).triangles.size();
+    return load_scene(path, {.generators = &sample_generators()}).size();
 }
 
 /// The least time of `repeats` readings; all except the first come from the system's file cache.

@@ -12,8 +12,8 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/scenes/files/assembly_file.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
+#include <oncollide/scenes/files/scene_file.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
 
 #include "clash/name_pattern.hpp"

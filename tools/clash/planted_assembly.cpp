@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 namespace oncollide::tools {
 namespace {

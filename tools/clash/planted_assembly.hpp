@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/narrowphase/verdict.hpp>
+#include <oncollide/narrowphase/finding.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
 #include "clash/clashes.hpp"

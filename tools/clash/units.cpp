@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/file_bytes.hpp>
-#include <oncollide/scenes/files/assembly_file.hpp>
+#include <oncollide/scenes/files/scene_file.hpp>
 
 #include "clash/name_pattern.hpp"
 #include "cli/arguments.hpp"

@@ -20,7 +20,7 @@
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/printable.hpp>
-#include <oncollide/pipeline/contacts.hpp>
+#include <oncollide/pipeline/results.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 
@@ -54,7 +54,7 @@ Eigen::Isometry3d parse_pose(const std::string& option, const std::string& text,
     return pose;
 }
 
-GeometryId add_file(Scene& scene, const std::string& name, const std::string& path, const MeshReading& cache)
+GeometryId add_file(Scene& scene, const std::string& name, const std::string& path, const SceneReading& cache)
 {
     if (cache.cooked && kind_of_file(path) == FileKind::mesh)
         if (const auto cooked = cache.cooked(path, {}))
@@ -69,7 +69,7 @@ Scene load_pair(const CheckOptions& options)
     const Eigen::Isometry3d pose_a = parse_pose("--pose-a", options.pose_a, scene.warnings);
     const Eigen::Isometry3d pose_b = parse_pose("--pose-b", options.pose_b, scene.warnings);
     const std::string name_b = options.a == options.b ? options.b + " (second)" : options.b;
-    const MeshReading cache = reading_with(options.cache);
+    const SceneReading cache = reading_with(options.cache);
     const GeometryId a = add_file(scene, options.a, options.a, cache);
     const GeometryId b = options.a == options.b ? a : add_file(scene, options.b, options.b, cache);
     scene.add_body({.name = options.a, .geometry = a, .pose = pose_a});

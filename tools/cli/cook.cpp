@@ -19,8 +19,6 @@
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
-#include <oncollide/scenes/files/terrain_file.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide::tools {

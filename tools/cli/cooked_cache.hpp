@@ -4,7 +4,7 @@
 #include <functional>
 #include <optional>
 
-#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 namespace oncollide::tools {
 

@@ -13,7 +13,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/printable.hpp>
 #include <oncollide/base/random.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 namespace oncollide::tools {
 namespace {

@@ -10,8 +10,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/output_file.hpp>
-#include <oncollide/scenes/catalogue/catalogue.hpp>
-#include <oncollide/scenes/files/assembly_file.hpp>
+#include <oncollide/samples/catalogue.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 
 #include "cli/cooked_cache.hpp"
@@ -195,14 +194,15 @@ void add_cache_options(Arguments command, CacheOptions& o)
         .type_name("BYTES");
 }
 
-MeshReading reading_with(const CacheOptions& o)
+SceneReading reading_with(const CacheOptions& o)
 {
     const std::size_t most = parse_amount("--cache-size", o.bytes);
-    if (o.folder.empty()) return {.on_demand = true};
-    return {.on_demand = true,
-            .cooked = [cache = CookedCache(o.folder, most)](const fs::path& mesh, const MeshOptions& options) {
-                return cache.cooked(mesh, options);
-            }};
+    SceneReading reading{.on_demand = true, .generators = &sample_generators()};
+    if (!o.folder.empty())
+        reading.cooked = [cache = CookedCache(o.folder, most)](const fs::path& mesh, const MeshOptions& options) {
+            return cache.cooked(mesh, options);
+        };
+    return reading;
 }
 
 void add_catalogue_options(Arguments command, SceneOptions& o)
@@ -285,8 +285,11 @@ Scene open_scene(const SceneOptions& o, BodySink* sink)
         usage(fmt::format("--{} applies only to scenes of the catalogue; '{}' is a file", o.bodies ? "bodies" : "seed",
                           o.scene));
     const bool assembly = is_assembly_file(o.scene);
-    Scene scene = assembly ? load_assembly_scene(o.scene)
-                           : load_scene(o.scene, o.on_demand ? reading_with(o.cache) : MeshReading{}, sink);
+    const auto load = [&] {
+        const SceneReading whole{.generators = &sample_generators()};
+        return load_scene(o.scene, o.on_demand ? reading_with(o.cache) : whole, sink);
+    };
+    Scene scene = assembly ? load_assembly_scene(o.scene) : load();
     if (assembly && sink) pass_bodies(scene, *sink);
     if (o.frames) scene.frames = *o.frames;
     scene.pace = o.pace;

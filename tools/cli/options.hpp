@@ -43,7 +43,7 @@ struct CacheOptions {
 };
 void add_cache_options(Arguments command, CacheOptions& options);
 /// How to read a scene's meshes, with the cache if it names one.
-MeshReading reading_with(const CacheOptions& options);
+SceneReading reading_with(const CacheOptions& options);
 
 /// A scene file, an assembly, or the name of a scene of the catalogue.
 struct SceneOptions {

@@ -10,7 +10,7 @@
 #include <oncollide/base/near_word.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/pipeline/report.hpp>
-#include <oncollide/scenes/catalogue/catalogue.hpp>
+#include <oncollide/samples/catalogue.hpp>
 
 #include "cli/command.hpp"
 

@@ -9,7 +9,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/printable.hpp>
-#include <oncollide/scenes/catalogue/catalogue.hpp>
+#include <oncollide/samples/catalogue.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 
 namespace oncollide::tools {

@@ -6,7 +6,7 @@
 #include <octomap/OcTree.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 namespace oncollide::tools {
 namespace {

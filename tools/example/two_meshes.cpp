@@ -2,7 +2,7 @@
 #include <iostream>
 
 #include <oncollide/pipeline/world.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 int main()
 {

@@ -14,7 +14,7 @@
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "bench/bench.hpp"
 #include "cli/shard.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include <oncollide/narrowphase/verdict.hpp>
+#include <oncollide/narrowphase/finding.hpp>
 #include <oncollide/pipeline/settings.hpp>
 
 #include "hard/body_forms.hpp"

@@ -4,7 +4,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "hard/body_judge.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "hard/body_case.hpp"
 

@@ -17,7 +17,7 @@
 #include <oncollide/base/json_writer.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/printable.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 namespace oncollide::tools {
 namespace {

@@ -17,7 +17,7 @@
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/printable.hpp>
 #include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
-#include <oncollide/scenes/catalogue/catalogue.hpp>
+#include <oncollide/samples/catalogue.hpp>
 
 namespace oncollide::tools {
 namespace {

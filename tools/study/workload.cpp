@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 #include "bench/narrow/narrow_poses.hpp"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/scenes/columns.hpp>
+#include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {
 

@@ -11,8 +11,8 @@
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/base/random.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide::tools {

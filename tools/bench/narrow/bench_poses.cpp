@@ -10,7 +10,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/output_file.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 namespace oncollide::tools {
 namespace {

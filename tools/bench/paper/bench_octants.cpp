@@ -11,7 +11,7 @@
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 namespace oncollide::tools {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/scenes/files/mesh_file.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 namespace oncollide::tools {
 namespace {

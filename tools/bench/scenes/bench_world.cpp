@@ -14,7 +14,7 @@
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/random.hpp>
 #include <oncollide/pipeline/world.hpp>
-#include <oncollide/scenes/catalogue/catalogue.hpp>
+#include <oncollide/samples/catalogue.hpp>
 
 namespace oncollide::tools {
 namespace {

@@ -13,9 +13,9 @@
 #include "cli/options.hpp"
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
-#include <oncollide/scenes/catalogue/bodies_above.hpp>
-#include <oncollide/scenes/files/terrain_file.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/bodies_above.hpp>
+#include <oncollide/samples/generators.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 namespace oncollide::tools {
 

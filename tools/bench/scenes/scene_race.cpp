@@ -5,7 +5,7 @@
 #include "cli/shard.hpp"
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/pipeline/contacts.hpp>
+#include <oncollide/pipeline/results.hpp>
 
 namespace oncollide::tools {
 namespace {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "hard/exact_oracle.hpp"
 #include "hard/tangent/placed_body.hpp"

@@ -5,5 +5,3 @@
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
-#include <oncollide/scenes/files/mesh_file.hpp>
-#include <oncollide/scenes/files/terrain_file.hpp>

@@ -2,7 +2,7 @@
 // is a separate case, 20 m along x from the next.
 #include <fmt/format.h>
 
-#include <oncollide/scenes/catalogue/catalogue_scenes.hpp>
+#include <oncollide/samples/catalogue_scenes.hpp>
 
 namespace oncollide {
 

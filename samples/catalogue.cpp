@@ -1,4 +1,4 @@
-#include <oncollide/scenes/catalogue/catalogue.hpp>
+#include <oncollide/samples/catalogue.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/near_word.hpp>
-#include <oncollide/scenes/catalogue/catalogue_scenes.hpp>
+#include <oncollide/samples/catalogue_scenes.hpp>
 
 namespace oncollide {
 

@@ -6,9 +6,10 @@
 
 #include <oncollide/base/checksum.hpp>
 #include <oncollide/base/random.hpp>
-#include <oncollide/scenes/catalogue/catalogue_scenes.hpp>
+#include <oncollide/samples/catalogue_scenes.hpp>
+#include <oncollide/samples/generators.hpp>
+#include <oncollide/samples/noise.hpp>
 #include <oncollide/scenes/files/tile_index.hpp>
-#include <oncollide/scenes/model/noise.hpp>
 
 namespace oncollide {
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/random.hpp>
-#include <oncollide/scenes/catalogue/catalogue_scenes.hpp>
+#include <oncollide/samples/catalogue_scenes.hpp>
 
 namespace oncollide {
 

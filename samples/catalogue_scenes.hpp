@@ -1,12 +1,11 @@
 #pragma once
 #include <oncollide/base/random.hpp>
-#include <oncollide/scenes/catalogue/catalogue.hpp>
-
-#include <oncollide/scenes/files/geometry_recipe.hpp>
+#include <oncollide/samples/catalogue.hpp>
+#include <oncollide/samples/sample_geometry.hpp>
 
 namespace oncollide {
 
-// The functions that make the scenes of catalogue.cpp, which checks their options. Private to scenes.
+// The functions that make the scenes of catalogue.cpp, which checks their options. Private to the samples.
 
 Scene make_paper_scene(const CatalogueOptions& options);
 Scene make_paper_5k_scene(const CatalogueOptions& options);

@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "same_scene.hpp"
-#include "test_files.hpp"
+#include "load_with_samples.hpp"
+#include "scenes/same_scene.hpp"
+#include "scenes/test_files.hpp"
 #include <oncollide/base/random.hpp>
-#include <oncollide/scenes/catalogue/catalogue.hpp>
-#include <oncollide/scenes/files/scene_file.hpp>
+#include <oncollide/samples/catalogue.hpp>
 
 namespace oncollide {
 namespace {
@@ -62,7 +62,7 @@ TEST_P(EveryScene, ComesBackBitForBitFromItsFile)
     Scene made = make_scene(GetParam(), small(GetParam()));
     EXPECT_EQ(made.name, GetParam());
     save_scene(made, folder.path() / "scene.json");
-    Scene read = load_scene(folder.path() / "scene.json");
+    Scene read = test::load_with_samples(folder.path() / "scene.json");
     test::expect_same_scene(made, read);
 
     // A file written from the scene that was read is identical: repeated saving changes nothing.
@@ -91,7 +91,7 @@ TEST_P(EveryScene, ComesBackBitForBitWithTheDataFolder)
     for (const std::string& warning : made.warnings)
         EXPECT_EQ(warning.find("no data folder"), std::string::npos) << warning;
     save_scene(made, folder.path() / "scene.json");
-    Scene read = load_scene(folder.path() / "scene.json");
+    Scene read = test::load_with_samples(folder.path() / "scene.json");
     test::expect_same_scene(made, read);
 }
 

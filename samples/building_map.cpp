@@ -1,3 +1,5 @@
+#include <oncollide/samples/generators.hpp>
+
 #include <algorithm>
 #include <cmath>
 
@@ -5,7 +7,6 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/random.hpp>
-#include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide {
 

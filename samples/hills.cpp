@@ -1,10 +1,11 @@
+#include <oncollide/samples/generators.hpp>
+
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/scenes/model/noise.hpp>
-#include <oncollide/scenes/model/terrain.hpp>
+#include <oncollide/samples/noise.hpp>
 
 namespace oncollide {
 

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/scenes/catalogue/catalogue_scenes.hpp>
+#include <oncollide/samples/catalogue_scenes.hpp>
 
 namespace oncollide {
 

@@ -10,6 +10,8 @@
 
 namespace oncollide {
 
+class Generators;
+
 /// Stores `count` meshes as cooked tiles under a name that identifies their contents, unless they exist already, and
 /// returns the index file. Several threads may call make(i) at the same time.
 using KeepTiles = std::function<std::filesystem::path(const std::string& name, std::size_t count,
@@ -30,6 +32,9 @@ struct CatalogueEntry {
 
 /// Every scene of the catalogue, in the order for display.
 const std::vector<CatalogueEntry>& catalogue();
+
+/// For load_scene(): makes the geometries that a scene file describes by generators.
+const Generators& sample_generators();
 
 /// Makes a scene by name. Throws Error{usage} for an unknown name (lists the known ones) or options out of range.
 Scene make_scene(const std::string& name, const CatalogueOptions& options = {});

@@ -2,11 +2,13 @@
 #include <cstdint>
 
 #include <oncollide/scenes/model/mesh.hpp>
+#include <oncollide/scenes/model/occupancy_map.hpp>
+#include <oncollide/scenes/model/terrain.hpp>
 
 namespace oncollide {
 
-// Generated meshes. Deterministic for equal arguments, on every platform. All throw Error{usage} for counts or sizes
-// that make no mesh.
+// Generated geometry. Deterministic for equal arguments, on every platform. All throw Error{usage} for counts or sizes
+// that make no geometry.
 
 /// 12 triangles; `half` are the half-extents. Closed.
 Mesh make_box_mesh(const Eigen::Vector3d& half);
@@ -26,5 +28,16 @@ Mesh make_terrain_mesh(double size, double height, int cells, std::uint64_t seed
 Mesh make_needles_mesh(int count, double length, double aspect, double size, std::uint64_t seed);
 /// `count` random triangles of edge about `edge` in a cube of side `size`: open, with self-intersections.
 Mesh make_soup_mesh(int count, double edge, double size, std::uint64_t seed);
+
+/// Hills over [0, cells_x spacing] x [0, cells_y spacing], at most `height` high; exact at 2 bytes or fewer. Cost: 30
+/// ns per cell.
+Terrain make_hills(std::uint32_t cells_x, std::uint32_t cells_y, double spacing, double height, std::uint64_t seed);
+/// The cells [x, x + size) x [y, y + size) of make_hills(cells, cells, ...) as a mesh; such meshes together make up the
+/// hills.
+Mesh make_hills_mesh(std::uint32_t cells, double spacing, double height, std::uint64_t seed, std::uint32_t x,
+                     std::uint32_t y, std::uint32_t size);
+
+/// A building of about `rooms` x `rooms` rooms with furniture at the given resolution (m).
+OccupancyMap make_building_map(int rooms, double resolution, std::uint64_t seed);
 
 } // namespace oncollide

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/scenes/catalogue/bodies_above.hpp>
-#include <oncollide/scenes/catalogue/catalogue_scenes.hpp>
+#include <oncollide/samples/bodies_above.hpp>
+#include <oncollide/samples/catalogue_scenes.hpp>
 
 namespace oncollide {
 

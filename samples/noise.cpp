@@ -1,4 +1,4 @@
-#include <oncollide/scenes/model/noise.hpp>
+#include <oncollide/samples/noise.hpp>
 
 #include <cmath>
 

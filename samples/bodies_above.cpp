@@ -1,9 +1,9 @@
-#include <oncollide/scenes/catalogue/bodies_above.hpp>
+#include <oncollide/samples/bodies_above.hpp>
 
 #include <cmath>
 
 #include <oncollide/base/random.hpp>
-#include <oncollide/scenes/files/geometry_recipe.hpp>
+#include <oncollide/samples/sample_geometry.hpp>
 
 namespace oncollide {
 

@@ -1,4 +1,4 @@
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include <cmath>
 #include <numbers>
@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "test_files.hpp"
+#include "scenes/test_files.hpp"
 
 namespace oncollide {
 namespace {

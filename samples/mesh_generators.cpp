@@ -1,4 +1,4 @@
-#include <oncollide/scenes/model/mesh_generators.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 #include <oncollide/base/error.hpp>
 
 #include <oncollide/base/random.hpp>
-#include <oncollide/scenes/model/noise.hpp>
+#include <oncollide/samples/noise.hpp>
 #include <oncollide/scenes/model/surface_grid.hpp>
 
 namespace oncollide {
@@ -132,23 +132,7 @@ Mesh separate_triangles(const char* name, int count, Corners corners)
 Mesh make_box_mesh(const Eigen::Vector3d& half)
 {
     for (int axis = 0; axis < 3; ++axis) check_size("box", "a half-extent", half[axis]);
-    std::vector<Eigen::Vector3d> points;
-    for (int corner = 0; corner < 8; ++corner)
-        points.push_back(
-            half.cwiseProduct(Eigen::Vector3d(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1)));
-    return make_mesh("box", std::move(points),
-                     {{0, 4, 6},
-                      {0, 6, 2},
-                      {1, 3, 7},
-                      {1, 7, 5},
-                      {0, 1, 5},
-                      {0, 5, 4},
-                      {2, 6, 7},
-                      {2, 7, 3},
-                      {0, 2, 3},
-                      {0, 3, 1},
-                      {4, 5, 7},
-                      {4, 7, 6}});
+    return box_mesh(half);
 }
 
 Mesh make_sphere_mesh(double radius, int triangles)
