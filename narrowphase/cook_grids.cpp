@@ -5,12 +5,13 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/narrowphase/obb/terrain_tree.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/narrowphase/inside/parts.hpp>
+#include <oncollide/narrowphase/obb/terrain_tree.hpp>
 #include <oncollide/scenes/cooked/cooked_map.hpp>
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
 #include <oncollide/scenes/cooked/cooked_writer.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 
 namespace oncollide {
 
@@ -76,9 +77,9 @@ std::size_t check_cooked_map(const std::filesystem::path& path)
 {
     const auto cooked = std::make_shared<const CookedMap>(path);
     const OccupancyMap map = MapChunks::map(cooked);
-    map.cells().chunks()->need_all();
-    const CellBox bounds = map.cells().bounds();
-    if (bounds.low != map.cell_bounds().low || bounds.high != map.cell_bounds().high)
+    MapAccess::cells(map).chunks()->need_all();
+    const CellBox bounds = MapAccess::cells(map).bounds();
+    if (bounds.low != MapAccess::cell_bounds(map).low || bounds.high != MapAccess::cell_bounds(map).high)
         cooked->file().refuse("has cells that do not fill its bounds");
     return cooked->chunks();
 }

@@ -11,8 +11,8 @@ const CookedFile* file_of(const GeometryData& data)
     if (const auto* mesh = std::get_if<std::shared_ptr<const CookedMesh>>(&data)) return &(*mesh)->file();
     if (const auto* terrain = std::get_if<Terrain>(&data); terrain && terrain->chunks())
         return &terrain->chunks()->cooked()->file();
-    if (const auto* map = std::get_if<OccupancyMap>(&data); map && map->cells().chunks())
-        return &map->cells().chunks()->cooked()->file();
+    if (const auto* map = std::get_if<OccupancyMap>(&data); map && MapAccess::cells(*map).chunks())
+        return &MapAccess::cells(*map).chunks()->cooked()->file();
     return nullptr;
 }
 
@@ -31,7 +31,7 @@ void Model::read_on_demand(ChunkBudget& budget)
     if (terrain())
         data_ = &own_terrain_.emplace(TerrainChunks::terrain(terrain()->chunks()->cooked(), &budget));
     else
-        data_ = &own_map_.emplace(MapChunks::map(map()->cells().chunks()->cooked(), &budget));
+        data_ = &own_map_.emplace(MapChunks::map(MapAccess::cells(*map()).chunks()->cooked(), &budget));
 }
 
 void Model::read_all() const
@@ -42,19 +42,19 @@ void Model::read_all() const
     else if (terrain())
         terrain()->chunks()->need_all();
     else
-        map()->cells().chunks()->need_all();
+        MapAccess::cells(*map()).chunks()->need_all();
 }
 
 HeldChunks* Model::held_grid() const
 {
     if (!file_ || cooked()) return nullptr;
-    return map() ? static_cast<HeldChunks*>(map()->cells().chunks()) : heights_.get();
+    return map() ? static_cast<HeldChunks*>(MapAccess::cells(*map()).chunks()) : heights_.get();
 }
 
 std::size_t Model::grid_bytes() const
 {
     if (heights_) return heights_->bytes();
-    return file_ && map() ? map()->cells().bytes() : 0;
+    return file_ && map() ? MapAccess::cells(*map()).bytes() : 0;
 }
 
 const BoundingMesh& Model::bounding_mesh() const

@@ -13,19 +13,20 @@
 
 #include <oncollide/base/prefetch.hpp>
 #include <oncollide/broadphase/pose_bounds.hpp>
-#include <oncollide/narrowphase/obb/map_tree.hpp>
-#include <oncollide/narrowphase/obb/obb_tree.hpp>
-#include <oncollide/narrowphase/obb/terrain_tree.hpp>
 #include <oncollide/narrowphase/exact/exact_fcl.hpp>
 #include <oncollide/narrowphase/hulls/inner_spheres.hpp>
 #include <oncollide/narrowphase/hulls/outer_hull.hpp>
 #include <oncollide/narrowphase/inside/parts.hpp>
+#include <oncollide/narrowphase/obb/map_tree.hpp>
+#include <oncollide/narrowphase/obb/obb_tree.hpp>
+#include <oncollide/narrowphase/obb/terrain_tree.hpp>
 #include <oncollide/narrowphase/shapes/convex.hpp>
 #include <oncollide/narrowphase/shapes/polytope_surface.hpp>
 #include <oncollide/narrowphase/shapes/shape_tree.hpp>
 #include <oncollide/narrowphase/spheres/ocst.hpp>
 #include <oncollide/narrowphase/spheres/surface.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 
 namespace oncollide {
 
@@ -126,7 +127,7 @@ public:
     std::uint32_t number = 0; ///< identifies the sphere-tree to backends
     /// The last frame in which a pair needed the OBB tree.
     std::atomic<std::uint32_t> obb_tree_used = 0;
-    std::unique_ptr<Ocst> spheres;  ///< the sphere-tree; null until a test reaches it
+    std::unique_ptr<Ocst> spheres;     ///< the sphere-tree; null until a test reaches it
     std::unique_ptr<ObbTree> obb_tree; ///< the OBB tree of surface_mesh(); null until a test reaches it
     std::string unreadable;            ///< why a cooked mesh can have no OBB tree; empty: it can
 
@@ -188,9 +189,9 @@ template <class Visit>
 bool Model::any_part(const Aabb& box, const RelativePose& into, Visit visit) const
 {
     if (!map()) return std::ranges::any_of(parts(), visit);
-    return !map()->each_cell(box_moved(box, into), [&](const MapCell& cell) {
+    return !MapAccess::each_cell(*map(), box_moved(box, into), [&](const MapCell& cell) {
         PartPoints points;
-        points.fill(map()->box(cell).centre());
+        points.fill(MapAccess::box(*map(), cell).centre());
         return !visit(points);
     });
 }

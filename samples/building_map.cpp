@@ -7,6 +7,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/random.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 
 namespace oncollide {
 
@@ -76,7 +77,7 @@ OccupancyMap make_building_map(int rooms, double resolution, std::uint64_t seed)
             for (int piece = 0; piece < pieces; ++piece)
                 furnish(builder, x, y, room, height, seed + 1, static_cast<std::uint64_t>(index) * 8 + piece);
         }
-    return {"building", builder.finish(), resolution};
+    return MapAccess::make("building", builder.finish(), resolution);
 }
 
 } // namespace oncollide

@@ -26,15 +26,16 @@ inline unsigned octants_at(const MapCell& cube, unsigned octants, const CellBox&
 } // namespace
 
 MapTree::MapTree(const OccupancyMap& map)
-    : map_(map), centre_(map.bounds().centre()), radius_(0.5 * map.bounds().diagonal() * (1 + 0x1p-50))
+    : map_(map), cells_(MapAccess::cells(map)), centre_(map.bounds().centre()),
+      radius_(0.5 * map.bounds().diagonal() * (1 + 0x1p-50))
 {
 }
 
 /// Octants that are not empty. Unknown octants count only within the bounds.
 unsigned MapTree::solid(const Node& node) const
 {
-    if (!map_.cells().unknown_is_solid()) return node.octants.solid;
-    const CellBox& bounds = map_.cell_bounds();
+    if (!cells_.unknown_is_solid()) return node.octants.solid;
+    const CellBox& bounds = MapAccess::cell_bounds(map_);
     int any = 0;
     return octants_at(node.cube, node.octants.solid, {bounds.low.array() + 1, bounds.high.array() - 1}, any);
 }
@@ -44,22 +45,21 @@ MapTree::Node MapTree::forked(Node node) const
 {
     while (true) {
         const unsigned there = solid(node);
-        if ((there & (there - 1)) || there == 0 || (map_.cells().whole(node.octants) & there)) return node;
+        if ((there & (there - 1)) || there == 0 || (cells_.whole(node.octants) & there)) return node;
         node = below(node, static_cast<unsigned>(__builtin_ctz(there)));
     }
 }
 
 MapTree::Node MapTree::child(const Node& node, unsigned lane) const
 {
-    if (node.cube.side == 0) return forked({map_.cells().top(), CellTree::top_cube});
+    if (node.cube.side == 0) return forked({cells_.top(), CellTree::top_cube});
     return forked(below(node, lane));
 }
 
 double MapTree::starts(const Aabb& box, double size, std::vector<Node>& nodes) const
 {
     const double resolution = map_.resolution();
-    const CellTree& cells = map_.cells();
-    const CellBox near = map_.cells_touching(box);
+    const CellBox near = MapAccess::cells_touching(map_, box);
     // A margin of half the box, so that omitted cells have a useful distance.
     const int margin = (near.high - near.low).maxCoeff() / 4 + 1;
     const double large = size / (0.75 * resolution * resolution); // squared sides
@@ -73,12 +73,12 @@ double MapTree::starts(const Aabb& box, double size, std::vector<Node>& nodes) c
     };
     const Eigen::Array3i first = key(near.low.array() - margin - 1), last = key(near.high.array() + margin);
     const std::int32_t parts = (first.x() ^ last.x()) | (first.y() ^ last.y()) | (first.z() ^ last.z());
-    Node node{cells.top(), CellTree::top_cube};
+    Node node{cells_.top(), CellTree::top_cube};
     for (std::int32_t half = CellTree::side; half > parts; half /= 2) { // the first step takes the whole grid as an
                                                                         // octant
         const unsigned k = ((first.x() & half) != 0) | ((first.y() & half) != 0) << 1 | ((first.z() & half) != 0) << 2;
         if (!(node.octants.solid >> k & 1)) return gap * resolution * (1 - 0x1p-20);
-        if (cells.whole(node.octants) >> k & 1) break;
+        if (cells_.whole(node.octants) >> k & 1) break;
         node = below(node, k);
     }
 
@@ -90,7 +90,7 @@ double MapTree::starts(const Aabb& box, double size, std::vector<Node>& nodes) c
         const unsigned inside = octants_at(node.cube, solid(node), near, gap);
         if (!inside) continue;
         const double half = node.cube.side / 2;
-        if (half * half < large || (cells.whole(node.octants) & inside))
+        if (half * half < large || (cells_.whole(node.octants) & inside))
             nodes.push_back(node);
         else
             for (unsigned left = inside; left; left &= left - 1)
@@ -119,7 +119,7 @@ LaneMasks MapTree::open(const Node& node, const BoxPlacement* placement, OpenBox
         octants.half[i][0] = static_cast<float>(0.5 * (to - least));
         octants.half[i][1] = static_cast<float>(0.5 * (most - next));
     }
-    const unsigned lanes = whole ? 1 : solid(node), leaves = whole ? 0 : map_.cells().whole(node.octants) & lanes;
+    const unsigned lanes = whole ? 1 : solid(node), leaves = whole ? 0 : cells_.whole(node.octants) & lanes;
     oriented_box_kernel().open_octants(octants, lanes, placement, boxes);
     return {leaves, leaves};
 }

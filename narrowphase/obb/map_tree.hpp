@@ -5,7 +5,7 @@
 
 #include <oncollide/base/aabb.hpp>
 #include <oncollide/narrowphase/obb/hierarchy.hpp>
-#include <oncollide/scenes/model/occupancy_map.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 
 namespace oncollide {
 
@@ -38,11 +38,12 @@ private:
     unsigned solid(const Node& node) const;
     Node below(const Node& node, unsigned octant) const
     {
-        return {map_.cells().below(node.octants, octant), node.cube.octant(octant)};
+        return {cells_.below(node.octants, octant), node.cube.octant(octant)};
     }
     Node forked(Node node) const;
 
     const OccupancyMap& map_;
+    const CellTree& cells_;
     Eigen::Vector3d centre_;
     double radius_;
 };

@@ -524,12 +524,14 @@ void TerrainTree::open_cells(const Node& node, const Eigen::Vector3d& from, Terr
             for (std::uint32_t i = 0; i < 5; ++i)
                 cells.z[j][i] = static_cast<float>(height(columns[i], rows[j]) - zero);
     });
-    cells.falling = terrain_.diagonal(0, 0) == CellDiagonal::falling ? 0xff : 0;
+    cells.falling = TerrainAccess::diagonal(terrain_, 0, 0) == CellDiagonal::falling ? 0xff : 0;
     if (terrain_.mixed_diagonals()) {
         cells.falling = 0;
         for (std::uint32_t k = 0; k < 8; ++k)
             if (columns[k % 4] < terrain_.cells_x() && rows[k / 4] < terrain_.cells_y())
-                cells.falling |= unsigned(terrain_.diagonal(columns[k % 4], rows[k / 4]) == CellDiagonal::falling) << k;
+                cells.falling |=
+                    unsigned(TerrainAccess::diagonal(terrain_, columns[k % 4], rows[k / 4]) == CellDiagonal::falling)
+                    << k;
     }
     cells.margin = box_margin * static_cast<float>(terrain_.spacing().sum());
 }

@@ -9,7 +9,7 @@
 #include <oncollide/narrowphase/obb/terrain_tree.hpp>
 #include <oncollide/narrowphase/shapes/cell_test.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
-#include <oncollide/scenes/model/map_box.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 
 namespace oncollide {
 
@@ -52,14 +52,14 @@ struct PlacedCells {
     using Placed = CellCorners;
     static Placed place(const MapTree& b, const RelativePose& b_to_a, const MapCell& cell)
     {
-        const Aabb box = box_in(b.map(), cell);
+        const Aabb box = MapAccess::box(b.map(), cell);
         CellCorners corners;
         for (unsigned k = 0; k < 8; ++k) corners[k] = b_to_a(corner_of(box, k));
         return corners;
     }
     static double low(const MapTree& b, const MapCell& cell, const Eigen::Vector3d& line)
     {
-        const Aabb box = box_in(b.map(), cell);
+        const Aabb box = MapAccess::box(b.map(), cell);
         return line.cwiseProduct(box.min).cwiseMin(line.cwiseProduct(box.max)).sum();
     }
     static bool meet(const Aabb& cell, const Placed& b) { return cells_meet(cell, b); }
@@ -116,7 +116,7 @@ public:
     double most(const Pair& pair) const { return Placing::most(cell(pair), placed(pair)); }
     double high_a(const MapCell& a, const Eigen::Vector3d& line) const
     {
-        const Aabb box = box_in(*map_, a);
+        const Aabb box = MapAccess::box(*map_, a);
         return line.cwiseProduct(box.min).cwiseMax(line.cwiseProduct(box.max)).sum();
     }
     double low_b(const typename B::Primitive& b, const Eigen::Vector3d& line) const
@@ -132,7 +132,7 @@ public:
     std::uint64_t tested = 0; ///< pairs
 
 private:
-    Aabb cell(const Pair& pair) const { return box_in(*map_, pair.a); }
+    Aabb cell(const Pair& pair) const { return MapAccess::box(*map_, pair.a); }
     typename Placing::Placed placed(const Pair& pair) const { return Placing::place(*b_, *b_to_a_, pair.b); }
 
     const OccupancyMap* map_ = nullptr;

@@ -6,7 +6,7 @@
 #include <span>
 
 #include <oncollide/scenes/model/box_corners.hpp>
-#include <oncollide/scenes/model/map_box.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 
 namespace oncollide {
 
@@ -91,7 +91,7 @@ void with_corners(Model& body, auto work)
     if (body.map()) {
         MapTree& cells = body.cells();
         return work(cells, [&](const MapCell& cell, auto take) {
-            for (unsigned k = 0; k < 8; ++k) take(corner_of(box_in(cells.map(), cell), k));
+            for (unsigned k = 0; k < 8; ++k) take(corner_of(MapAccess::box(cells.map(), cell), k));
         });
     }
     if (body.terrain()) {

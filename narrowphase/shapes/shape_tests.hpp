@@ -4,11 +4,11 @@
 #include <optional>
 #include <span>
 
-#include <oncollide/narrowphase/obb/map_tree.hpp>
 #include <oncollide/narrowphase/exact/triangle_tests.hpp>
+#include <oncollide/narrowphase/obb/map_tree.hpp>
 #include <oncollide/narrowphase/shapes/convex_pair.hpp>
 #include <oncollide/narrowphase/shapes/shape_tree.hpp>
-#include <oncollide/scenes/model/map_box.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 
 namespace oncollide {
 
@@ -65,17 +65,17 @@ public:
     }
     ConvexMeeting meeting(const Pair& pair) const
     {
-        const Convex solid = convex_of(box_in(*map_, pair.a));
+        const Convex solid = convex_of(MapAccess::box(*map_, pair.a));
         return ConvexPair(solid, *shape_, *into_, slack_).meeting();
     }
     ConvexDistance bounds(const Pair& pair, const EnoughDistance& enough) const
     {
-        const Convex solid = convex_of(box_in(*map_, pair.a));
+        const Convex solid = convex_of(MapAccess::box(*map_, pair.a));
         return ConvexPair(solid, *shape_, *into_, slack_).distance(enough);
     }
     double high_a(const MapCell& cell, const Eigen::Vector3d& line) const
     {
-        const Aabb box = box_in(*map_, cell);
+        const Aabb box = MapAccess::box(*map_, cell);
         return line.cwiseProduct(box.min).cwiseMax(line.cwiseProduct(box.max)).sum();
     }
     double low_b(std::uint32_t, const Eigen::Vector3d& line) const { return -shape_->most_along(-line); }

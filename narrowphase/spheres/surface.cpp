@@ -1,4 +1,5 @@
 #include <oncollide/narrowphase/spheres/surface.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -47,12 +48,14 @@ void add_boxes(Surface& surface, const OccupancyMap& map)
 {
     surface.boxes = true;
     surface.primitives.reserve(map.count());
-    map.each_box([&](const Aabb& cell) {
+    MapAccess::each_cell(map, map.bounds(), [&](const MapCell& cube) {
+        const Aabb cell = MapAccess::box(map, cube);
         Primitive& primitive = surface.primitives.emplace_back();
         put(primitive, 0, cell.min - surface.root.centre);
         put(primitive, 1, cell.max - surface.root.centre);
         put(primitive, 2, cell.max - surface.root.centre);
         for (auto& point : primitive.point) point[3] = 0;
+        return true;
     });
 }
 

@@ -10,6 +10,7 @@
 #include <oncollide/scenes/cooked/cooked_map.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 
 namespace oncollide {
 
@@ -35,7 +36,7 @@ std::uint64_t checksum_of(const Geometry& geometry)
     put_box(bytes, bounds_of(geometry));
     if (const auto* map = std::get_if<OccupancyMap>(&geometry.data)) {
         put_box(bytes, map->bounds());
-        if (map->cells().chunks()) put(bytes, map->cells().chunks()->cooked()->checksum());
+        if (MapAccess::cells(*map).chunks()) put(bytes, MapAccess::cells(*map).chunks()->cooked()->checksum());
     }
     if (const auto* terrain = std::get_if<Terrain>(&geometry.data); terrain && terrain->chunks())
         put(bytes, terrain->chunks()->cooked()->checksum());

@@ -185,8 +185,9 @@ bool holds_cell(PointLocator& locator, ObbTree& surface, const RelativePose& int
 {
     Aabb box;
     for (const Eigen::Vector3d& v : surface.mesh().vertices) box.add(into(v));
-    return !map.map().each_cell(box, [&](const MapCell& cell) {
-        return locator.place(map.map().box(cell).centre(), surface.mesh(), &surface, into) == PointLocation::outside;
+    return !MapAccess::each_cell(map.map(), box, [&](const MapCell& cell) {
+        return locator.place(MapAccess::box(map.map(), cell).centre(), surface.mesh(), &surface, into) ==
+               PointLocation::outside;
     });
 }
 

@@ -1,13 +1,13 @@
 #pragma once
 #include <array>
 
+#include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/obb/map_tree.hpp>
 #include <oncollide/narrowphase/obb/obb_tree.hpp>
 #include <oncollide/narrowphase/obb/terrain_tree.hpp>
-#include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/shapes/outward_normal.hpp>
 #include <oncollide/narrowphase/shapes/shape_tree.hpp>
-#include <oncollide/scenes/model/map_box.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 
 namespace oncollide {
 
@@ -31,7 +31,7 @@ public:
         : corners_(tree.points(triangle)), solid_(convex_of(corners_)), flat_(true)
     {
     }
-    PartSolid(const MapTree& tree, const MapCell& cell) : solid_(convex_of(box_in(tree.map(), cell))) {}
+    PartSolid(const MapTree& tree, const MapCell& cell) : solid_(convex_of(MapAccess::box(tree.map(), cell))) {}
     PartSolid(const ShapeTree& tree, std::uint32_t) : solid_(tree.shape()) {}
     PartSolid(const PartSolid&) = delete; // the solid may refer to the corners
     PartSolid& operator=(const PartSolid&) = delete;

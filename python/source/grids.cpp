@@ -74,17 +74,16 @@ GeometryHandle occupancy_map(py::handle cells, py::handle resolution, py::handle
     const auto* at = static_cast<const std::int64_t*>(array.data());
     const auto count = static_cast<std::size_t>(array.shape(0));
     for (std::size_t i = 0; i < 3 * count; ++i)
-        if (at[i] < CellTree::lowest || at[i] >= CellTree::lowest + CellTree::side)
+        if (at[i] < OccupancyMap::lowest_cell || at[i] > OccupancyMap::highest_cell)
             refuse_value({call, "cells"}, fmt::format("cell {}: index {} is out of range; must be from {} to {}", i / 3,
-                                                      at[i], CellTree::lowest, CellTree::lowest + CellTree::side - 1));
+                                                      at[i], OccupancyMap::lowest_cell, OccupancyMap::highest_cell));
     return made_without_lock(called, [&] {
-        CellTree tree;
-        for (std::size_t i = 0; i < count; ++i) {
-            const MapCell cell{static_cast<std::int32_t>(at[3 * i]), static_cast<std::int32_t>(at[3 * i + 1]),
-                               static_cast<std::int32_t>(at[3 * i + 2]), 1};
-            tree.set(CellBox(cell), CellState::occupied);
-        }
-        return OccupancyMap(name_or(called, call), std::move(tree), side);
+        std::vector<MapCell> occupied;
+        occupied.reserve(count);
+        for (std::size_t i = 0; i < count; ++i)
+            occupied.push_back({static_cast<std::int32_t>(at[3 * i]), static_cast<std::int32_t>(at[3 * i + 1]),
+                                static_cast<std::int32_t>(at[3 * i + 2]), 1});
+        return make_occupancy_map(name_or(called, call), side, occupied);
     });
 }
 

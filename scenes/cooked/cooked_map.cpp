@@ -195,8 +195,9 @@ OccupancyMap MapChunks::map(std::shared_ptr<const CookedMap> cooked, ChunkBudget
     const CellBox bounds({record.low[0], record.low[1], record.low[2]},
                          {record.high[0], record.high[1], record.high[2]});
     const Node grid = cooked->grid();
-    return {CellTree(std::make_shared<MapChunks>(std::move(cooked), budget), grid, record.unknown_is_solid),
-            record.resolution, bounds};
+    return MapAccess::make(
+        CellTree(std::make_shared<MapChunks>(std::move(cooked), budget), grid, record.unknown_is_solid),
+        record.resolution, bounds);
 }
 
 std::size_t MapChunks::bytes_of(std::uint32_t chunk) const
@@ -323,15 +324,16 @@ private:
 
 void add_map(const OccupancyMap& map, std::uint32_t most_in_chunk, CookedWriter& file)
 {
-    MapParts parts(map.cells(), most_in_chunk);
+    const CellTree& cells = MapAccess::cells(map);
+    MapParts parts(cells, most_in_chunk);
     parts.add_to(file);
     file.set_bounds(map.bounds());
     file.header.coordinate_bytes = 8;
     CookedMapRecord record{};
     record.resolution = map.resolution();
-    std::copy_n(map.cell_bounds().low.data(), 3, record.low),
-        std::copy_n(map.cell_bounds().high.data(), 3, record.high);
-    record.unknown_is_solid = map.cells().unknown_is_solid();
+    std::copy_n(MapAccess::cell_bounds(map).low.data(), 3, record.low),
+        std::copy_n(MapAccess::cell_bounds(map).high.data(), 3, record.high);
+    record.unknown_is_solid = cells.unknown_is_solid();
     const Node& grid = parts.grid();
     record.first = grid.first;
     record.inner = grid.inner, record.occupied = grid.occupied, record.free = grid.free, record.solid = grid.solid;

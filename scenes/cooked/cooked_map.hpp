@@ -10,7 +10,7 @@
 #include <oncollide/base/lazy_memory.hpp>
 #include <oncollide/scenes/cooked/chunk_budget.hpp>
 #include <oncollide/scenes/cooked/cooked_file.hpp>
-#include <oncollide/scenes/model/occupancy_map.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 
 namespace oncollide {
 

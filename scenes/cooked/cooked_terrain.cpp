@@ -37,8 +37,7 @@ CookedTerrain::Extent CookedTerrain::extent(const Terrain& terrain, std::size_t 
 std::uint64_t CookedTerrain::bytes_of(const Terrain& terrain, std::size_t chunk)
 {
     const std::uint64_t tiles = extent(terrain, chunk).tiles, each = std::uint64_t(terrain.bytes_per_height());
-    return tiles * (each * of_tile + (each < 4 ? sizeof(Terrain::Tile) : 0)) +
-           (terrain.mixed_diagonals() ? side * 8 : 0);
+    return tiles * (each * of_tile + (each < 4 ? sizeof(TerrainTile) : 0)) + (terrain.mixed_diagonals() ? side * 8 : 0);
 }
 
 std::size_t CookedTerrain::chunk_bytes(std::size_t chunk) const
@@ -75,18 +74,18 @@ void CookedTerrain::add_chunk(const Terrain& terrain, std::size_t chunk, CookedB
             visit(std::size_t(y / tile + row) * terrain.tiles_x_ + x / tile);
     };
     if (terrain.bytes_per_height() < 4)
-        each_row([&](std::size_t first) { to.add(std::span(&terrain.tiles_[first], part.tiles_x)); });
+        each_row([&](std::size_t first) { to.add(std::span(&terrain.heights_->tiles[first], part.tiles_x)); });
     std::visit(
         [&](const auto& samples) {
             each_row([&](std::size_t first) { to.add(std::span(&samples[first * of_tile], part.tiles_x * of_tile)); });
         },
-        terrain.samples_);
+        terrain.heights_->samples);
     if (!terrain.mixed_) return;
     for (std::uint32_t j = 0; j < side; ++j) {
         std::uint64_t bits = 0;
         for (std::uint32_t i = 0; i < side; ++i)
             if (x + i < terrain.cells_x() && y + j < terrain.cells_y())
-                bits |= std::uint64_t(terrain.diagonal(x + i, y + j) == CellDiagonal::falling) << i;
+                bits |= std::uint64_t(TerrainAccess::diagonal(terrain, x + i, y + j) == CellDiagonal::falling) << i;
         to.add(bits);
     }
 }
@@ -150,22 +149,9 @@ void CookedTerrain::take_record(const CookedTerrainRecord& record, const CookedH
     t.low_ = record.low, t.high_ = record.high, t.error_ = record.error, t.unit_ = record.unit;
     t.cells_ = record.cells, t.holes_ = record.holes;
     t.mixed_ = record.diagonal == 2, t.diagonal_ = record.diagonal == 1 ? CellDiagonal::falling : CellDiagonal::rising;
-    switch (header.coordinate_bytes) {
-    case 1:
-        t.samples_ = LargeVector<std::uint8_t>();
-        break;
-    case 2:
-        t.samples_ = LargeVector<std::uint16_t>();
-        break;
-    case 4:
-        t.samples_ = LargeVector<float>();
-        break;
-    case 8:
-        t.samples_ = LargeVector<double>();
-        break;
-    default:
+    t.bytes_ = static_cast<int>(header.coordinate_bytes);
+    if (t.bytes_ != 1 && t.bytes_ != 2 && t.bytes_ != 4 && t.bytes_ != 8)
         file_.refuse(fmt::format("has heights of {} bytes; must be 1, 2, 4 or 8", header.coordinate_bytes));
-    }
     t.find_bounds();
     if (std::memcmp(header.low, t.bounds_.min.data(), sizeof header.low) != 0 ||
         std::memcmp(header.high, t.bounds_.max.data(), sizeof header.high) != 0)
@@ -192,7 +178,7 @@ std::unique_ptr<CookedTerrain::Chunk> CookedTerrain::read(std::size_t number) co
         chunk->falling.resize(side);
         take(rest, std::span(chunk->falling));
     }
-    if (std::ranges::any_of(chunk->tiles, [](const Terrain::Tile& of) { return of.shift > 31; }))
+    if (std::ranges::any_of(chunk->tiles, [](const TerrainTile& of) { return of.shift > 31; }))
         refuse_chunk(number, "a tile is impossible");
     if (t.holes_ && each < 4) return chunk; // any value is a height: heights of cells are compared with the top
     constexpr double farthest = 1e15;

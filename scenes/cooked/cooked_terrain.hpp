@@ -11,7 +11,7 @@
 
 #include <oncollide/scenes/cooked/chunk_budget.hpp>
 #include <oncollide/scenes/cooked/cooked_file.hpp>
-#include <oncollide/scenes/model/terrain.hpp>
+#include <oncollide/scenes/model/terrain_access.hpp>
 
 namespace oncollide {
 
@@ -41,7 +41,7 @@ public:
     /// A chunk's heights, in tiles as a terrain has them.
     struct Chunk {
         std::uint32_t tiles_x = 0;          ///< tiles per row
-        std::vector<Terrain::Tile> tiles;   ///< at 1 and 2 bytes
+        std::vector<TerrainTile> tiles;     ///< at 1 and 2 bytes
         std::vector<std::byte> samples;     ///< tile by tile
         std::vector<std::uint64_t> falling; ///< a bit per cell, 64 per row; empty: all cells have the same diagonal
     };

@@ -9,6 +9,7 @@
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
 #include <oncollide/scenes/files/generators.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 
 namespace oncollide {
 
@@ -270,7 +271,7 @@ GeometryId add_geometry(Scene& scene, std::string_view given_name, const Node& e
 
     if (source == "octomap") {
         OccupancyMap map = read_map(node, folder, reading);
-        if (map.cells().chunks() && !reading.on_demand) map.cells().chunks()->need_all();
+        if (MapAccess::cells(map).chunks() && !reading.on_demand) MapAccess::cells(map).chunks()->need_all();
         return at(entry, [&] { return scene.add(name, std::move(map), recipe_of(entry, folder)); });
     }
     if (source == "terrain") {
@@ -295,7 +296,7 @@ void Expansion::count(const Geometry& geometry, const Node& entry)
     const Node node = entry[mesh ? "mesh" : terrain ? "terrain" : "octomap"];
     if (node.has("vertices")) return;
     const auto* map = std::get_if<OccupancyMap>(&geometry.data);
-    if ((terrain && terrain->chunks()) || (map && map->cells().chunks())) return;
+    if ((terrain && terrain->chunks()) || (map && MapAccess::cells(*map).chunks())) return;
     if (node.has("file") && files_.emplace(node["file"].text()).second) return;
     if (mesh)
         triangles_ += mesh->triangles.size();
@@ -325,7 +326,7 @@ Json entry_of(const Geometry& geometry, const fs::path& folder, const std::strin
     if (const Terrain* terrain = std::get_if<Terrain>(&geometry.data))
         return {{"terrain", terrain_entry(*terrain, made_file)}};
     Json map{{"file", made_file}};
-    if (std::get<OccupancyMap>(geometry.data).cells().unknown_is_solid()) map["unknown"] = "occupied";
+    if (MapAccess::cells(std::get<OccupancyMap>(geometry.data)).unknown_is_solid()) map["unknown"] = "occupied";
     return {{"octomap", std::move(map)}};
 }
 

@@ -11,6 +11,7 @@
 #include <oncollide/scenes/cooked/cooked_map.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/octomap_nodes.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 
 namespace oncollide {
 
@@ -63,20 +64,20 @@ OccupancyMap load_octomap(const std::filesystem::path& path, const MapOptions& o
             throw Error(ErrorKind::usage,
                         name + ": a .bt file has no probabilities, so it takes no occupancy threshold");
         OctomapNodes nodes = read_binary_octomap(name, bytes, options.unknown_is_occupied);
-        return {name, std::move(nodes.cells), nodes.resolution};
+        return MapAccess::make(name, std::move(nodes.cells), nodes.resolution);
     }
     if (extension != ".ot")
         throw Error(ErrorKind::bad_data,
                     fmt::format("{}: unknown kind of map file '{}'; known are bt, ot, cooked", name, extension));
     OctomapNodes nodes = read_full_octomap(name, bytes, options.unknown_is_occupied, threshold);
-    OccupancyMap map(name, std::move(nodes.cells), nodes.resolution);
+    OccupancyMap map = MapAccess::make(name, std::move(nodes.cells), nodes.resolution);
     map.keep(octree_of(nodes, std::move(bytes), threshold));
     return map;
 }
 
 void save_octomap(const OccupancyMap& map, const std::filesystem::path& path)
 {
-    const CellTree& cells = map.cells();
+    const CellTree& cells = MapAccess::cells(map);
     std::string nodes;
     if (cells.top().inner & 1)
         put(cells, cells.below(cells.top(), 0), nodes);

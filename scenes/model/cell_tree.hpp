@@ -8,20 +8,9 @@
 
 #include <Eigen/Core>
 
+#include <oncollide/scenes/model/occupancy_map.hpp>
+
 namespace oncollide {
-
-/// A cube of an occupancy map's grid: its least corner and its side, in smallest cells.
-struct MapCell {
-    std::int32_t x, y, z, side;
-
-    /// One of the eight octants: the bits of k select the half along x, y and z.
-    MapCell octant(unsigned k) const
-    {
-        const std::int32_t half = side / 2;
-        return {x + (k & 1 ? half : 0), y + (k & 2 ? half : 0), z + (k & 4 ? half : 0), half};
-    }
-    friend auto operator<=>(const MapCell&, const MapCell&) = default;
-};
 
 /// Smallest cells from `low` to `high`, excluding `high`.
 struct CellBox {
@@ -42,9 +31,6 @@ struct CellBox {
 
 class MapChunks;
 
-/// The state of a cell of an occupancy map.
-enum class CellState : std::uint8_t { unknown, free, occupied };
-
 /// An octree of cells as masks of eight octants: 8 bytes per inner node and none for its leaves. Octants of one state
 /// are always joined, so equal cells make equal trees, independent of the order of changes.
 ///
@@ -59,7 +45,7 @@ public:
         std::uint8_t free = 0;     ///< octants that are completely free
         std::uint8_t solid = 0;    ///< octants that contain cells that count as occupied
     };
-    static constexpr std::int32_t lowest = -32768, side = 65536;
+    static constexpr std::int32_t lowest = OccupancyMap::lowest_cell, side = 65536;
     /// Twice the size of the grid, so that a grid of one state is also an octant: octant 0 of top() is the grid.
     static constexpr MapCell top_cube{lowest, lowest, lowest, 2 * side};
 

@@ -3,22 +3,21 @@
 #include <utility>
 #include <vector>
 
-#include <oncollide/scenes/model/occupancy_map.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 
 namespace oncollide {
 
 /// Throws Error{bad_data}, prefixed with `name`, unless the resolution is from 1e-6 to 1e6 m. Private to scenes.
 void check_resolution(const std::string& name, double resolution);
 
+/// The smallest cell that contains the point. Throws Error{usage} for a point outside the grid. Private to scenes.
+CellBox cell_at(const OccupancyMap& map, const Eigen::Vector3d& point);
+
 /// A change of a map that is rolled back unless it is committed. Private to scenes.
 class MapChange {
 public:
     /// @param by_scan  the map's probability octree already contains the change
-    explicit MapChange(OccupancyMap& map, bool by_scan = false)
-        : map_(map), bounds_before_(map.cell_bounds_), bounds_(map.cell_bounds_),
-          known_before_(std::ssize(map.since_scan_)), octree_is_to_know_(!by_scan && (map.given_ || map.scanned_))
-    {
-    }
+    explicit MapChange(OccupancyMap& map, bool by_scan = false);
     MapChange(const MapChange&) = delete;
     ~MapChange();
 
@@ -28,6 +27,7 @@ public:
 
 private:
     OccupancyMap& map_;
+    MapData& data_;
     const CellBox bounds_before_;
     CellBox bounds_;
     const std::ptrdiff_t known_before_;

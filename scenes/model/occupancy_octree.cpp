@@ -106,7 +106,7 @@ void set_cells(octomap::OcTree& tree, octomap::OcTreeNode* node, const MapCell& 
 class Writer {
 public:
     explicit Writer(const OccupancyMap& map)
-        : cells_(map.cells()), tree_(std::make_shared<octomap::OcTree>(map.resolution()))
+        : cells_(MapAccess::cells(map)), tree_(std::make_shared<octomap::OcTree>(map.resolution()))
     {
     }
 
@@ -156,7 +156,7 @@ OccupancyMap make_occupancy_map(const octomap::OcTree& tree, bool unknown_is_occ
 {
     check_resolution("octree", tree.getResolution());
     if (tree.size() == 0) throw Error(ErrorKind::bad_data, "octree: the map is empty");
-    return {"octree", Reader(tree, unknown_is_occupied).read(), tree.getResolution()};
+    return MapAccess::make("octree", Reader(tree, unknown_is_occupied).read(), tree.getResolution());
 }
 
 OccupancyMap make_occupancy_map(std::shared_ptr<const octomap::OcTree> tree, bool unknown_is_occupied)
@@ -174,38 +174,39 @@ std::shared_ptr<octomap::OcTree> make_octree(const OccupancyMap& map)
 
 void OccupancyMap::insert_scan(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& origin, double max_range)
 {
-    cell_at(origin);
+    cell_at(*this, origin);
     octomap::Pointcloud scan;
-    for (const Eigen::Vector3d& point : points) cell_at(point), scan.push_back(point_of(point));
+    for (const Eigen::Vector3d& point : points) cell_at(*this, point), scan.push_back(point_of(point));
 
-    if (!scanned_ || scanned_.use_count() > 1) // a copy of the map shares it
-        scanned_ = scanned_ ? std::make_shared<octomap::OcTree>(*scanned_)
-                   : given_ ? std::make_shared<octomap::OcTree>(*given_)
-                            : make_octree(*this);
-    given_.reset();
-    for (const auto& [box, state] : since_scan_) {
-        octomap::OcTreeNode* root = scanned_->getRoot();
-        if (!scanned_->nodeHasChildren(root)) scanned_->expandNode(root);
-        set_cells(*scanned_, root, CellTree::top_cube.octant(0), box, state);
+    auto& [cells, bounds, given, scanned, since_scan] = *data_;
+    if (!scanned || scanned.use_count() > 1) // a copy of the map shares it
+        scanned = scanned ? std::make_shared<octomap::OcTree>(*scanned)
+                  : given ? std::make_shared<octomap::OcTree>(*given)
+                          : make_octree(*this);
+    given.reset();
+    for (const auto& [box, state] : since_scan) {
+        octomap::OcTreeNode* root = scanned->getRoot();
+        if (!scanned->nodeHasChildren(root)) scanned->expandNode(root);
+        set_cells(*scanned, root, CellTree::top_cube.octant(0), box, state);
     }
-    since_scan_.clear();
+    since_scan.clear();
 
-    scanned_->enableChangeDetection(true);
-    scanned_->resetChangeDetection();
-    scanned_->insertPointCloud(scan, point_of(origin), max_range);
+    scanned->enableChangeDetection(true);
+    scanned->resetChangeDetection();
+    scanned->insertPointCloud(scan, point_of(origin), max_range);
     MapChange change(*this, true);
-    for (auto changed = scanned_->changedKeysBegin(); changed != scanned_->changedKeysEnd(); ++changed) {
+    for (auto changed = scanned->changedKeysBegin(); changed != scanned->changedKeysEnd(); ++changed) {
         const octomap::OcTreeKey& key = changed->first;
-        const octomap::OcTreeNode* node = scanned_->search(key);
+        const octomap::OcTreeNode* node = scanned->search(key);
         const Eigen::Vector3i cell = Eigen::Vector3i(key[0], key[1], key[2]).array() + CellTree::lowest;
-        change.set({cell, cell.array() + 1}, !node                            ? CellState::unknown
-                                             : scanned_->isNodeOccupied(node) ? CellState::occupied
-                                                                              : CellState::free);
+        change.set({cell, cell.array() + 1}, !node                           ? CellState::unknown
+                                             : scanned->isNodeOccupied(node) ? CellState::occupied
+                                                                             : CellState::free);
     }
     try {
         change.commit();
     } catch (const Error&) {
-        scanned_.reset(); // it matches the map as it is now
+        scanned.reset(); // it matches the map as it is now
         throw;
     }
 }

@@ -55,12 +55,14 @@ public:
         t.columns_ = grid_.columns, t.rows_ = grid_.rows;
         t.tiles_x_ = (grid_.columns + tile - 1) / tile;
         t.spacing_ = grid_.spacing, t.origin_ = grid_.origin, t.diagonal_ = grid_.diagonal;
-        if (bytes == 1) t.samples_ = keep_whole<std::uint8_t>(heights);
-        if (bytes == 2) t.samples_ = keep_whole<std::uint16_t>(heights);
-        if (bytes == 4) t.samples_ = keep_real<float>(heights);
-        if (bytes == 8) t.samples_ = keep_real<double>(heights);
+        t.bytes_ = bytes;
+        if (bytes == 1) heights_->samples = keep_whole<std::uint8_t>(heights);
+        if (bytes == 2) heights_->samples = keep_whole<std::uint16_t>(heights);
+        if (bytes == 4) heights_->samples = keep_real<float>(heights);
+        if (bytes == 8) heights_->samples = keep_real<double>(heights);
         t.error_ = t.error_ * (1 + 0x1p-40) + grid_.error; // differences were rounded
         keep_diagonals();
+        t.heights_ = std::move(heights_);
         find_cells();
         return std::move(t);
     }
@@ -111,6 +113,7 @@ private:
     const std::string& name_;
     const TerrainGrid& grid_;
     Terrain terrain_;
+    std::shared_ptr<TerrainHeights> heights_ = std::make_shared<TerrainHeights>();
     double least_ = std::numeric_limits<double>::infinity(), greatest_ = -least_;
     double largest_ = 0; ///< largest magnitude of a height
     int lowest_ = 4096;  ///< exponent of a power of two that divides all heights
@@ -231,7 +234,7 @@ LargeVector<Sample> TerrainBuilder::keep_whole(std::span<const Height> heights)
 {
     constexpr Sample no_height = std::numeric_limits<Sample>::max();
     LargeVector<Sample> samples(tiles() * tile * tile, no_height);
-    terrain_.tiles_.resize(tiles());
+    heights_->tiles.resize(tiles());
     each_tile([&](std::size_t number, std::uint32_t x0, std::uint32_t x1, std::uint32_t y0, std::uint32_t y1) {
         Range range;
         std::int32_t units[tile * tile];
@@ -243,7 +246,7 @@ LargeVector<Sample> TerrainBuilder::keep_whole(std::span<const Height> heights)
                 if ((holes[k] = holes_ && hole(height))) continue;
                 range.add(units[k] = whole(height));
             }
-        Terrain::Tile& of = terrain_.tiles_[number];
+        TerrainTile& of = heights_->tiles[number];
         if (range.size() < 0) return;
         of.base = range.low;
         const auto rounded = [&](std::int64_t n) { return (n + (std::int64_t{1} << of.shift >> 1)) >> of.shift; };
@@ -283,9 +286,9 @@ LargeVector<Sample> TerrainBuilder::keep_real(std::span<const Height> heights)
 void TerrainBuilder::keep_diagonals()
 {
     terrain_.mixed_ = !grid_.falling.empty();
-    terrain_.falling_.resize((grid_.falling.size() + 63) / 64);
+    heights_->falling.resize((grid_.falling.size() + 63) / 64);
     for (std::size_t i = 0; i < grid_.falling.size(); ++i)
-        terrain_.falling_[i / 64] |= std::uint64_t{grid_.falling[i]} << i % 64;
+        heights_->falling[i / 64] |= std::uint64_t{grid_.falling[i]} << i % 64;
 }
 
 void TerrainBuilder::find_cells()
@@ -343,14 +346,19 @@ Eigen::Vector3d Terrain::point(std::uint32_t column, std::uint32_t row) const
     return TerrainAccess::point(*this, column, row);
 }
 
-double Terrain::height_in_chunk(std::uint32_t column, std::uint32_t row) const
+CellDiagonal Terrain::diagonal(std::uint32_t x, std::uint32_t y) const
 {
-    return chunks_->height(column, row);
+    return TerrainAccess::diagonal(*this, x, y);
 }
 
-CellDiagonal Terrain::diagonal_in_chunk(std::uint32_t x, std::uint32_t y) const
+double TerrainAccess::height_in_chunk(const Terrain& t, std::uint32_t column, std::uint32_t row)
 {
-    return chunks_->diagonal(x, y);
+    return t.chunks_->height(column, row);
+}
+
+CellDiagonal TerrainAccess::diagonal_in_chunk(const Terrain& t, std::uint32_t x, std::uint32_t y)
+{
+    return t.chunks_->diagonal(x, y);
 }
 
 Terrain centred(Terrain terrain)
@@ -373,8 +381,8 @@ Terrain make_terrain(const std::string& name, const TerrainGrid& grid, std::span
 std::size_t Terrain::bytes() const
 {
     if (chunks_) return chunks_->bytes();
-    return std::visit([](const auto& samples) { return samples.size() * sizeof(samples[0]); }, samples_) +
-           tiles_.size() * sizeof(Tile) + falling_.size() * 8;
+    return std::visit([](const auto& samples) { return samples.size() * sizeof(samples[0]); }, heights_->samples) +
+           heights_->tiles.size() * sizeof(TerrainTile) + heights_->falling.size() * 8;
 }
 
 template <class Number>
@@ -396,7 +404,7 @@ void Terrain::read_row(std::uint32_t row, double zero, Number* out) const
                 if constexpr (std::is_floating_point_v<Sample>) {
                     for (std::uint32_t i = 0; i < tile; ++i) eight[i] = static_cast<Number>(from[i] - zero);
                 } else {
-                    const Tile t = tiles_[number];
+                    const TerrainTile t = heights_->tiles[number];
                     constexpr Number none = std::numeric_limits<Number>::quiet_NaN();
                     for (std::uint32_t i = 0; i < tile; ++i) {
                         const auto height = static_cast<Number>(unit_ * static_cast<double>(t.at(from[i])) - zero);
@@ -406,7 +414,7 @@ void Terrain::read_row(std::uint32_t row, double zero, Number* out) const
                 std::copy_n(eight, std::min(tile, columns_ - column), out + column);
             }
         },
-        samples_);
+        heights_->samples);
 }
 template void Terrain::read_row(std::uint32_t, double, float*) const;
 template void Terrain::read_row(std::uint32_t, double, double*) const;
@@ -429,7 +437,7 @@ std::array<Terrain::Place, 3> Terrain::corners(std::uint32_t triangle) const
 {
     const std::uint32_t x = triangle / 2 % cells_x(), y = triangle / 2 / cells_x();
     const Place least{x, y}, right{x + 1, y}, up{x, y + 1}, greatest{x + 1, y + 1};
-    if (diagonal(x, y) == CellDiagonal::rising)
+    if (TerrainAccess::diagonal(*this, x, y) == CellDiagonal::rising)
         return triangle % 2 ? std::array{least, greatest, up} : std::array{least, right, greatest};
     return triangle % 2 ? std::array{right, greatest, up} : std::array{least, right, up};
 }

@@ -5,18 +5,17 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include <oncollide/base/aabb.hpp>
-#include <oncollide/base/large_vector.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide {
 
 class TerrainChunks;
+struct TerrainHeights;
 
 /// The diagonal that cuts a cell into two triangles: from its least corner to its greatest (rising), or the other one.
 enum class CellDiagonal : std::uint8_t { rising, falling };
@@ -40,7 +39,7 @@ struct TerrainGrid {
 ///
 /// Heights are stored in tiles of eight by eight. At 1 and 2 bytes they are integers, relative to the tile's least, in
 /// units of the terrain's unit times a power of two that each tile chooses. make_terrain guarantees at least one cell.
-/// A terrain in a cooked file (load_terrain) reads the parts that are used.
+/// Copies share the heights. A terrain in a cooked file (load_terrain) reads the parts that are used.
 class Terrain {
 public:
     static constexpr std::uint32_t tile = 8;
@@ -58,7 +57,7 @@ public:
     double error() const { return error_; }
     bool holes() const { return holes_; }          ///< true if a cell is absent
     std::uint64_t cells() const { return cells_; } ///< number of present cells
-    int bytes_per_height() const { return 1 << samples_.index(); }
+    int bytes_per_height() const { return bytes_; }
     std::size_t bytes() const;
 
     /// NaN: a hole.
@@ -68,13 +67,7 @@ public:
     Eigen::Vector3d point(std::uint32_t column, std::uint32_t row) const;
     bool has_cell(std::uint32_t x, std::uint32_t y) const;
     bool mixed_diagonals() const { return mixed_; }
-    CellDiagonal diagonal(std::uint32_t x, std::uint32_t y) const
-    {
-        if (!mixed_) return diagonal_;
-        if (chunks_) return diagonal_in_chunk(x, y);
-        const std::uint64_t cell = std::uint64_t(y) * cells_x() + x;
-        return falling_[cell / 64] >> cell % 64 & 1 ? CellDiagonal::falling : CellDiagonal::rising;
-    }
+    CellDiagonal diagonal(std::uint32_t x, std::uint32_t y) const;
 
     /// Corners of a triangle: its columns and rows. The triangles of cell (x, y) have the numbers 2 (y cells_x + x) and
     /// the next; both are counter-clockwise, seen from above.
@@ -100,18 +93,6 @@ private:
     friend class CookedTerrain;
     friend Terrain centred(Terrain terrain);
     void find_bounds();
-    double height_in_chunk(std::uint32_t column, std::uint32_t row) const;
-    CellDiagonal diagonal_in_chunk(std::uint32_t x, std::uint32_t y) const;
-    /// Heights of a tile are unit (base + (q << shift)).
-    struct Tile {
-        std::int32_t base = 0;
-        std::uint32_t shift = 0;
-
-        std::int32_t at(std::uint32_t q) const
-        {
-            return static_cast<std::int32_t>(static_cast<std::uint32_t>(base) + (q << shift));
-        }
-    };
 
     Terrain() = default;
 
@@ -125,12 +106,10 @@ private:
     bool holes_ = false;
     std::uint64_t cells_ = 0;
     CellDiagonal diagonal_ = CellDiagonal::rising;
-    bool mixed_ = false;                 ///< true if each cell has its own diagonal
-    std::vector<std::uint64_t> falling_; ///< a bit per cell
-    std::vector<Tile> tiles_;            ///< at 1 and 2 bytes
-    std::variant<LargeVector<std::uint8_t>, LargeVector<std::uint16_t>, LargeVector<float>, LargeVector<double>>
-        samples_;
-    std::shared_ptr<TerrainChunks> chunks_; ///< instead of samples, tiles and diagonals
+    bool mixed_ = false; ///< true if each cell has its own diagonal
+    int bytes_ = 0;      ///< per height
+    std::shared_ptr<const TerrainHeights> heights_;
+    std::shared_ptr<TerrainChunks> chunks_; ///< instead of heights_
 };
 
 /// @param name     names the terrain in errors

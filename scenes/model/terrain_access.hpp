@@ -1,11 +1,34 @@
 #pragma once
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <type_traits>
 #include <variant>
+#include <vector>
 
+#include <oncollide/base/large_vector.hpp>
 #include <oncollide/scenes/model/terrain.hpp>
 
 namespace oncollide {
+
+/// The stored heights of a tile are unit (base + (q << shift)).
+struct TerrainTile {
+    std::int32_t base = 0;
+    std::uint32_t shift = 0;
+
+    std::int32_t at(std::uint32_t q) const
+    {
+        return static_cast<std::int32_t>(static_cast<std::uint32_t>(base) + (q << shift));
+    }
+};
+
+/// The heights and diagonals of a terrain in memory.
+struct TerrainHeights {
+    std::vector<std::uint64_t> falling; ///< a bit per cell; empty: all cells have the same diagonal
+    std::vector<TerrainTile> tiles;     ///< at 1 and 2 bytes
+    std::variant<LargeVector<std::uint8_t>, LargeVector<std::uint16_t>, LargeVector<float>, LargeVector<double>>
+        samples; ///< tile by tile
+};
 
 /// Terrain's arithmetic inline, for the library's own loops. The public header has only declarations: a program could
 /// compile inline arithmetic with -ffast-math, and the linker could then give that code to the library.
@@ -18,23 +41,32 @@ struct TerrainAccess {
     }
     static double height(const Terrain& t, std::uint32_t column, std::uint32_t row)
     {
-        if (t.chunks_) return t.height_in_chunk(column, row);
-        return std::visit([&](const auto& samples) { return height(t, samples, column, row); }, t.samples_);
+        if (t.chunks_) return height_in_chunk(t, column, row);
+        return std::visit([&](const auto& samples) { return height(t, samples, column, row); }, t.heights_->samples);
     }
     /// Calls work(decode), where decode(column, row) is height(): chooses the storage type once for several heights.
     template <class Work>
     static void with_heights(const Terrain& t, Work work)
     {
         if (t.chunks_)
-            return work([&](std::uint32_t column, std::uint32_t row) { return t.height_in_chunk(column, row); });
+            return work([&](std::uint32_t column, std::uint32_t row) { return height_in_chunk(t, column, row); });
         std::visit(
             [&](const auto& samples) {
                 work([&](std::uint32_t column, std::uint32_t row) { return height(t, samples, column, row); });
             },
-            t.samples_);
+            t.heights_->samples);
+    }
+    static CellDiagonal diagonal(const Terrain& t, std::uint32_t x, std::uint32_t y)
+    {
+        if (!t.mixed_) return t.diagonal_;
+        if (t.chunks_) return diagonal_in_chunk(t, x, y);
+        const std::uint64_t cell = std::uint64_t(y) * t.cells_x() + x;
+        return t.heights_->falling[cell / 64] >> cell % 64 & 1 ? CellDiagonal::falling : CellDiagonal::rising;
     }
 
 private:
+    static double height_in_chunk(const Terrain& t, std::uint32_t column, std::uint32_t row);
+    static CellDiagonal diagonal_in_chunk(const Terrain& t, std::uint32_t x, std::uint32_t y);
     template <class Sample>
     static double height(const Terrain& t, const LargeVector<Sample>& samples, std::uint32_t column, std::uint32_t row)
     {
@@ -45,7 +77,7 @@ private:
             return q;
         } else {
             if (q == std::numeric_limits<Sample>::max()) return std::numeric_limits<double>::quiet_NaN();
-            return t.unit_ * static_cast<double>(t.tiles_[number].at(q));
+            return t.unit_ * static_cast<double>(t.heights_->tiles[number].at(q));
         }
     }
 };

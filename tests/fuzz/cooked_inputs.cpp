@@ -18,6 +18,7 @@
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
 #include <oncollide/scenes/geometry.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 
 namespace oncollide::test {
 
@@ -152,9 +153,10 @@ struct Opened {
     {
         if (const auto* terrain = std::get_if<Terrain>(&data)) return in_memory(*terrain);
         if (const auto* map = std::get_if<OccupancyMap>(&data)) {
-            CellTree cells(map->cells().unknown_is_solid());
-            map->cells().each_leaf([&](const MapCell& cube, CellState state) { cells.set(CellBox(cube), state); });
-            return OccupancyMap("map", std::move(cells), map->resolution());
+            const CellTree& all = MapAccess::cells(*map);
+            CellTree cells(all.unknown_is_solid());
+            all.each_leaf([&](const MapCell& cube, CellState state) { cells.set(CellBox(cube), state); });
+            return MapAccess::make("map", std::move(cells), map->resolution());
         }
         return std::get<std::shared_ptr<const CookedMesh>>(data)->whole();
     }

@@ -13,6 +13,7 @@
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/tile_index.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide::test {
@@ -314,8 +315,8 @@ std::vector<std::string> cooked_seeds()
         cells.set({at, at.array() + 1 + i % 2}, i % 3 ? CellState::occupied : CellState::free);
         blocks.set({at, at.array() + 1 + i % 3}, CellState::occupied);
     }
-    add_map(OccupancyMap("unknown", std::move(cells), 0.25), 4096),
-        add_map(OccupancyMap("blocks", std::move(blocks), 0.25), 6);
+    add_map(MapAccess::make("unknown", std::move(cells), 0.25), 4096),
+        add_map(MapAccess::make("blocks", std::move(blocks), 0.25), 6);
     return seeds;
 }
 std::vector<std::string> tiles_seeds()

@@ -245,9 +245,9 @@ TEST(GlQuery, FillsTheInsideOfSolidShapes)
 
 TEST(GlQuery, AnswersMapsAsTheCpuDoes)
 {
-    CellTree cells;
-    for (const int at : {-9, -2, 3, 8}) cells.set(CellBox(MapCell{at, at, at, 1}), CellState::occupied);
-    const Geometry geometry{"map", OccupancyMap("map", cells, 0.1), {}};
+    std::vector<MapCell> cells;
+    for (const int at : {-9, -2, 3, 8}) cells.push_back({at, at, at, 1});
+    const Geometry geometry{"map", make_occupancy_map("map", 0.1, cells), {}};
     const auto queries = make_gl_query_backend(), cpu = make_cpu_backend();
     EXPECT_EQ(ask_root(*queries, geometry), ask_root(*cpu, geometry));
 }

@@ -8,6 +8,7 @@
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/geometry.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 
 #include "random_pose.hpp"
 
@@ -57,7 +58,7 @@ OccupancyMap small_map()
     cells.set({{-8, -8, -8}, {8, 8, -6}}, CellState::occupied);
     cells.set({{0, 0, -6}, {2, 2, 3}}, CellState::occupied);
     cells.set({{-8, -8, -6}, {-3, 8, 8}}, CellState::free);
-    return {"map", std::move(cells), 0.25};
+    return MapAccess::make("map", std::move(cells), 0.25);
 }
 
 /// Applies the same changes to a World's map and to a separate map.

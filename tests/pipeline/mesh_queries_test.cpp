@@ -5,6 +5,7 @@
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/generators.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 
 #include "random_pose.hpp"
 
@@ -19,7 +20,7 @@ std::vector<std::shared_ptr<const Geometry>> one_of_each()
     for (GeometryData data :
          {GeometryData(make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300)), GeometryData(make_box_mesh({1, 0.5, 1})),
           GeometryData(Shape(Box{{0.5, 1, 1}})), GeometryData(Shape(Capsule{0.5, 1})),
-          GeometryData(OccupancyMap("map", cells, 0.3)), GeometryData(make_hills(12, 12, 0.25, 0.5, 3))})
+          GeometryData(MapAccess::make("map", cells, 0.3)), GeometryData(make_hills(12, 12, 0.25, 0.5, 3))})
         all.push_back(std::make_shared<const Geometry>(Geometry{"", std::move(data), ""}));
     return all;
 }

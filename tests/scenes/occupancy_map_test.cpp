@@ -77,6 +77,50 @@ TEST(OccupancyMap, ABuildingHasCellsOfItsResolutionInItsBounds)
     EXPECT_GT(volume, 12 * 12 * 0.1) << "at least the floor";
 }
 
+TEST(OccupancyMap, IsMadeOfCubesOfCells)
+{
+    const std::vector<MapCell> occupied{{0, 0, 0, 2}, {-32768, 5, 5, 1}, {32767, 5, 5, 1}}, free{{1, 1, 1, 1}};
+    const OccupancyMap map = make_occupancy_map("map", 0.5, occupied, free);
+    EXPECT_EQ(map.count(), 9u);
+    EXPECT_EQ(map.bounds().min, Vector3d(-16384, 0, 0));
+    EXPECT_EQ(map.bounds().max, Vector3d(16384, 3, 3));
+    OccupancyMap copy = map;
+    copy.set(Aabb{{0, 0, 0}, {1, 1, 1}}, CellState::free);
+    EXPECT_EQ(copy.count(), 2u);
+    EXPECT_EQ(map.count(), 9u) << "a copy has cells of its own";
+}
+
+TEST(OccupancyMap, OfCubesMayCountUnknownCellsAsOccupied)
+{
+    const MapCell occupied{0, 0, 0, 1}, free{3, 0, 0, 1};
+    const OccupancyMap map = make_occupancy_map("map", 1, {&occupied, 1}, {&free, 1}, true);
+    EXPECT_EQ(map.bounds().max, Vector3d(4, 1, 1));
+    double volume = 0;
+    for (const Aabb& cell : cells_of(map)) volume += cell.volume();
+    EXPECT_EQ(volume, 3) << "all except the free cell";
+}
+
+TEST(OccupancyMap, CubesOfCellsOutsideTheGridAreRefused)
+{
+    constexpr std::int32_t far = std::numeric_limits<std::int32_t>::max();
+    for (const MapCell& cube : {MapCell{32767, 0, 0, 2}, {0, -32769, 0, 1}, {0, 0, far, far}, {0, 0, 0, 0}})
+        expect_error(
+            ErrorKind::usage,
+            [&] {
+                make_occupancy_map("map", 1, {&cube, 1});
+            },
+            "map: the cube", "grid");
+    expect_error(
+        ErrorKind::bad_data, [] { make_occupancy_map("map", 1, {}); }, "map: no cell");
+    const MapCell cell{0, 0, 0, 1};
+    expect_error(
+        ErrorKind::bad_data,
+        [&] {
+            make_occupancy_map("map", 0, {&cell, 1});
+        },
+        "map: the resolution");
+}
+
 TEST(OccupancyMap, CellsDoNotOverlapAndShareTheirFacesExactly)
 {
     const std::vector<Aabb> cells = cells_of(make_building_map(1, 0.3, 1));

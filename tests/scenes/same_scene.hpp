@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide::test {
@@ -36,8 +37,8 @@ inline bool same(const Mesh& a, const Mesh& b)
 inline bool same(const OccupancyMap& a, const OccupancyMap& b)
 {
     std::vector<std::pair<MapCell, CellState>> of_a, of_b;
-    a.cells().each_leaf([&](const MapCell& cell, CellState state) { of_a.push_back({cell, state}); });
-    b.cells().each_leaf([&](const MapCell& cell, CellState state) { of_b.push_back({cell, state}); });
+    MapAccess::cells(a).each_leaf([&](const MapCell& cell, CellState state) { of_a.push_back({cell, state}); });
+    MapAccess::cells(b).each_leaf([&](const MapCell& cell, CellState state) { of_b.push_back({cell, state}); });
     return a.resolution() == b.resolution() && same_box(a.bounds(), b.bounds()) && of_a == of_b;
 }
 inline bool same(const Terrain& a, const Terrain& b)

@@ -325,10 +325,8 @@ TEST_F(SceneFile, RefusesMeshesThatAreNotMeshes)
 
 TEST_F(SceneFile, SaysHowAMapIsRead)
 {
-    CellTree cells;
-    cells.set({{0, 0, 0}, {1, 1, 1}}, CellState::occupied);
-    cells.set({{3, 3, 3}, {4, 4, 4}}, CellState::free);
-    save_octomap(OccupancyMap("map", cells, 1), folder_.path() / "map.bt");
+    const MapCell occupied{0, 0, 0, 1}, free{3, 3, 3, 1};
+    save_octomap(make_occupancy_map("map", 1, {&occupied, 1}, {&free, 1}), folder_.path() / "map.bt");
     const auto bounds = [&](const char* options) {
         return bounds_of(load_geometry(R"({"octomap": {"file": "map.bt")" + std::string(options) + "}}").geometries[0]);
     };

@@ -19,6 +19,7 @@
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide::tools {
@@ -166,7 +167,8 @@ int cook(const CookOptions& options)
         const OccupancyMap map = load_octomap(options.mesh, {.unknown_is_occupied = options.unknown == "occupied",
                                                              .occupancy_threshold = options.occupancy_threshold});
         cooked(
-            map, [](const OccupancyMap& m, const fs::path& out) { return cook_map(m, out); }, map.cells().count());
+            map, [](const OccupancyMap& m, const fs::path& out) { return cook_map(m, out); },
+            MapAccess::cells(map).count());
     }
     const auto end = Clock::now();
     const auto seconds = [](auto time) { return std::chrono::duration<double>(time).count(); };

@@ -7,6 +7,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/samples/generators.hpp>
+#include <oncollide/scenes/model/map_access.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -166,7 +167,7 @@ private:
         for (int k = number(1, 3); k > 0; --k) block(CellState::occupied);
         for (int k = number(0, 3); k > 0; --k) block(one_in(2) ? CellState::free : CellState::unknown);
         cells.set({{3, 3, 3}, {4, 4, 4}}, CellState::occupied);
-        return {"map", std::move(cells), resolution};
+        return MapAccess::make("map", std::move(cells), resolution);
     }
     OccupancyMap changed(OccupancyMap map)
     {
