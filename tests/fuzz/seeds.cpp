@@ -202,7 +202,7 @@ std::vector<std::string> pgm_seeds()
     return {"P5 3 2 255\nabcdef", "P5\n# heights\n2 2\n65535\nabcdefgh"};
 }
 
-/// Three by two heights of 16 bits, two by two of 8.
+/// Three by two heights of 16 bits, two by two of 8; then interlaced.
 std::vector<std::string> png_seeds()
 {
     std::vector<std::string> seeds;
@@ -210,7 +210,9 @@ std::vector<std::string> png_seeds()
          {"89504e470d0a1a0a0000000d4948445200000003000000021000000000e88fe5850000001649444154789c636060606064606260d461"
           "6061600500011b003a16a31ee20000000049454e44ae426082",
           "89504e470d0a1a0a0000000d494844520000000200000002080000000057dd52f80000000e49444154789c6360606460fa0f00010d01"
-          "03d67c8ba80000000049454e44ae426082"}) {
+          "03d67c8ba80000000049454e44ae426082",
+          "89504e470d0a1a0a0000000d49484452000000030000000210000000019f88d513000000164944415478da636000022606064606461d"
+          "06160656000121003aacef30d00000000049454e44ae426082"}) {
         std::string& bytes = seeds.emplace_back();
         for (std::size_t i = 0; i < hex.size(); i += 2)
             bytes += static_cast<char>(std::stoi(std::string(hex.substr(i, 2)), nullptr, 16));

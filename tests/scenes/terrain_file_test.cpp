@@ -111,6 +111,15 @@ constexpr const char* png16 = "89504e470d0a1a0a0000000d4948445200000003000000021
                               "6060606064606260d4616061600500011b003a16a31ee20000000049454e44ae426082";
 constexpr const char* png8 = "89504e470d0a1a0a0000000d494844520000000200000002080000000057dd52f80000000e49444154789c636"
                              "0606460fa0f00010d0103d67c8ba80000000049454e44ae426082";
+constexpr const char* png_interlaced =
+    "89504e470d0a1a0a0000000d49484452000000030000000210000000019f88d513000000164944415478da63"
+    "6000022606064606461d06160656000121003aacef30d00000000049454e44ae426082";
+/// png16 with the chunks gAMA and zTXt.
+constexpr const char* png_more =
+    "89504e470d0a1a0a0000000d4948445200000003000000021000000000e88fe5850000000467414d41000000"
+    "01fc2250db0000001d7a54587461000078daedc13101000000c2a0f54f6d0d0fa000008077030bb80001b13d"
+    "bd520000001649444154789c636060606064606260d4616061600500011b003a16a31ee20000000049454e44"
+    "ae426082";
 constexpr const char* png_colour = "89504e470d0a1a0a0000000d4948445200000002000000020802000000fdd49a730000000b494441547"
                                    "89c6360400600000e0001a99173b10000000049454e44ae426082";
 constexpr const char* png_large = "89504e470d0a1a0a0000000d49484452000186a0000186a01000000000dda988570000000b4944415478"
@@ -122,21 +131,24 @@ TEST(TerrainFile, ReadsGreyPng)
     const auto file = folder.write("a.png", from_hex(png16));
     expect_six(load_terrain(file));
     EXPECT_EQ(load_terrain(folder.write("b.png", from_hex(png8))).height(1, 1), 255);
+    expect_six(load_terrain(folder.write("i.png", from_hex(png_interlaced))));
+    expect_six(load_terrain(folder.write("m.png", from_hex(png_more))));
     expect_error(
         ErrorKind::bad_data, [&] { load_terrain(folder.write("c.png", from_hex(png_colour))); },
         "c.png: ", "colour type 2");
     expect_error(
         ErrorKind::bad_data, [&] { load_terrain(folder.write("d.png", from_hex(png_large))); },
         "d.png: ", "100000 x 100000 heights are announced");
-    const std::string whole = from_hex(png16);
-    for (std::size_t length = 1; length < whole.size(); ++length)
-        expect_error(
-            ErrorKind::bad_data, [&] { load_terrain(folder.write("e.png", whole.substr(0, length))); }, "e.png: ");
-    for (std::size_t at = 0; at < whole.size(); ++at) {
-        std::string damaged = whole;
-        damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
-        expect_error(
-            ErrorKind::bad_data, [&] { load_terrain(folder.write("f.png", damaged)); }, "f.png: ");
+    for (const std::string& whole : {from_hex(png16), from_hex(png_more)}) {
+        for (std::size_t length = 1; length < whole.size(); ++length)
+            expect_error(
+                ErrorKind::bad_data, [&] { load_terrain(folder.write("e.png", whole.substr(0, length))); }, "e.png: ");
+        for (std::size_t at = 0; at < whole.size(); ++at) {
+            std::string damaged = whole;
+            damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
+            expect_error(
+                ErrorKind::bad_data, [&] { load_terrain(folder.write("f.png", damaged)); }, "f.png: ");
+        }
     }
 }
 

@@ -104,19 +104,6 @@ void say_loaded_libraries([[maybe_unused]] Findings& found)
 #else
     found.say("GeoTIFF files", "left out of this build (ONCOLLIDE_GDAL=OFF)");
 #endif
-#ifdef ONCOLLIDE_EXPAT_LIBRARY
-    const auto version = [](const char* name) {
-        return [name](void* library) {
-            const auto get = reinterpret_cast<const char* (*)()>(::dlsym(library, name));
-            std::string text = get ? get() : "of an unknown version";
-            return text.substr(text.find('_') + 1); // "expat_2.5.0"
-        };
-    };
-    found.say("COLLADA files", loaded_library("Expat", ONCOLLIDE_EXPAT_LIBRARY, version("XML_ExpatVersion")));
-    found.say("3MF files", loaded_library("libzip", ONCOLLIDE_ZIP_LIBRARY, version("zip_libzip_version")));
-#else
-    found.say("COLLADA files", "left out of this build (ONCOLLIDE_XML=OFF)");
-#endif
 }
 
 /// Opens every device: only an open device reports its renderer.
@@ -173,11 +160,12 @@ int doctor(const DoctorOptions& options)
     say_gpus(found);
     say("threads", fmt::format("{} usable", hardware_threads()));
     say("data", data(options.data));
+    const std::string expat = *ONCOLLIDE_EXPAT_VERSION ? ", Expat " ONCOLLIDE_EXPAT_VERSION : "";
     say("libraries",
-        fmt::format("Eigen {}.{}.{}, FCL {}, OctoMap {}, Qhull {}, fmt {}.{}.{}, JSON {}, CLI11 {}",
+        fmt::format("Eigen {}.{}.{}, FCL {}, OctoMap {}, Qhull {}, fmt {}.{}.{}, JSON {}, CLI11 {}, libpng {}{}",
                     EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, ONCOLLIDE_FCL_VERSION,
                     ONCOLLIDE_OCTOMAP_VERSION, ONCOLLIDE_QHULL_VERSION, FMT_VERSION / 10000, FMT_VERSION / 100 % 100,
-                    FMT_VERSION % 100, ONCOLLIDE_JSON_VERSION, ONCOLLIDE_CLI11_VERSION));
+                    FMT_VERSION % 100, ONCOLLIDE_JSON_VERSION, ONCOLLIDE_CLI11_VERSION, ONCOLLIDE_PNG_VERSION, expat));
     say_loaded_libraries(found);
     say("self-test", fault.empty() ? "passed" : "FAILED: " + fault);
     std::cout << found.text();

@@ -25,7 +25,7 @@ class Oncollide(ConanFile):
 
     def requirements(self):
         self.requires("eigen/3.4.0", transitive_headers=True)
-        for library in ("fmt/9.1.0", "nlohmann_json/3.11.2", "qhull/8.0.2", "stb/cci.20220909"):
+        for library in ("fmt/9.1.0", "nlohmann_json/3.11.2", "qhull/8.0.2", "libpng/1.6.40"):
             self.requires(library)
         if self.options.fcl:
             self.requires("fcl/0.7.0")

@@ -4,41 +4,8 @@
 #include <zip.h>
 
 #include <oncollide/base/printable.hpp>
-#include <oncollide/scenes/files/loaded_library.hpp>
 
 namespace oncollide {
-
-namespace {
-
-class LibZip {
-    const LoadedLibrary library_{ONCOLLIDE_ZIP_LIBRARY, "reads 3MF files", "libzip4"};
-
-public:
-#define ONCOLLIDE_ZIP_FUNCTION(name)                                                                                   \
-    decltype(&::name) const name = reinterpret_cast<decltype(&::name)>(library_.find(#name))
-    ONCOLLIDE_ZIP_FUNCTION(zip_error_init);
-    ONCOLLIDE_ZIP_FUNCTION(zip_error_fini);
-    ONCOLLIDE_ZIP_FUNCTION(zip_error_strerror);
-    ONCOLLIDE_ZIP_FUNCTION(zip_source_buffer_create);
-    ONCOLLIDE_ZIP_FUNCTION(zip_source_free);
-    ONCOLLIDE_ZIP_FUNCTION(zip_open_from_source);
-    ONCOLLIDE_ZIP_FUNCTION(zip_discard);
-    ONCOLLIDE_ZIP_FUNCTION(zip_name_locate);
-    ONCOLLIDE_ZIP_FUNCTION(zip_fopen_index);
-    ONCOLLIDE_ZIP_FUNCTION(zip_fread);
-    ONCOLLIDE_ZIP_FUNCTION(zip_fclose);
-    ONCOLLIDE_ZIP_FUNCTION(zip_strerror);
-    ONCOLLIDE_ZIP_FUNCTION(zip_file_strerror);
-#undef ONCOLLIDE_ZIP_FUNCTION
-};
-
-const LibZip& libzip()
-{
-    static const LibZip library;
-    return library;
-}
-
-} // namespace
 
 struct ZipArchive::Handle {
     zip_t* archive = nullptr;
@@ -46,16 +13,15 @@ struct ZipArchive::Handle {
     explicit Handle(const MeshSource& source)
     {
         zip_error_t error;
-        libzip().zip_error_init(&error);
-        zip_source_t* const bytes =
-            libzip().zip_source_buffer_create(source.bytes.data(), source.bytes.size(), 0, &error);
-        if (bytes) archive = libzip().zip_open_from_source(bytes, ZIP_RDONLY | ZIP_CHECKCONS, &error);
-        if (!archive && bytes) libzip().zip_source_free(bytes);
-        const std::string why = archive ? "" : libzip().zip_error_strerror(&error);
-        libzip().zip_error_fini(&error);
+        zip_error_init(&error);
+        zip_source_t* const bytes = zip_source_buffer_create(source.bytes.data(), source.bytes.size(), 0, &error);
+        if (bytes) archive = zip_open_from_source(bytes, ZIP_RDONLY | ZIP_CHECKCONS, &error);
+        if (!archive && bytes) zip_source_free(bytes);
+        const std::string why = archive ? "" : zip_error_strerror(&error);
+        zip_error_fini(&error);
         if (!archive) source.fail(fmt::format("not a valid zip archive, as a 3MF file must be: {}", why));
     }
-    ~Handle() { libzip().zip_discard(archive); }
+    ~Handle() { zip_discard(archive); }
 };
 
 ZipArchive::ZipArchive(const MeshSource& source) : source_(source), handle_(std::make_unique<Handle>(source)) {}
@@ -64,7 +30,7 @@ ZipArchive::~ZipArchive() = default;
 
 bool ZipArchive::has(const std::string& name) const
 {
-    return libzip().zip_name_locate(handle_->archive, name.c_str(), ZIP_FL_NOCASE) >= 0;
+    return zip_name_locate(handle_->archive, name.c_str(), ZIP_FL_NOCASE) >= 0;
 }
 
 void ZipArchive::read(const std::string& name, const std::function<void(std::string_view)>& visit) const
@@ -72,16 +38,16 @@ void ZipArchive::read(const std::string& name, const std::function<void(std::str
     constexpr std::uint64_t most = std::uint64_t{2} << 30;
     const auto fail = [&](const std::string& why) { source_.fail(fmt::format("{}: {}", printable(name), why)); };
     // Opened by index: OPC names are compared without regard to case.
-    const zip_int64_t index = libzip().zip_name_locate(handle_->archive, name.c_str(), ZIP_FL_NOCASE);
+    const zip_int64_t index = zip_name_locate(handle_->archive, name.c_str(), ZIP_FL_NOCASE);
     if (index < 0) fail("the archive has no such file");
-    const auto close = [](zip_file_t* file) { libzip().zip_fclose(file); };
+    const auto close = [](zip_file_t* file) { zip_fclose(file); };
     const std::unique_ptr<zip_file_t, decltype(close)> file(
-        libzip().zip_fopen_index(handle_->archive, static_cast<zip_uint64_t>(index), 0), close);
-    if (!file) fail(libzip().zip_strerror(handle_->archive));
+        zip_fopen_index(handle_->archive, static_cast<zip_uint64_t>(index), 0), close);
+    if (!file) fail(zip_strerror(handle_->archive));
     std::string piece(std::size_t{1} << 20, '\0');
     for (std::uint64_t total = 0;;) {
-        const zip_int64_t length = libzip().zip_fread(file.get(), piece.data(), piece.size());
-        if (length < 0) fail(libzip().zip_file_strerror(file.get()));
+        const zip_int64_t length = zip_fread(file.get(), piece.data(), piece.size());
+        if (length < 0) fail(zip_file_strerror(file.get()));
         if (length == 0) return;
         total += static_cast<std::uint64_t>(length);
         if (total > most) fail("it unpacks to more than 2 GiB");

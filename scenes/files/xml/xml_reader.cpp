@@ -7,39 +7,9 @@
 #include <expat.h>
 #include <fmt/format.h>
 
-#include <oncollide/scenes/files/loaded_library.hpp>
-
 namespace oncollide {
 
 namespace {
-
-class Expat {
-    const LoadedLibrary library_{ONCOLLIDE_EXPAT_LIBRARY, "reads COLLADA and 3MF files", "libexpat1"};
-
-public:
-#define ONCOLLIDE_EXPAT_FUNCTION(name)                                                                                 \
-    decltype(&::name) const name = reinterpret_cast<decltype(&::name)>(library_.find(#name))
-    ONCOLLIDE_EXPAT_FUNCTION(XML_ParserCreateNS);
-    ONCOLLIDE_EXPAT_FUNCTION(XML_ParserFree);
-    ONCOLLIDE_EXPAT_FUNCTION(XML_SetUserData);
-    ONCOLLIDE_EXPAT_FUNCTION(XML_SetElementHandler);
-    ONCOLLIDE_EXPAT_FUNCTION(XML_SetStartNamespaceDeclHandler);
-    ONCOLLIDE_EXPAT_FUNCTION(XML_SetCharacterDataHandler);
-    ONCOLLIDE_EXPAT_FUNCTION(XML_SetEntityDeclHandler);
-    ONCOLLIDE_EXPAT_FUNCTION(XML_StopParser);
-    ONCOLLIDE_EXPAT_FUNCTION(XML_Parse);
-    ONCOLLIDE_EXPAT_FUNCTION(XML_GetErrorCode);
-    ONCOLLIDE_EXPAT_FUNCTION(XML_ErrorString);
-    ONCOLLIDE_EXPAT_FUNCTION(XML_GetCurrentLineNumber);
-    ONCOLLIDE_EXPAT_FUNCTION(XML_GetCurrentByteIndex);
-#undef ONCOLLIDE_EXPAT_FUNCTION
-};
-
-const Expat& expat()
-{
-    static const Expat library;
-    return library;
-}
 
 constexpr char separator = '\n'; // between a namespace and a name; names cannot contain it
 constexpr std::size_t piece_bytes = std::size_t{1} << 20, most_tag_bytes = 4 * piece_bytes;
@@ -49,25 +19,25 @@ constexpr std::size_t piece_bytes = std::size_t{1} << 20, most_tag_bytes = 4 * p
 struct XmlReader::Parser {
     const MeshSource& source;
     XmlHandler& handler;
-    XML_Parser expat_parser = expat().XML_ParserCreateNS(nullptr, separator);
+    XML_Parser expat = XML_ParserCreateNS(nullptr, separator);
     std::exception_ptr fault{}; ///< exceptions must not pass through C code
     int levels = 0;
     std::uint64_t bytes = 0;
 
     Parser(const MeshSource& s, XmlHandler& h) : source(s), handler(h)
     {
-        if (!expat_parser) throw std::bad_alloc();
-        expat().XML_SetUserData(expat_parser, this);
-        expat().XML_SetElementHandler(expat_parser, begin, end);
-        expat().XML_SetStartNamespaceDeclHandler(expat_parser, name_space);
-        expat().XML_SetCharacterDataHandler(expat_parser, text);
-        expat().XML_SetEntityDeclHandler(expat_parser, entity);
+        if (!expat) throw std::bad_alloc();
+        XML_SetUserData(expat, this);
+        XML_SetElementHandler(expat, begin, end);
+        XML_SetStartNamespaceDeclHandler(expat, name_space);
+        XML_SetCharacterDataHandler(expat, text);
+        XML_SetEntityDeclHandler(expat, entity);
     }
-    ~Parser() { expat().XML_ParserFree(expat_parser); }
+    ~Parser() { XML_ParserFree(expat); }
     Parser(const Parser&) = delete;
     Parser& operator=(const Parser&) = delete;
 
-    std::size_t line() const { return expat().XML_GetCurrentLineNumber(expat_parser); }
+    std::size_t line() const { return XML_GetCurrentLineNumber(expat); }
 
     /// Runs one call of the handler.
     template <class Call>
@@ -79,7 +49,7 @@ struct XmlReader::Parser {
             call(parser);
         } catch (...) {
             parser.fault = std::current_exception();
-            expat().XML_StopParser(parser.expat_parser, XML_FALSE);
+            XML_StopParser(parser.expat, XML_FALSE);
         }
     }
 
@@ -119,15 +89,15 @@ struct XmlReader::Parser {
     void pass(std::string_view piece, bool last)
     {
         bytes += piece.size();
-        const auto status = expat().XML_Parse(expat_parser, piece.data(), static_cast<int>(piece.size()), last);
+        const auto status = XML_Parse(expat, piece.data(), static_cast<int>(piece.size()), last);
         if (fault) std::rethrow_exception(fault);
         if (status == XML_STATUS_ERROR) {
-            const XML_Error error = expat().XML_GetErrorCode(expat_parser);
+            const XML_Error error = XML_GetErrorCode(expat);
             if (error == XML_ERROR_NO_MEMORY) throw std::bad_alloc();
-            source.fail(fmt::format("not well-formed XML: {}", expat().XML_ErrorString(error)), line());
+            source.fail(fmt::format("not well-formed XML: {}", XML_ErrorString(error)), line());
         }
         // Expat scans an incomplete tag again with each piece, so its length must be limited.
-        const auto at = static_cast<std::uint64_t>(expat().XML_GetCurrentByteIndex(expat_parser));
+        const auto at = static_cast<std::uint64_t>(XML_GetCurrentByteIndex(expat));
         if (!last && bytes - std::min(bytes, at) > most_tag_bytes)
             source.fail(fmt::format("a tag or comment is longer than {} bytes", most_tag_bytes), line());
     }
