@@ -4,7 +4,7 @@
 #include <string>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/broadphase/box_checks.hpp>
+#include <oncollide/broadphase/aabb_checks.hpp>
 
 namespace oncollide {
 

@@ -38,10 +38,10 @@ struct BodyColumns {
 };
 
 /// A query's box overlaps a body's box.
-struct BoxHit {
+struct AabbHit {
     std::uint32_t query, body; ///< index of the box in the query; the body
-    friend bool operator==(BoxHit, BoxHit) = default;
-    friend auto operator<=>(BoxHit, BoxHit) = default;
+    friend bool operator==(AabbHit, AabbHit) = default;
+    friend auto operator<=>(AabbHit, AabbHit) = default;
 };
 
 /// Statistics of progressive delimitation at one level of its hierarchy of regions; level 0 is the whole scene. Counts
@@ -120,7 +120,7 @@ public:
     /// changes.
     /// Throws Error{usage} if changes are pending, Error{bad_data} naming a box that is not finite or exceeds 1e30 m.
     /// @param columns  as they were when the changes were applied
-    virtual void query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<BoxHit>& hits) const = 0;
+    virtual void query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<AabbHit>& hits) const = 0;
 
     virtual std::size_t size() const = 0; ///< bodies
     virtual bool contains(std::uint32_t body) const = 0;

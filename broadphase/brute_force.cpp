@@ -2,9 +2,9 @@
 #include <array>
 
 #include <oncollide/base/outward.hpp>
+#include <oncollide/broadphase/aabb_checks.hpp>
+#include <oncollide/broadphase/aabb_kernel.hpp>
 #include <oncollide/broadphase/body_states.hpp>
-#include <oncollide/broadphase/box_checks.hpp>
-#include <oncollide/broadphase/box_kernel.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 
 namespace oncollide {
@@ -34,12 +34,12 @@ public:
         pairs_.clear();
         const auto count = static_cast<std::uint32_t>(list_.size());
         found_.resize(count + 8);
-        const BoxColumnsView view{{columns_[0].data(), columns_[1].data(), columns_[2].data()},
-                                  {columns_[3].data(), columns_[4].data(), columns_[5].data()}};
+        const AabbColumnsView view{{columns_[0].data(), columns_[1].data(), columns_[2].data()},
+                                   {columns_[3].data(), columns_[4].data(), columns_[5].data()}};
         for (std::uint32_t i = 0; i < count; ++i) {
             float box[6];
             for (std::size_t c = 0; c < 6; ++c) box[c] = columns_[c][i];
-            const std::uint32_t hits = box_kernel().overlap_range(view, i + 1, count, box, found_.data());
+            const std::uint32_t hits = aabb_kernel().overlap_range(view, i + 1, count, box, found_.data());
             for (std::uint32_t k = 0; k < hits; ++k) {
                 const std::uint32_t a = list_[i], b = list_[found_[k]];
                 const bool dynamic = bodies_.is(a, BodyStates::dynamic) || bodies_.is(b, BodyStates::dynamic);
@@ -52,7 +52,7 @@ public:
 
     void survivors(std::vector<std::uint32_t>& bodies) override { bodies_.list(bodies); }
 
-    void query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<BoxHit>& hits) const override
+    void query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<AabbHit>& hits) const override
     {
         check_query(columns, boxes);
         hits.clear();

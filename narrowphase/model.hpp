@@ -12,7 +12,7 @@
 #include <vector>
 
 #include <oncollide/base/prefetch.hpp>
-#include <oncollide/broadphase/pose_bounds.hpp>
+#include <oncollide/broadphase/bounds/pose_bounds.hpp>
 #include <oncollide/narrowphase/exact/exact_fcl.hpp>
 #include <oncollide/narrowphase/hulls/inner_spheres.hpp>
 #include <oncollide/narrowphase/hulls/outer_hull.hpp>

@@ -85,8 +85,8 @@ bool MotionForecast::found_lately(const PrefetchPart& part) const
            (part.box.max.array() <= known->second.max.array()).all();
 }
 
-std::vector<PrefetchPart> MotionForecast::find(const Bodies& bodies, std::span<const std::uint32_t> moved, const BroadPhase& broad,
-                                 std::uint32_t frame, std::uint32_t frames)
+std::vector<PrefetchPart> MotionForecast::find(const Bodies& bodies, std::span<const std::uint32_t> moved,
+                                               const BroadPhase& broad, std::uint32_t frame, std::uint32_t frames)
 {
     const std::uint32_t turns = std::max(1u, frames / 2);
     seen_.resize(bodies.slots());
@@ -107,7 +107,7 @@ std::vector<PrefetchPart> MotionForecast::find(const Bodies& bodies, std::span<c
     if (boxes_.empty()) return parts;
     broad.query(bodies.columns(), boxes_, hits_);
     const Eigen::Isometry3d world = Eigen::Isometry3d::Identity();
-    for (const BoxHit& hit : hits_) {
+    for (const AabbHit& hit : hits_) {
         Model& model = bodies.model(hit.body);
         if (!model.cooked() || !bodies.columns().allows(slots_[hit.query], hit.body)) continue;
         parts.push_back({&model, box_moved(boxes_[hit.query], RelativePose(bodies.pose(hit.body), world))});

@@ -66,7 +66,7 @@ public:
     /// Parts of cooked meshes that moving bodies reach within `frames` frames, except parts found recently. Each call
     /// examines a share of the bodies; all are examined within `frames` / 2 calls. The broad phase must be up to date.
     std::vector<PrefetchPart> find(const Bodies& bodies, std::span<const std::uint32_t> moved, const BroadPhase& broad,
-                            std::uint32_t frame, std::uint32_t frames);
+                                   std::uint32_t frame, std::uint32_t frames);
 
 private:
     struct Seen {
@@ -80,7 +80,7 @@ private:
     std::uint32_t found_since_ = 0;
     std::vector<std::uint32_t> slots_;
     std::vector<Aabb> boxes_;
-    std::vector<BoxHit> hits_;
+    std::vector<AabbHit> hits_;
 };
 
 } // namespace oncollide

@@ -18,7 +18,7 @@ struct World::Impl::QueryWorker {
     PenetrationDepth penetration;
     std::vector<Contact> meetings;
     std::vector<Aabb> boxes;
-    std::vector<BoxHit> hits;
+    std::vector<AabbHit> hits;
     std::vector<Eigen::Isometry3d> poses; ///< of pairs given as columns
     std::vector<PairTask> tasks;
     std::vector<Finding> refined;
@@ -63,8 +63,8 @@ void World::Impl::each(std::size_t items, std::size_t chunk, Work work)
     });
 }
 
-/// Calls work(worker, i, found), which appends, for each item i on the World's threads; item i's are found[offsets[i]] up
-/// to found[offsets[i + 1]]. Overwrites both.
+/// Calls work(worker, i, found), which appends, for each item i on the World's threads; item i's are found[offsets[i]]
+/// up to found[offsets[i + 1]]. Overwrites both.
 template <class Found, class Work>
 void World::Impl::gather(std::size_t items, std::size_t chunk, std::vector<Found>& found,
                          std::vector<std::size_t>& offsets, Work work)

@@ -77,7 +77,7 @@ void World::Impl::find_near(QueryWorker& worker, const Probe& probe, double marg
     worker.boxes.assign(1, box);
     broad->query(bodies.columns(), worker.boxes, worker.hits);
     worker.tasks.clear();
-    for (const BoxHit& hit : worker.hits)
+    for (const AabbHit& hit : worker.hits)
         if (allows(probe.filter, bodies, hit.body))
             worker.tasks.push_back(
                 {hit.body, probe.model, &bodies.model(hit.body), &probe.pose, &bodies.pose(hit.body)});

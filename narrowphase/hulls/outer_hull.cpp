@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include <oncollide/broadphase/box_kernel.hpp>
+#include <oncollide/broadphase/aabb_kernel.hpp>
 #include <oncollide/narrowphase/shapes/simplex.hpp>
 
 namespace oncollide {
@@ -22,7 +22,7 @@ constexpr std::size_t most_points = 512;
 std::uint32_t number_of_farthest(const PointColumns& points, const Vector3f& direction)
 {
     const auto& [x, y, z] = points.xyz;
-    return box_kernel().farthest(x.data(), y.data(), z.data(), static_cast<std::uint32_t>(x.size()), direction.data());
+    return aabb_kernel().farthest(x.data(), y.data(), z.data(), static_cast<std::uint32_t>(x.size()), direction.data());
 }
 
 Vector3d point(const PointColumns& points, std::size_t i)

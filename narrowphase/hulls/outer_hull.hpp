@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include <oncollide/broadphase/support_map.hpp>
+#include <oncollide/broadphase/bounds/support_map.hpp>
 #include <oncollide/narrowphase/relative_pose.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 

@@ -306,7 +306,7 @@ TEST_P(EveryBroadPhase, AnswersQueriesFromManyThreadsAtOnce)
         boxes.emplace_back();
         boxes.back().add(at), boxes.back().add(Eigen::Vector3d(at.array() + u01(9, k, 3) * 3));
     }
-    std::vector<BoxHit> expected;
+    std::vector<AabbHit> expected;
     for (std::uint32_t k = 0; k < boxes.size(); ++k)
         for (std::uint32_t body : scene.all) {
             Aabb grown = boxes[k];
@@ -316,14 +316,14 @@ TEST_P(EveryBroadPhase, AnswersQueriesFromManyThreadsAtOnce)
     EXPECT_GT(expected.size(), 500u);
     broad->take_in(scene.columns());
     constexpr std::size_t threads = 4;
-    std::array<std::vector<BoxHit>, threads> hits;
+    std::array<std::vector<AabbHit>, threads> hits;
     std::vector<std::thread> running;
-    for (std::vector<BoxHit>& mine : hits)
+    for (std::vector<AabbHit>& mine : hits)
         running.emplace_back([&] {
             for (int round = 0; round < 20; ++round) broad->query(scene.columns(), boxes, mine);
         });
     for (std::thread& thread : running) thread.join();
-    for (const std::vector<BoxHit>& mine : hits) EXPECT_EQ(mine, expected);
+    for (const std::vector<AabbHit>& mine : hits) EXPECT_EQ(mine, expected);
     Pairs pairs = truth(scene);
     std::erase_if(pairs, [](BodyPair p) { return p.a == 17 || p.b == 17; });
     EXPECT_EQ(find(*broad, scene), pairs) << "a query forgets no pair";
@@ -339,7 +339,7 @@ TEST_P(BroadPhaseOfOneThread, AllocatesNothingInAWarmFrame)
     Boxes scene = random_boxes(2000, 22, 0.3, 43, {0, 0, 0});
     const auto broad = make();
     scene.add_to(*broad);
-    std::vector<BoxHit> hits;
+    std::vector<AabbHit> hits;
     for (std::uint64_t frame = 0; frame < 24; ++frame) {
         Bodies moved;
         for (std::uint32_t body : scene.all)
@@ -376,7 +376,7 @@ TEST_P(EveryBroadPhase, RefusesWhatMakesNoSense)
     names("columns", [&] { broad->find_pairs({std::span(scene.boxes).first(299)}); });
     names("columns", [&] { broad->find_pairs({scene.boxes, scene.layers, {}}); });
     names("columns", [&] { broad->find_pairs({.boxes = scene.boxes, .groups = std::span(scene.groups).first(9)}); });
-    std::vector<BoxHit> hits;
+    std::vector<AabbHit> hits;
     const Aabb empty;
     names("query 0", [&] { broad->query(scene.columns(), std::span(&empty, 1), hits); });
     broad->move(Bodies{3});

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/random.hpp>
-#include <oncollide/broadphase/pose_bounds.hpp>
+#include <oncollide/broadphase/bounds/pose_bounds.hpp>
 #include <oncollide/samples/catalogue.hpp>
 #include <oncollide/samples/generators.hpp>
 

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/random.hpp>
-#include <oncollide/broadphase/pose_bounds.hpp>
+#include <oncollide/broadphase/bounds/pose_bounds.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/hulls/inner_spheres.hpp>
 #include <oncollide/narrowphase/inside/point_location.hpp>

@@ -6,7 +6,7 @@
 
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/base/random.hpp>
-#include <oncollide/broadphase/box_kernel.hpp>
+#include <oncollide/broadphase/aabb_kernel.hpp>
 #include <oncollide/narrowphase/spheres/octant_kernel.hpp>
 #include <oncollide/narrowphase/spheres/surface.hpp>
 #include <oncollide/samples/generators.hpp>
@@ -54,8 +54,8 @@ TEST(Kernels, KeepThePointsThatMayBeFarthestOnEveryInstructionSet)
         for (std::uint64_t axis = 0; axis < 3; ++axis) xyz[axis].push_back(random_float(std::min(i, 499ul), axis));
     const float corners[4][3] = {{0.9f, 0, 0.1f}, {0.9f, 0.2f, 0}, {0.8f, 0, 0.3f}, {0.8f, 0.2f, 0.2f}};
     std::vector<std::int32_t> expected(504);
-    baseline::box_kernel().keep_farthest(xyz[0].data(), xyz[1].data(), xyz[2].data(), count, corners, 1e-6f,
-                                         along.data(), expected.data());
+    baseline::aabb_kernel().keep_farthest(xyz[0].data(), xyz[1].data(), xyz[2].data(), count, corners, 1e-6f,
+                                          along.data(), expected.data());
     const auto kept = std::accumulate(expected.begin(), expected.begin() + count, 0);
     EXPECT_TRUE(kept > 0 && kept < 50) << kept;
     const auto most = [&](const float(&d)[3]) { // the farthest of them
@@ -68,8 +68,8 @@ TEST(Kernels, KeepThePointsThatMayBeFarthestOnEveryInstructionSet)
     for (const auto& corner : corners) EXPECT_EQ(expected[most(corner)], 1);
     EXPECT_EQ(expected[most({0.85f, 0.1f, 0.15f})], 1);
     std::vector<std::int32_t> got(504);
-    for (const auto& [set, kernel] :
-         {std::pair(InstructionSet::avx2, &avx2::box_kernel), std::pair(InstructionSet::avx512, &avx512::box_kernel)}) {
+    for (const auto& [set, kernel] : {std::pair(InstructionSet::avx2, &avx2::aabb_kernel),
+                                      std::pair(InstructionSet::avx512, &avx512::aabb_kernel)}) {
         if (instruction_set() < set) continue;
         kernel().keep_farthest(xyz[0].data(), xyz[1].data(), xyz[2].data(), count, corners, 1e-6f, along.data(),
                                got.data());
@@ -85,7 +85,7 @@ TEST(Kernels, BoundPointsAlikeOnEveryInstructionSet)
     for (std::uint64_t i = 0; i < 100; ++i) {
         float rows[9], expected[6], got[6];
         for (std::uint64_t k = 0; k < 9; ++k) rows[k] = random_float(i, k);
-        const auto ask = [&](const BoxKernel& kernel, float out[6]) {
+        const auto ask = [&](const AabbKernel& kernel, float out[6]) {
             kernel.support_box(x.data(), y.data(), z.data(), 1024, rows, out, out + 3);
             for (int axis = 0; axis < 3; ++axis)
                 EXPECT_EQ(kernel.most_along(x.data(), y.data(), z.data(), 1024, rows + 3 * axis), out[3 + axis]);
@@ -97,13 +97,13 @@ TEST(Kernels, BoundPointsAlikeOnEveryInstructionSet)
             EXPECT_EQ(std::max(high[2], rest[2]), out[5]);
             EXPECT_TRUE(std::equal(low, low + 2, out) && std::equal(high, high + 2, out + 3));
         };
-        ask(baseline::box_kernel(), expected);
+        ask(baseline::aabb_kernel(), expected);
         if (instruction_set() >= InstructionSet::avx2) {
-            ask(avx2::box_kernel(), got);
+            ask(avx2::aabb_kernel(), got);
             EXPECT_EQ(std::memcmp(expected, got, sizeof got), 0);
         }
         if (instruction_set() >= InstructionSet::avx512) {
-            ask(avx512::box_kernel(), got);
+            ask(avx512::aabb_kernel(), got);
             EXPECT_EQ(std::memcmp(expected, got, sizeof got), 0);
         }
     }

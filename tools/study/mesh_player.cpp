@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/broadphase/pose_bounds.hpp>
+#include <oncollide/broadphase/bounds/pose_bounds.hpp>
 
 #include "bench/bench.hpp"
 #include "cli/system.hpp"

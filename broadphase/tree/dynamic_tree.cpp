@@ -1,14 +1,10 @@
-// The kd-tree and the octree broad phases.
+#include <oncollide/broadphase/tree/dynamic_tree.hpp>
+
 #include <algorithm>
 
-#include <oncollide/broadphase/body_states.hpp>
-#include <oncollide/broadphase/box_checks.hpp>
-#include <oncollide/broadphase/broad_phase.hpp>
-#include <oncollide/broadphase/delimitation.hpp>
-#include <oncollide/broadphase/loose_boxes.hpp>
-#include <oncollide/broadphase/pair_filter.hpp>
+#include <oncollide/base/prefetch.hpp>
+#include <oncollide/broadphase/aabb_checks.hpp>
 #include <oncollide/broadphase/pair_sort.hpp>
-#include <oncollide/broadphase/tree_search.hpp>
 
 namespace oncollide {
 
@@ -16,75 +12,8 @@ namespace {
 
 constexpr std::size_t whole_share = 4;           // search everything if more than one body in this many changed
 constexpr std::uint32_t worth_compacting = 1024; // slots
-constexpr std::uint64_t unmarked = ~std::uint64_t{0};
 
-/// A tree that is kept between frames, with the pairs found in it.
-///
-///     changes -> take_in: update loose boxes and tree
-///             -> few changes:  delimit: find regions near bodies that left their loose boxes
-///                           -> find_near: find pairs of loose boxes in these regions
-///                           -> compare_near: compare the boxes of changed bodies -> pairs
-///             -> many changes: find_whole: search the whole tree -> pairs
-class DynamicTree final : public TracksBodies {
-public:
-    DynamicTree(std::string_view name, BoxOrder order, const Options& options)
-        : TracksBodies(options), name_(name), tree_(order)
-    {
-    }
-    std::string_view name() const override { return name_; }
-
-    void take_in(const BodyColumns& columns) override;
-    std::span<const BodyPair> find_pairs(const BodyColumns& columns, bool whole) override;
-    void delimit(const BodyColumns& columns) override;
-    std::span<const DelimitationLevel> levels() override;
-    std::vector<DelimitedRegion> regions() override;
-    std::uint64_t bodies_left() override;
-    void survivors(std::vector<std::uint32_t>& bodies) override;
-    void query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<BoxHit>& hits) const override;
-
-    std::size_t bytes() const override;
-
-private:
-    void rebuild(const BodyColumns& columns);
-    void refit(const BodyColumns& columns);
-    void loosen(const BodyColumns& columns, std::span<const std::uint32_t> moved);
-    void note_escaped(std::span<const std::uint32_t> bodies);
-    void collect_queries();
-    void find_whole(const BodyColumns& columns);
-    void find_near(const BodyColumns& columns);
-    void compare_near(const BodyColumns& columns);
-    /// For a pair in near_: true if one of its bodies changed, but both stayed within their loose boxes.
-    bool to_compare(BodyPair pair) const
-    {
-        const std::uint8_t a = bodies_.data()[pair.a], b = bodies_.data()[pair.b];
-        return (a | b) & BodyStates::changed && !((a | b) & BodyStates::escaped) && a & b & BodyStates::present &&
-               (a | b) & BodyStates::dynamic;
-    }
-    int threads_for(std::size_t queries) const
-    {
-        return queries < TreeSearch::worth_threads / 8 ? 1 : options_.threads;
-    }
-    int threads_for_all() const { return size() < TreeSearch::worth_threads ? 1 : options_.threads; }
-
-    std::string_view name_;
-    BoxTree tree_;
-    PairFilter filter_;
-    TreeSearch search_;
-    Delimitation delimitation_;
-    std::vector<std::uint32_t> gone_, come_, moved_, left_; ///< scratch: bodies for the tree to change
-    LooseBoxes loose_;
-    std::vector<std::uint32_t> escaped_; ///< bodies added, or outside their loose boxes, since pairs were last found
-    std::vector<std::uint32_t> queries_; ///< the subset whose pairs are searched for
-    std::vector<BodyPair> near_;         ///< superset of pairs_: all pairs that bodies can form within their loose
-                                         ///< boxes
-    std::vector<BodyPair> pairs_, found_, scratch_, before_;
-    PairLists lists_;
-    bool near_are_pairs_ = true;              ///< true if near_ equals pairs_; it is then empty
-    bool delimited_ = false;                  ///< true if delimit() has run since the changes were applied
-    bool whole_ = true;                       ///< true if the whole tree is searched, not regions of it
-    std::uint64_t marked_version_ = unmarked; ///< dynamic_version() of the marks in the tree
-    std::uint64_t filters_version_ = 0;       ///< as of the last take_in()
-};
+} // namespace
 
 void DynamicTree::rebuild(const BodyColumns& columns)
 {
@@ -98,7 +27,7 @@ void DynamicTree::rebuild(const BodyColumns& columns)
     loose_.clear();
 }
 
-/// Replaces loose boxes in the tree by the bodies' own boxes.
+/// Replaces loose AABBs in the tree by the bodies' own boxes.
 void DynamicTree::refit(const BodyColumns& columns)
 {
     tree_.refit(columns.boxes, options_.margin, threads_for_all());
@@ -154,7 +83,7 @@ void DynamicTree::take_in(const BodyColumns& columns)
     taken_in_ = true;
 }
 
-/// Replaces the loose boxes that `moved` bodies have left, also in the tree.
+/// Replaces the loose AABBs that `moved` bodies have left, also in the tree.
 void DynamicTree::loosen(const BodyColumns& columns, std::span<const std::uint32_t> moved)
 {
     const bool filters_too = columns.filters_version == 0 || columns.filters_version != filters_version_;
@@ -373,13 +302,13 @@ void DynamicTree::survivors(std::vector<std::uint32_t>& bodies)
     bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
 }
 
-void DynamicTree::query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<BoxHit>& hits) const
+void DynamicTree::query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<AabbHit>& hits) const
 {
     check_query(columns, boxes);
     hits.clear();
     const auto take = [&](const std::uint32_t* query, const std::uint32_t* place, std::size_t count) {
         for (std::size_t k = 0; k < count; ++k) {
-            const BoxHit hit{query[k], tree_.body_at(place[k])};
+            const AabbHit hit{query[k], tree_.body_at(place[k])};
             if (overlap(boxes[hit.query], columns.boxes[hit.body], options_.margin)) hits.push_back(hit);
         }
     };
@@ -387,7 +316,7 @@ void DynamicTree::query(const BodyColumns& columns, std::span<const Aabb> boxes,
         float box[6];
         tree_.round(boxes[k], options_.margin, box);
         const std::size_t first = hits.size();
-        find_in_chunks(take, [&](PairSink& sink) { box_tree_kernel().below_root(tree_.view(), k, box, sink); });
+        find_in_chunks(take, [&](PairSink& sink) { aabb_tree_kernel().below_root(tree_.view(), k, box, sink); });
         std::sort(hits.begin() + static_cast<std::ptrdiff_t>(first), hits.end());
     }
 }
@@ -402,15 +331,13 @@ std::size_t DynamicTree::bytes() const
            lists * sizeof(std::uint32_t) + pairs * sizeof(BodyPair);
 }
 
-} // namespace
-
 std::unique_ptr<BroadPhase> make_kd_tree(const BroadPhase::Options& options)
 {
-    return std::make_unique<DynamicTree>("kd", BoxOrder::kd, options);
+    return std::make_unique<DynamicTree>("kd", AabbOrder::kd, options);
 }
 std::unique_ptr<BroadPhase> make_octree(const BroadPhase::Options& options)
 {
-    return std::make_unique<DynamicTree>("octree", BoxOrder::octree, options);
+    return std::make_unique<DynamicTree>("octree", AabbOrder::octree, options);
 }
 
 } // namespace oncollide

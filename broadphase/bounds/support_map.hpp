@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include <oncollide/broadphase/box_kernel.hpp>
+#include <oncollide/broadphase/aabb_kernel.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide {

@@ -1,4 +1,4 @@
-#include <oncollide/broadphase/pair_filter.hpp>
+#include <oncollide/broadphase/tree/pair_filter.hpp>
 
 namespace oncollide {
 
@@ -12,7 +12,7 @@ void PairFilter::add(std::uint32_t body, const BodyColumns& columns)
 }
 
 void PairFilter::update(const BodyStates& bodies, std::span<const std::uint32_t> changed, const BodyColumns& columns,
-                        BoxTree& tree)
+                        AabbTree& tree)
 {
     const bool layers = !columns.layers.empty(), groups = !columns.groups.empty();
     known_ = known_ && layers == with_layers_ && groups == with_groups_;

@@ -1,6 +1,6 @@
 // Compiled once per instruction set; see oncollide_add_kernel.
 #include <oncollide/base/simd.hpp>
-#include <oncollide/broadphase/box_kernel.hpp>
+#include <oncollide/broadphase/aabb_kernel.hpp>
 
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {
@@ -13,7 +13,7 @@ inline F32x8 greatest(F32x8 v)
     return max(v, ONCOLLIDE_SHUFFLE(v, 1, 0, 3, 2, 5, 4, 7, 6));
 }
 
-std::uint32_t overlap_range(const BoxColumnsView& c, std::uint32_t begin, std::uint32_t end, const float box[6],
+std::uint32_t overlap_range(const AabbColumnsView& c, std::uint32_t begin, std::uint32_t end, const float box[6],
                             std::uint32_t* out)
 {
     const F32x8 lo_x = splat(box[0]), lo_y = splat(box[1]), lo_z = splat(box[2]);
@@ -123,7 +123,7 @@ void keep_farthest(const float* x, const float* y, const float* z, std::uint32_t
 
 } // namespace
 
-BoxKernel box_kernel()
+AabbKernel aabb_kernel()
 {
     return {overlap_range, support_box, lists_box, most_along, farthest, keep_farthest};
 }

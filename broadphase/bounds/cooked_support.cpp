@@ -1,10 +1,12 @@
-#include <oncollide/broadphase/cooked_support.hpp>
+#include <oncollide/broadphase/bounds/cooked_support.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include <oncollide/broadphase/box_kernel.hpp>
+#include <Eigen/Geometry>
+
+#include <oncollide/broadphase/aabb_kernel.hpp>
 
 namespace oncollide {
 
@@ -80,7 +82,7 @@ float CookedSupport::bound(std::size_t chunk, const Vector3f& d) const
 float CookedSupport::most_of(std::size_t chunk, const Vector3f& d) const
 {
     const auto& [x, y, z] = points_[chunk].xyz;
-    return box_kernel().most_along(x.data(), y.data(), z.data(), static_cast<std::uint32_t>(x.size()), d.data());
+    return aabb_kernel().most_along(x.data(), y.data(), z.data(), static_cast<std::uint32_t>(x.size()), d.data());
 }
 
 /// False if the chunk cannot be read: CookedMesh records the fault, and the box stays in use as an upper bound.

@@ -3,7 +3,7 @@
 #include <span>
 
 #include <oncollide/broadphase/body_states.hpp>
-#include <oncollide/broadphase/box_tree.hpp>
+#include <oncollide/broadphase/tree/aabb_tree.hpp>
 
 namespace oncollide {
 
@@ -13,7 +13,7 @@ public:
     /// Applies changes. `changed` includes all bodies that are new or whose layers, mask or group changed. Cost:
     /// O(changed), or O(n) if nothing is known yet.
     void update(const BodyStates& bodies, std::span<const std::uint32_t> changed, const BodyColumns& columns,
-                BoxTree& tree);
+                AabbTree& tree);
     void forget() { known_ = false; } ///< call after the tree was rebuilt
     bool layers_forbid() const { return some_in_none_ || (layers_ & ~common_mask_) != 0; }
     bool forbids() const { return layers_forbid() || groups_; }

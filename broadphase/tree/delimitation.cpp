@@ -1,4 +1,4 @@
-#include <oncollide/broadphase/delimitation.hpp>
+#include <oncollide/broadphase/tree/delimitation.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -45,21 +45,21 @@ void Delimitation::each_worker(int threads, Work work) const
 
 /// Expands the nodes of `from`, on the level above, to the nodes of `level` that the queries overlap. `room` is the
 /// number of pairs that all workers together may still find; they stop once it is negative.
-void Delimitation::descend(const BoxLevelView& level, bool layers, const NodePairs& from, NodePairs& to,
+void Delimitation::descend(const AabbLevelView& level, bool layers, const NodePairs& from, NodePairs& to,
                            std::atomic<std::int64_t>& room) const
 {
     constexpr std::size_t slice = 4096; // finds at most 16 times as many pairs before they are counted
     to.clear();
     for (std::size_t k = 0; k < from.size() && room >= 0; k += slice) {
         const std::size_t before = to.size();
-        box_tree_kernel().in_blocks(level, from.i() + k, from.j() + k, std::min(slice, from.size() - k), boxes_.data(),
-                                    to.sink());
+        aabb_tree_kernel().in_blocks(level, from.i() + k, from.j() + k, std::min(slice, from.size() - k), boxes_.data(),
+                                     to.sink());
         if (layers && level.layers) drop_forbidden(level, to.sink(), before);
         room -= static_cast<std::int64_t>(to.size() - before);
     }
 }
 
-void Delimitation::drop_forbidden(const BoxLevelView& level, PairSink& found, std::uint64_t first) const
+void Delimitation::drop_forbidden(const AabbLevelView& level, PairSink& found, std::uint64_t first) const
 {
     std::uint64_t kept = first;
     for (std::uint64_t k = first; k < found.count; ++k) {
@@ -70,7 +70,7 @@ void Delimitation::drop_forbidden(const BoxLevelView& level, PairSink& found, st
     found.count = kept;
 }
 
-void Delimitation::run(const BoxTree& tree, bool layers, int threads)
+void Delimitation::run(const AabbTree& tree, bool layers, int threads)
 {
     workers_ = queries() < queries_worth_threads ? 1 : static_cast<std::size_t>(threads);
     while (reached_.size() < workers_)
@@ -96,7 +96,7 @@ void Delimitation::run(const BoxTree& tree, bool layers, int threads)
     if (in_a_heap_) levels_.clear();
 }
 
-void Delimitation::compare(const BoxTree& tree, int threads, Found found) const
+void Delimitation::compare(const AabbTree& tree, int threads, Found found) const
 {
     if (tree.empty() || queries() == 0) return;
     each_worker(threads, [&](std::size_t w) {
@@ -106,16 +106,16 @@ void Delimitation::compare(const BoxTree& tree, int threads, Found found) const
         find_in_chunks(take, [&](PairSink& sink) {
             if (in_a_heap_) {
                 for (std::size_t k = first_query(w); k < first_query(w + 1); ++k)
-                    box_tree_kernel().below_root(tree.view(), static_cast<std::uint32_t>(k), box(k), sink);
+                    aabb_tree_kernel().below_root(tree.view(), static_cast<std::uint32_t>(k), box(k), sink);
             } else {
-                box_tree_kernel().in_blocks(tree.view().level[0], reached_[w]->i(), reached_[w]->j(),
-                                            reached_[w]->size(), boxes_.data(), sink);
+                aabb_tree_kernel().in_blocks(tree.view().level[0], reached_[w]->i(), reached_[w]->j(),
+                                             reached_[w]->size(), boxes_.data(), sink);
             }
         });
     });
 }
 
-void Delimitation::count(const BoxTree& tree)
+void Delimitation::count(const AabbTree& tree)
 {
     if (counted_) return;
     const auto from = Clock::now();
@@ -125,13 +125,13 @@ void Delimitation::count(const BoxTree& tree)
     counted_ = true;
 }
 
-std::span<const DelimitationLevel> Delimitation::levels(const BoxTree& tree)
+std::span<const DelimitationLevel> Delimitation::levels(const AabbTree& tree)
 {
     count(tree);
     return levels_;
 }
 
-std::vector<DelimitedRegion> Delimitation::regions(const BoxTree& tree)
+std::vector<DelimitedRegion> Delimitation::regions(const AabbTree& tree)
 {
     count(tree);
     std::vector<DelimitedRegion> regions;
@@ -152,14 +152,14 @@ std::vector<DelimitedRegion> Delimitation::regions(const BoxTree& tree)
     return regions;
 }
 
-std::uint64_t Delimitation::bodies_left(const BoxTree& tree)
+std::uint64_t Delimitation::bodies_left(const AabbTree& tree)
 {
     count(tree);
     return bodies_left_;
 }
 
 /// A node is left if a query overlaps a leaf region below it.
-void Delimitation::mark(const BoxTree& tree)
+void Delimitation::mark(const AabbTree& tree)
 {
     const auto levels = static_cast<std::size_t>(tree.view().levels);
     is_left_.resize(levels + 1), left_.resize(levels + 1);
@@ -179,7 +179,7 @@ void Delimitation::mark(const BoxTree& tree)
         }
 }
 
-void Delimitation::count_rejected(const BoxTree& tree)
+void Delimitation::count_rejected(const AabbTree& tree)
 {
     const int top = tree.view().levels; // the only node of this level is the whole scene
     const auto at = [](int level) { return static_cast<std::size_t>(level); };
@@ -208,7 +208,7 @@ void Delimitation::count_rejected(const BoxTree& tree)
     bodies_left_ = bodies;
 }
 
-void Delimitation::survivors(const BoxTree& tree, std::vector<std::uint32_t>& bodies)
+void Delimitation::survivors(const AabbTree& tree, std::vector<std::uint32_t>& bodies)
 {
     count(tree);
     bodies.clear();

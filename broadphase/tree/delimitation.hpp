@@ -6,9 +6,9 @@
 #include <vector>
 
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/broadphase/box_tree.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
-#include <oncollide/broadphase/pair_lists.hpp>
+#include <oncollide/broadphase/tree/aabb_tree.hpp>
+#include <oncollide/broadphase/tree/pair_lists.hpp>
 
 namespace oncollide {
 
@@ -25,11 +25,11 @@ namespace oncollide {
 class Delimitation {
 public:
     void clear();
-    /// Adds a query box: lo x y z, hi x y z, as from BoxTree::box_at().
+    /// Adds a query box: lo x y z, hi x y z, as from AabbTree::box_at().
     void add(const float box[6], std::uint32_t layers, std::uint32_t mask);
     /// Runs the delimitation.
     /// @param layers  also reject regions whose layers forbid every pair: the tree has layers
-    void run(const BoxTree& tree, bool layers, int threads);
+    void run(const AabbTree& tree, bool layers, int threads);
     /// True if run() gave up because too little was rejected, so there is no data on regions.
     bool in_a_heap() const { return in_a_heap_; }
 
@@ -39,27 +39,27 @@ public:
     /// queries, places, count), worker < workers().
     using Found = FunctionRef<void(std::size_t worker, const std::uint32_t* queries, const std::uint32_t* places,
                                    std::size_t count)>;
-    void compare(const BoxTree& tree, int threads, Found found) const;
+    void compare(const AabbTree& tree, int threads, Found found) const;
 
     const float* box(std::size_t k) const { return &boxes_[6 * k]; }
     // Statistics, counted on request after run(), on the same tree.
-    std::span<const DelimitationLevel> levels(const BoxTree& tree);
-    std::vector<DelimitedRegion> regions(const BoxTree& tree);
+    std::span<const DelimitationLevel> levels(const AabbTree& tree);
+    std::vector<DelimitedRegion> regions(const AabbTree& tree);
     /// The number of bodies in the leaf regions that are left.
-    std::uint64_t bodies_left(const BoxTree& tree);
+    std::uint64_t bodies_left(const AabbTree& tree);
     /// Overwrites `bodies` with these bodies, ascending.
-    void survivors(const BoxTree& tree, std::vector<std::uint32_t>& bodies);
+    void survivors(const AabbTree& tree, std::vector<std::uint32_t>& bodies);
     std::size_t bytes() const;
 
 private:
     template <class Work>
     void each_worker(int threads, Work work) const;
-    void descend(const BoxLevelView& level, bool layers, const NodePairs& from, NodePairs& to,
+    void descend(const AabbLevelView& level, bool layers, const NodePairs& from, NodePairs& to,
                  std::atomic<std::int64_t>& room) const;
-    void drop_forbidden(const BoxLevelView& level, PairSink& found, std::uint64_t first) const;
-    void count(const BoxTree& tree);
-    void mark(const BoxTree& tree);
-    void count_rejected(const BoxTree& tree);
+    void drop_forbidden(const AabbLevelView& level, PairSink& found, std::uint64_t first) const;
+    void count(const AabbTree& tree);
+    void mark(const AabbTree& tree);
+    void count_rejected(const AabbTree& tree);
 
     std::size_t queries() const { return layers_.size(); }
     std::size_t first_query(std::size_t worker) const { return queries() * worker / workers_; }

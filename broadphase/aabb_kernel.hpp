@@ -5,14 +5,14 @@
 namespace oncollide {
 
 /// Float AABBs as columns, rounded outward. Readable for 8 boxes past the last one used.
-struct BoxColumnsView {
+struct AabbColumnsView {
     const float* lo[3];
     const float* hi[3];
 };
 
 /// Writes to `out` the positions in [begin, end) whose box overlaps `box` (lo x y z, hi x y z; closed), ascending.
 /// `out` needs room for end - begin + 8. Returns the number of positions.
-using OverlapRange = std::uint32_t(const BoxColumnsView& columns, std::uint32_t begin, std::uint32_t end,
+using OverlapRange = std::uint32_t(const AabbColumnsView& columns, std::uint32_t begin, std::uint32_t end,
                                    const float box[6], std::uint32_t* out);
 
 /// Smallest and largest of rows * point over `count` points (a multiple of 8; float columns x, y, z; rows 3x3
@@ -43,7 +43,7 @@ using Farthest = std::uint32_t(const float* x, const float* y, const float* z, s
 using KeepFarthest = void(const float* x, const float* y, const float* z, std::uint32_t count,
                           const float (&directions)[4][3], float rounding, float* along, std::int32_t* keep);
 
-struct BoxKernel {
+struct AabbKernel {
     OverlapRange* overlap_range;
     SupportBox* support_box;
     ListsBox* lists_box;
@@ -53,16 +53,16 @@ struct BoxKernel {
 };
 
 namespace baseline {
-BoxKernel box_kernel();
+AabbKernel aabb_kernel();
 }
 namespace avx2 {
-BoxKernel box_kernel();
+AabbKernel aabb_kernel();
 }
 namespace avx512 {
-BoxKernel box_kernel();
+AabbKernel aabb_kernel();
 }
 
 /// The implementation for instruction_set().
-const BoxKernel& box_kernel();
+const AabbKernel& aabb_kernel();
 
 } // namespace oncollide

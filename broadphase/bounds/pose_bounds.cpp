@@ -1,17 +1,17 @@
-#include <oncollide/broadphase/pose_bounds.hpp>
+#include <oncollide/broadphase/bounds/pose_bounds.hpp>
 
 #include <algorithm>
 #include <cmath>
 
 #include <oncollide/base/cpu_features.hpp>
-#include <oncollide/broadphase/box_kernel.hpp>
+#include <oncollide/broadphase/aabb_kernel.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 
 namespace oncollide {
 
-const BoxKernel& box_kernel()
+const AabbKernel& aabb_kernel()
 {
-    static const BoxKernel kernel = choose(baseline::box_kernel(), avx2::box_kernel(), avx512::box_kernel());
+    static const AabbKernel kernel = choose(baseline::aabb_kernel(), avx2::aabb_kernel(), avx512::aabb_kernel());
     return kernel;
 }
 
@@ -187,8 +187,8 @@ Aabb PoseBounds::box(const Eigen::Isometry3d& pose) const
         } else {
             const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> by_rows = rows;
             const auto& [x, y, z] = points_.xyz;
-            box_kernel().support_box(x.data(), y.data(), z.data(), static_cast<std::uint32_t>(x.size()), by_rows.data(),
-                                     lo.data(), hi.data());
+            aabb_kernel().support_box(x.data(), y.data(), z.data(), static_cast<std::uint32_t>(x.size()),
+                                      by_rows.data(), lo.data(), hi.data());
         }
         const Eigen::Vector3d low = lo.cast<double>(), high = hi.cast<double>();
         // With |r . p| <= |p|, coordinates, products and sums err by at most 9 * 2^-24 |p|.

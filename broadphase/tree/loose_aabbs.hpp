@@ -12,7 +12,7 @@ namespace oncollide {
 ///
 /// The enlargement covers three to six frames of the body's recent motion; it is zero for fast bodies and for a
 /// body's first box. 64 bytes per body that has moved, and 4 per body.
-class LooseBoxes {
+class LooseAabbs {
 public:
     bool empty() const { return rows_.size() == free_.size(); }
     /// Prefetches the data that hold() reads, because bodies are scattered in memory.

@@ -11,7 +11,7 @@
 namespace oncollide {
 
 /// Orders of boxes that place neighbours near each other.
-enum class BoxOrder {
+enum class AabbOrder {
     kd,     ///< split in halves along the longest axis, recursively: tight nodes. O(n log n), 0.2 microseconds per box
     octree, ///< radix sort by Morton code of the centre: looser nodes. O(n), a third of the time
 };
@@ -23,7 +23,7 @@ constexpr std::uint32_t no_body = ~0u;   ///< in slots that are padding
 /// requested order. All runs except the last are padded to whole nodes of 16 or 256, because a large box among small
 /// ones would widen every node above it. Independent of the thread count.
 /// @param origin  a point near the boxes: centres are rounded to float relative to it
-void append_in_order(BoxOrder kind, std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies,
+void append_in_order(AabbOrder kind, std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies,
                      const Eigen::Vector3d& origin, int threads, LargeVector<std::uint32_t>& order);
 
 } // namespace oncollide

@@ -1,4 +1,4 @@
-#include <oncollide/broadphase/support_map.hpp>
+#include <oncollide/broadphase/bounds/support_map.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -127,8 +127,8 @@ PointRange SupportMap::farthest(std::uint32_t face, std::uint32_t x, std::uint32
     const std::size_t count = among.count, room = (count + 7) / 8 * 8;
     const auto& [px, py, pz] = points_.xyz;
     if (keep_.size() < room) along_.resize(5 * room), keep_.resize(room);
-    box_kernel().keep_farthest(&px[among.begin], &py[among.begin], &pz[among.begin], among.count, corners, rounding_,
-                               along_.data(), keep_.data());
+    aabb_kernel().keep_farthest(&px[among.begin], &py[among.begin], &pz[among.begin], among.count, corners, rounding_,
+                                along_.data(), keep_.data());
     const auto begin = static_cast<std::uint32_t>(points_.size());
     for (std::vector<float>& column : points_.xyz) {
         column.resize(begin + count);
@@ -179,7 +179,7 @@ void SupportMap::box(const Eigen::Matrix3f& rows, Vector3f& lo, Vector3f& hi) co
     for (unsigned k = 0; k < 6; ++k) lists[k] = cells_[cells[k]];
     const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> by_rows = rows;
     const auto& [x, y, z] = points_.xyz;
-    box_kernel().lists_box(x.data(), y.data(), z.data(), lists, by_rows.data(), lo.data(), hi.data());
+    aabb_kernel().lists_box(x.data(), y.data(), z.data(), lists, by_rows.data(), lo.data(), hi.data());
 }
 
 std::size_t SupportMap::bytes() const

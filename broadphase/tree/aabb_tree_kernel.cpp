@@ -2,7 +2,7 @@
 #include <cstddef>
 
 #include <oncollide/base/simd.hpp>
-#include <oncollide/broadphase/box_tree_kernel.hpp>
+#include <oncollide/broadphase/tree/aabb_tree_kernel.hpp>
 
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {
@@ -13,16 +13,16 @@ struct Query {
     float lo[3], hi[3];
 };
 
-inline Query query_of(const BoxLevelView& level, std::uint32_t i)
+inline Query query_of(const AabbLevelView& level, std::uint32_t i)
 {
-    const float* p = level.blocks + std::size_t{i / width} * box_block + i % width;
+    const float* p = level.blocks + std::size_t{i / width} * aabb_block + i % width;
     return {{p[0], p[16], p[32]}, {p[48], p[64], p[80]}};
 }
 
 /// Bit k is set if box k of the block overlaps the query.
-inline unsigned hits(const BoxLevelView& level, std::uint32_t block, const Query& q)
+inline unsigned hits(const AabbLevelView& level, std::uint32_t block, const Query& q)
 {
-    const float* p = level.blocks + std::size_t{block} * box_block;
+    const float* p = level.blocks + std::size_t{block} * aabb_block;
 #if defined(__AVX512F__)
     const auto low = [&](int axis, __mmask16 m) {
         return _mm512_mask_cmp_ps_mask(m, _mm512_loadu_ps(p + 16 * axis), _mm512_set1_ps(q.hi[axis]), _CMP_LE_OQ);
@@ -84,9 +84,9 @@ inline void make_room(Found&) {} // always has room
 
 /// Pairs of children, one of node a and one of node b of level `level`.
 template <class List>
-inline void expand(const BoxTreeView& tree, int level, std::uint32_t a, std::uint32_t b, List& list)
+inline void expand(const AabbTreeView& tree, int level, std::uint32_t a, std::uint32_t b, List& list)
 {
-    const BoxLevelView& below = tree.level[level - 1];
+    const AabbLevelView& below = tree.level[level - 1];
     const std::uint32_t first_a = a * width, first_b = b * width;
     const unsigned moving_a = below.moving[a], moving_b = below.moving[b];
     unsigned of_a = hits(below, a, query_of(tree.level[level], b));
@@ -101,13 +101,13 @@ inline void expand(const BoxTreeView& tree, int level, std::uint32_t a, std::uin
 }
 
 /// False if the layers forbid every pair of a body below node a and one below node b.
-inline bool layers_meet(const BoxLevelView& level, std::uint32_t a, std::uint32_t b)
+inline bool layers_meet(const AabbLevelView& level, std::uint32_t a, std::uint32_t b)
 {
     return !level.layers || ((level.layers[a] & level.masks[b]) && (level.layers[b] & level.masks[a]));
 }
 
 /// Pairs of boxes of level `stop`, one below node a and one below node b of level `level` > stop.
-void between_nodes(const BoxTreeView& tree, int level, int stop, std::uint32_t a, std::uint32_t b, PairSink& sink)
+void between_nodes(const AabbTreeView& tree, int level, int stop, std::uint32_t a, std::uint32_t b, PairSink& sink)
 {
     if (!layers_meet(tree.level[level], a, b)) return;
     if (level - 1 == stop) return expand(tree, level, a, b, sink);
@@ -118,7 +118,7 @@ void between_nodes(const BoxTreeView& tree, int level, int stop, std::uint32_t a
 
 /// Pairs of children of one node.
 template <class List>
-inline void expand_within(const BoxLevelView& below, std::uint32_t node, List& list)
+inline void expand_within(const AabbLevelView& below, std::uint32_t node, List& list)
 {
     const std::uint32_t first = node * width;
     const std::uint32_t count = below.count - first < width ? below.count - first : width;
@@ -131,10 +131,10 @@ inline void expand_within(const BoxLevelView& below, std::uint32_t node, List& l
     }
 }
 
-void within_node(const BoxTreeView& tree, int level, int stop, std::uint32_t node, PairSink& sink)
+void within_node(const AabbTreeView& tree, int level, int stop, std::uint32_t node, PairSink& sink)
 {
     if (level < tree.levels && !layers_meet(tree.level[level], node, node)) return;
-    const BoxLevelView& below = tree.level[level - 1];
+    const AabbLevelView& below = tree.level[level - 1];
     if (level - 1 == stop) return expand_within(below, node, sink);
     for (unsigned moving = below.moving[node]; moving; moving &= moving - 1)
         within_node(tree, level - 1, stop, node * width + static_cast<std::uint32_t>(__builtin_ctz(moving)), sink);
@@ -148,13 +148,13 @@ inline Query query_at(const float box[6])
     return {{box[0], box[1], box[2]}, {box[3], box[4], box[5]}};
 }
 
-inline void fetch(const BoxLevelView& level, std::uint32_t block)
+inline void fetch(const AabbLevelView& level, std::uint32_t block)
 {
-    const float* p = level.blocks + std::size_t{block} * box_block;
-    for (std::uint32_t line = 0; line < box_block; line += width) __builtin_prefetch(p + line);
+    const float* p = level.blocks + std::size_t{block} * aabb_block;
+    for (std::uint32_t line = 0; line < aabb_block; line += width) __builtin_prefetch(p + line);
 }
 
-void in_blocks(const BoxLevelView& level, const std::uint32_t* queries, const std::uint32_t* blocks,
+void in_blocks(const AabbLevelView& level, const std::uint32_t* queries, const std::uint32_t* blocks,
                std::uint64_t count, const float* boxes, PairSink& sink)
 {
     constexpr std::uint64_t ahead = 3; // blocks prefetched while one is compared
@@ -165,10 +165,10 @@ void in_blocks(const BoxLevelView& level, const std::uint32_t* queries, const st
     }
 }
 
-void below_node(const BoxTreeView& tree, int level, std::uint32_t node, std::uint32_t query, const Query& box,
+void below_node(const AabbTreeView& tree, int level, std::uint32_t node, std::uint32_t query, const Query& box,
                 PairSink& sink)
 {
-    const BoxLevelView& below = tree.level[level - 1];
+    const AabbLevelView& below = tree.level[level - 1];
     const unsigned found = hits(below, node, box);
     if (level == 1) {
         make_room(sink);
@@ -179,7 +179,7 @@ void below_node(const BoxTreeView& tree, int level, std::uint32_t node, std::uin
     for (unsigned bits = found; bits; bits &= bits - 1) below_node(tree, level - 1, child(bits), query, box, sink);
 }
 
-void below_root(const BoxTreeView& tree, std::uint32_t query, const float box[6], PairSink& sink)
+void below_root(const AabbTreeView& tree, std::uint32_t query, const float box[6], PairSink& sink)
 {
     if (tree.levels > 0) below_node(tree, tree.levels, 0, query, query_at(box), sink);
 }
@@ -192,9 +192,9 @@ float least(F32x8 v)
     return v[0];
 }
 
-void bound(const BoxLevelView& below, std::uint32_t node, float box[6])
+void bound(const AabbLevelView& below, std::uint32_t node, float box[6])
 {
-    const float* p = below.blocks + std::size_t{node} * box_block;
+    const float* p = below.blocks + std::size_t{node} * aabb_block;
     for (int axis = 0; axis < 3; ++axis) {
         const float *lo = p + 16 * axis, *hi = lo + 48;
         box[axis] = least(min(load(lo), load(lo + 8)));
@@ -204,24 +204,24 @@ void bound(const BoxLevelView& below, std::uint32_t node, float box[6])
 
 // The nodes of the top level are the children of a virtual root, node 0 of level `levels`.
 
-void all(const BoxTreeView& tree, int stop, PairSink& sink)
+void all(const AabbTreeView& tree, int stop, PairSink& sink)
 {
     within_node(tree, tree.levels, stop, 0, sink);
 }
 
-void within(const BoxTreeView& tree, int level, std::uint32_t node, PairSink& sink)
+void within(const AabbTreeView& tree, int level, std::uint32_t node, PairSink& sink)
 {
     if (tree.level[level].moving[node / width] >> node % width & 1) within_node(tree, level, 0, node, sink);
 }
 
-void between(const BoxTreeView& tree, int level, std::uint32_t a, std::uint32_t b, PairSink& sink)
+void between(const AabbTreeView& tree, int level, std::uint32_t a, std::uint32_t b, PairSink& sink)
 {
     between_nodes(tree, level, 0, a, b, sink);
 }
 
 } // namespace
 
-BoxTreeKernel box_tree_kernel()
+AabbTreeKernel aabb_tree_kernel()
 {
     return {all, within, between, in_blocks, below_root, bound};
 }

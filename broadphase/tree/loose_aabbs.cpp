@@ -1,18 +1,18 @@
-#include <oncollide/broadphase/loose_boxes.hpp>
+#include <oncollide/broadphase/tree/loose_aabbs.hpp>
 
 #include <algorithm>
 
-#include <oncollide/broadphase/box_checks.hpp>
+#include <oncollide/broadphase/aabb_checks.hpp>
 
 namespace oncollide {
 
-LooseBoxes::Row LooseBoxes::row(std::uint32_t body, const BodyColumns& columns, bool dynamic)
+LooseAabbs::Row LooseAabbs::row(std::uint32_t body, const BodyColumns& columns, bool dynamic)
 {
     const auto of = [&](std::span<const std::uint32_t> column) { return column.empty() ? 0 : column[body]; };
     return {columns.boxes[body], of(columns.layers), of(columns.masks), of(columns.groups), dynamic, 0};
 }
 
-bool LooseBoxes::hold(std::uint32_t body, const BodyColumns& columns, bool dynamic, bool filters_too) const
+bool LooseAabbs::hold(std::uint32_t body, const BodyColumns& columns, bool dynamic, bool filters_too) const
 {
     if (body >= row_of_.size() || row_of_[body] == none) return false;
     const Row& loose = rows_[row_of_[body]];
@@ -22,7 +22,7 @@ bool LooseBoxes::hold(std::uint32_t body, const BodyColumns& columns, bool dynam
     return loose.layers == now.layers && loose.mask == now.mask && loose.group == now.group;
 }
 
-Aabb LooseBoxes::renew(std::uint32_t body, const BodyColumns& columns, bool dynamic)
+Aabb LooseAabbs::renew(std::uint32_t body, const BodyColumns& columns, bool dynamic)
 {
     if (body >= row_of_.size()) row_of_.resize(columns.boxes.size(), none);
     std::uint32_t& number = row_of_[body];
@@ -51,7 +51,7 @@ Aabb LooseBoxes::renew(std::uint32_t body, const BodyColumns& columns, bool dyna
     return loose.box;
 }
 
-void LooseBoxes::erase(std::uint32_t body)
+void LooseAabbs::erase(std::uint32_t body)
 {
     if (body >= row_of_.size() || row_of_[body] == none) return;
     owners_[row_of_[body]] = none;
@@ -59,14 +59,14 @@ void LooseBoxes::erase(std::uint32_t body)
     row_of_[body] = none;
 }
 
-void LooseBoxes::clear()
+void LooseAabbs::clear()
 {
     for (std::uint32_t body : owners_)
         if (body != none) row_of_[body] = none;
     rows_.clear(), owners_.clear(), free_.clear();
 }
 
-std::size_t LooseBoxes::bytes() const
+std::size_t LooseAabbs::bytes() const
 {
     return (row_of_.capacity() + owners_.capacity() + free_.capacity()) * sizeof(std::uint32_t) +
            rows_.capacity() * sizeof(Row);

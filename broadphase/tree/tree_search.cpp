@@ -1,17 +1,17 @@
-#include <oncollide/broadphase/tree_search.hpp>
+#include <oncollide/broadphase/tree/tree_search.hpp>
 
 #include <algorithm>
 
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/broadphase/box_checks.hpp>
+#include <oncollide/broadphase/aabb_checks.hpp>
 
 namespace oncollide {
 
-void TreeSearch::find_pairs(const BoxTree& tree, const BodyColumns& columns, bool filtered, double margin, int threads,
+void TreeSearch::find_pairs(const AabbTree& tree, const BodyColumns& columns, bool filtered, double margin, int threads,
                             std::vector<BodyPair>& pairs)
 {
-    const BoxTreeView& view = tree.view();
-    const BoxTreeKernel& kernel = box_tree_kernel();
+    const AabbTreeView& view = tree.view();
+    const AabbTreeKernel& kernel = aabb_tree_kernel();
     if (tree.size() < worth_threads || view.levels < 3) threads = 1;
     lists_.begin(pairs, threads);
     const auto keep_into = [&](std::vector<BodyPair>& list) {

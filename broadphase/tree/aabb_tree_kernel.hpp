@@ -7,7 +7,7 @@ namespace oncollide {
 /// One level of boxes in blocks of 16. A block is 96 floats: lo x of all 16 boxes, then lo y, lo z, hi x, hi y, hi z.
 /// Empty boxes pad the last block. Block n holds the children of node n of the level above, in six consecutive cache
 /// lines.
-struct BoxLevelView {
+struct AabbLevelView {
     const float* blocks;
     std::uint32_t count;         ///< boxes, padding not counted
     const std::uint16_t* moving; ///< by block: which of its boxes are or hold moving bodies
@@ -15,12 +15,12 @@ struct BoxLevelView {
                                  ///< pair
     const std::uint32_t* masks;
 };
-constexpr std::uint32_t box_block = 96;
+constexpr std::uint32_t aabb_block = 96;
 
 /// Levels from the boxes themselves (0) up to the first with at most 16 nodes.
-struct BoxTreeView {
+struct AabbTreeView {
     static constexpr int most_levels = 8; ///< 16^8 boxes
-    BoxLevelView level[most_levels];
+    AabbLevelView level[most_levels];
     int levels;
 };
 
@@ -34,32 +34,32 @@ struct PairSink {
 };
 
 /// Finds overlapping pairs of boxes, each pair once with i < j, at least one of the two moving.
-struct BoxTreeKernel {
+struct AabbTreeKernel {
     /// Pairs of level `stop` in the whole tree.
-    void (*all)(const BoxTreeView& tree, int stop, PairSink& sink);
+    void (*all)(const AabbTreeView& tree, int stop, PairSink& sink);
     /// Pairs of level 0 with both boxes below node `node` of level `level` >= 1.
-    void (*within)(const BoxTreeView& tree, int level, std::uint32_t node, PairSink& sink);
+    void (*within)(const AabbTreeView& tree, int level, std::uint32_t node, PairSink& sink);
     /// Pairs of level 0 with one box below node `a` and one below node `b` of level `level`; level 0: the boxes a and b
     /// themselves.
-    void (*between)(const BoxTreeView& tree, int level, std::uint32_t a, std::uint32_t b, PairSink& sink);
+    void (*between)(const AabbTreeView& tree, int level, std::uint32_t a, std::uint32_t b, PairSink& sink);
     /// For `count` pairs (query, block): the boxes of the block that overlap boxes[6 * query] (lo x y z, hi x y z), as
     /// pairs (query, index in the level).
-    void (*in_blocks)(const BoxLevelView& level, const std::uint32_t* queries, const std::uint32_t* blocks,
+    void (*in_blocks)(const AabbLevelView& level, const std::uint32_t* queries, const std::uint32_t* blocks,
                       std::uint64_t count, const float* boxes, PairSink& sink);
     /// Boxes of level 0 that overlap `box` (lo x y z, hi x y z), as pairs (query, slot).
-    void (*below_root)(const BoxTreeView& tree, std::uint32_t query, const float box[6], PairSink& sink);
+    void (*below_root)(const AabbTreeView& tree, std::uint32_t query, const float box[6], PairSink& sink);
     /// The bounds of the 16 children of a node: lo x y z, hi x y z.
-    void (*bound)(const BoxLevelView& below, std::uint32_t node, float box[6]);
+    void (*bound)(const AabbLevelView& below, std::uint32_t node, float box[6]);
 };
 
 namespace baseline {
-BoxTreeKernel box_tree_kernel();
+AabbTreeKernel aabb_tree_kernel();
 }
 namespace avx2 {
-BoxTreeKernel box_tree_kernel();
+AabbTreeKernel aabb_tree_kernel();
 }
 namespace avx512 {
-BoxTreeKernel box_tree_kernel();
+AabbTreeKernel aabb_tree_kernel();
 }
 
 } // namespace oncollide

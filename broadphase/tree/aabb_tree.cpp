@@ -1,4 +1,4 @@
-#include <oncollide/broadphase/box_tree.hpp>
+#include <oncollide/broadphase/tree/aabb_tree.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -8,7 +8,7 @@
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/base/outward.hpp>
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/broadphase/box_checks.hpp>
+#include <oncollide/broadphase/aabb_checks.hpp>
 
 namespace oncollide {
 
@@ -23,16 +23,16 @@ std::uint32_t nodes_over(std::uint32_t count)
 
 } // namespace
 
-const BoxTreeKernel& box_tree_kernel()
+const AabbTreeKernel& aabb_tree_kernel()
 {
-    static const BoxTreeKernel kernel = ONCOLLIDE_CHOOSE(box_tree_kernel);
+    static const AabbTreeKernel kernel = ONCOLLIDE_CHOOSE(aabb_tree_kernel);
     return kernel;
 }
 
 /// Writes boxes to level 0, rounded outward.
-class BoxTree::Taker {
+class AabbTree::Taker {
 public:
-    Taker(BoxTree& tree, double margin)
+    Taker(AabbTree& tree, double margin)
         : half_margin_(0.5 * margin), origin_{tree.origin_[0], tree.origin_[1], tree.origin_[2]},
           blocks_(tree.levels_[0].blocks.data())
     {
@@ -41,7 +41,7 @@ public:
     bool operator()(std::uint32_t place, const Aabb& box) const
     {
         if (!usable(box)) return false;
-        float* p = blocks_ + std::size_t{place / node_width} * box_block + place % node_width;
+        float* p = blocks_ + std::size_t{place / node_width} * aabb_block + place % node_width;
         for (int axis = 0; axis < 3; ++axis, p += node_width) {
             p[0] = below(box.min[axis] - half_margin_ - origin_[axis]);
             p[3 * node_width] = above(box.max[axis] + half_margin_ - origin_[axis]);
@@ -54,7 +54,7 @@ private:
     float* blocks_;
 };
 
-void BoxTree::build(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads)
+void AabbTree::build(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads)
 {
     refuse_unusable(boxes, bodies);
     Aabb all;
@@ -72,7 +72,7 @@ void BoxTree::build(std::span<const Aabb> boxes, std::span<const std::uint32_t> 
     built_extent_ = leaf_extent_;
 }
 
-bool BoxTree::append(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads)
+bool AabbTree::append(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads)
 {
     if (order_.empty()) return build(boxes, bodies, margin, threads), true;
     const std::uint32_t first = nodes_over(size()) * node_width;
@@ -99,7 +99,7 @@ bool BoxTree::append(std::span<const Aabb> boxes, std::span<const std::uint32_t>
     return false;
 }
 
-void BoxTree::erase(std::span<const std::uint32_t> bodies)
+void AabbTree::erase(std::span<const std::uint32_t> bodies)
 {
     bodies_ -= static_cast<std::uint32_t>(bodies.size());
     for (std::uint32_t body : bodies) {
@@ -111,7 +111,7 @@ void BoxTree::erase(std::span<const std::uint32_t> bodies)
 }
 
 /// Extends the levels to the size of `order_`; new nodes are empty and marked as moving.
-void BoxTree::extend_levels()
+void AabbTree::extend_levels()
 {
     const std::uint32_t old = levels_.empty() ? 0 : levels_[0].count;
     for (std::uint32_t place = old; place < size(); ++place)
@@ -124,10 +124,10 @@ void BoxTree::extend_levels()
         Level& l = levels_[level];
         l.count = count;
         const std::uint32_t nodes = std::max(nodes_over(count), 1u);
-        l.blocks.reserve(std::size_t{nodes} * box_block);
-        while (l.blocks.size() < std::size_t{nodes} * box_block) {
-            l.blocks.insert(l.blocks.end(), box_block / 2, far_away);
-            l.blocks.insert(l.blocks.end(), box_block / 2, -far_away);
+        l.blocks.reserve(std::size_t{nodes} * aabb_block);
+        while (l.blocks.size() < std::size_t{nodes} * aabb_block) {
+            l.blocks.insert(l.blocks.end(), aabb_block / 2, far_away);
+            l.blocks.insert(l.blocks.end(), aabb_block / 2, -far_away);
         }
         l.moving.resize(nodes, 0xffff);
         if (level > 0) {
@@ -152,20 +152,20 @@ void BoxTree::extend_levels()
     }
 }
 
-inline float& BoxTree::coordinate(Level& level, std::uint32_t place, std::size_t c)
+inline float& AabbTree::coordinate(Level& level, std::uint32_t place, std::size_t c)
 {
-    return level.blocks[std::size_t{place / node_width} * box_block + c * node_width + place % node_width];
+    return level.blocks[std::size_t{place / node_width} * aabb_block + c * node_width + place % node_width];
 }
 
 /// Recomputes the bounds of a node from the level below it.
-void BoxTree::bound(int level, std::uint32_t node)
+void AabbTree::bound(int level, std::uint32_t node)
 {
     float box[6];
-    box_tree_kernel().bound(view_.level[level - 1], node, box);
+    aabb_tree_kernel().bound(view_.level[level - 1], node, box);
     for (std::size_t c = 0; c < 6; ++c) coordinate(levels_[static_cast<std::size_t>(level)], node, c) = box[c];
 }
 
-void BoxTree::refit(std::span<const Aabb> boxes, double margin, int threads)
+void AabbTree::refit(std::span<const Aabb> boxes, double margin, int threads)
 {
     constexpr std::size_t grain = 1024; // nodes per chunk
     if (levels_.empty()) return;
@@ -196,7 +196,7 @@ void BoxTree::refit(std::span<const Aabb> boxes, double margin, int threads)
 }
 
 /// Recomputes the bounds of all nodes above slots >= `place`.
-void BoxTree::bound_from(std::uint32_t place)
+void AabbTree::bound_from(std::uint32_t place)
 {
     for (int level = 1; level < view_.levels; ++level) {
         place /= node_width;
@@ -205,7 +205,7 @@ void BoxTree::bound_from(std::uint32_t place)
 }
 
 /// Recomputes the extent of the leaves, the largest coordinate and the volumes.
-void BoxTree::measure()
+void AabbTree::measure()
 {
     leaf_extent_ = extent_of_leaves();
     farthest_ = 0;
@@ -218,24 +218,24 @@ void BoxTree::measure()
     }
 }
 
-float BoxTree::volume_of(int level, std::uint32_t node) const
+float AabbTree::volume_of(int level, std::uint32_t node) const
 {
-    const float* p = at(level).blocks.data() + std::size_t{node / node_width} * box_block + node % node_width;
+    const float* p = at(level).blocks.data() + std::size_t{node / node_width} * aabb_block + node % node_width;
     double product = 1;
     for (int axis = 0; axis < 3; ++axis, p += node_width) product *= std::max(0.0, double(p[3 * node_width]) - p[0]);
     return static_cast<float>(product);
 }
 
-Aabb BoxTree::bounds(int level, std::uint32_t node) const
+Aabb AabbTree::bounds(int level, std::uint32_t node) const
 {
-    const float* p = at(level).blocks.data() + std::size_t{node / node_width} * box_block + node % node_width;
+    const float* p = at(level).blocks.data() + std::size_t{node / node_width} * aabb_block + node % node_width;
     const auto corner = [&](const float* at_low) {
         return Eigen::Vector3d(at_low[0], at_low[node_width], at_low[2 * node_width]);
     };
     return {corner(p) + origin_, corner(p + 3 * node_width) + origin_};
 }
 
-void BoxTree::round(const Aabb& box, double margin, float out[6]) const
+void AabbTree::round(const Aabb& box, double margin, float out[6]) const
 {
     for (int axis = 0; axis < 3; ++axis) {
         out[axis] = below(box.min[axis] - 0.5 * margin - origin_[axis]);
@@ -243,8 +243,8 @@ void BoxTree::round(const Aabb& box, double margin, float out[6]) const
     }
 }
 
-void BoxTree::refit_bodies(std::span<const std::uint32_t> bodies, FunctionRef<Aabb(std::uint32_t body)> box_of,
-                           double margin)
+void AabbTree::refit_bodies(std::span<const std::uint32_t> bodies, FunctionRef<Aabb(std::uint32_t body)> box_of,
+                            double margin)
 {
     const Taker take(*this, margin);
     constexpr std::size_t ahead = 4; // bodies are scattered in memory
@@ -277,20 +277,20 @@ void BoxTree::refit_bodies(std::span<const std::uint32_t> bodies, FunctionRef<Aa
     }
 }
 
-double BoxTree::extent_of_leaves() const
+double AabbTree::extent_of_leaves() const
 {
     if (view_.levels < 2) return 0;
     double sum = 0;
     const Level& leaves = levels_[1];
-    for (std::size_t i = 0; i < leaves.blocks.size(); i += box_block)
-        for (std::size_t k = i; k < i + box_block / 2; ++k) {
-            const float extent = leaves.blocks[k + box_block / 2] - leaves.blocks[k];
+    for (std::size_t i = 0; i < leaves.blocks.size(); i += aabb_block)
+        for (std::size_t k = i; k < i + aabb_block / 2; ++k) {
+            const float extent = leaves.blocks[k + aabb_block / 2] - leaves.blocks[k];
             if (extent > 0) sum += extent; // skip padding
         }
     return sum;
 }
 
-void BoxTree::set_moving(const std::uint8_t* states, std::uint8_t bits)
+void AabbTree::set_moving(const std::uint8_t* states, std::uint8_t bits)
 {
     for (std::size_t level = 0; level < levels_.size(); ++level) {
         Level& l = levels_[level];
@@ -306,7 +306,7 @@ void BoxTree::set_moving(const std::uint8_t* states, std::uint8_t bits)
     }
 }
 
-void BoxTree::set_layers(const BodyColumns& columns)
+void AabbTree::set_layers(const BodyColumns& columns)
 {
     forget_layers();
     layers_known_ = true;
@@ -315,7 +315,7 @@ void BoxTree::set_layers(const BodyColumns& columns)
         if (body != no_body) add_layers(body, columns);
 }
 
-void BoxTree::add_layers(std::uint32_t body, const BodyColumns& columns)
+void AabbTree::add_layers(std::uint32_t body, const BodyColumns& columns)
 {
     const std::uint32_t layers = columns.layers[body], masks = columns.masks[body];
     std::uint32_t node = places_[body];
@@ -328,7 +328,7 @@ void BoxTree::add_layers(std::uint32_t body, const BodyColumns& columns)
 }
 
 /// New nodes get the union of the layers and masks below them.
-void BoxTree::extend_layers()
+void AabbTree::extend_layers()
 {
     for (std::size_t level = 1; level < levels_.size(); ++level) {
         Level& l = levels_[level];
@@ -341,14 +341,14 @@ void BoxTree::extend_layers()
     }
 }
 
-void BoxTree::forget_layers()
+void AabbTree::forget_layers()
 {
     layers_known_ = false;
-    for (BoxLevelView& level : view_.level) level.layers = level.masks = nullptr;
+    for (AabbLevelView& level : view_.level) level.layers = level.masks = nullptr;
     for (Level& level : levels_) level.layers.clear(), level.masks.clear();
 }
 
-std::size_t BoxTree::bytes() const
+std::size_t AabbTree::bytes() const
 {
     std::size_t sum = (order_.capacity() + places_.capacity()) * sizeof(order_[0]);
     for (const Level& l : levels_)

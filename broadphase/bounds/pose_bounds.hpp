@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <memory>
 
-#include <oncollide/broadphase/cooked_support.hpp>
+#include <oncollide/broadphase/bounds/cooked_support.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {
@@ -27,7 +27,7 @@ public:
     /// this pose it depends on geometry and pose only, not on earlier calls, so other processes compute the same box.
     /// Safe from many threads. Cost: 0.1 to 0.2 microseconds for a mesh with its map prepared.
     Aabb box(const Eigen::Isometry3d& pose) const;
-    /// The loose box: around the bounding sphere of the geometry's own box, at any rotation.
+    /// The loose AABB: around the bounding sphere of the geometry's own box, at any rotation.
     Aabb sphere_box(const Eigen::Isometry3d& pose) const;
 
     /// Upper bound on the straight-line distance that a point of the geometry moves between two poses, including

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include <oncollide/broadphase/box_tree_kernel.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
+#include <oncollide/broadphase/tree/aabb_tree_kernel.hpp>
 
 namespace oncollide {
 

@@ -1,9 +1,9 @@
 #pragma once
 #include <vector>
 
-#include <oncollide/broadphase/box_tree.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
-#include <oncollide/broadphase/pair_lists.hpp>
+#include <oncollide/broadphase/tree/aabb_tree.hpp>
+#include <oncollide/broadphase/tree/pair_lists.hpp>
 
 namespace oncollide {
 
@@ -15,7 +15,7 @@ public:
     /// Overwrites `pairs` with the pairs whose boxes overlap, with at least one moving body, that `columns` allow;
     /// unsorted.
     /// @param filtered  true if the columns may forbid a pair
-    void find_pairs(const BoxTree& tree, const BodyColumns& columns, bool filtered, double margin, int threads,
+    void find_pairs(const AabbTree& tree, const BodyColumns& columns, bool filtered, double margin, int threads,
                     std::vector<BodyPair>& pairs);
     std::size_t bytes() const { return tasks_.bytes() + lists_.bytes(); }
 

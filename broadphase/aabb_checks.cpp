@@ -1,4 +1,4 @@
-#include <oncollide/broadphase/box_checks.hpp>
+#include <oncollide/broadphase/aabb_checks.hpp>
 
 #include <string>
 

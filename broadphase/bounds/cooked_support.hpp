@@ -2,7 +2,7 @@
 #include <memory>
 #include <vector>
 
-#include <oncollide/broadphase/support_map.hpp>
+#include <oncollide/broadphase/bounds/support_map.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 
 namespace oncollide {

@@ -1,4 +1,4 @@
-#include <oncollide/broadphase/box_order.hpp>
+#include <oncollide/broadphase/tree/aabb_order.hpp>
 
 #include <algorithm>
 #include <array>
@@ -173,7 +173,7 @@ void order_octree(const std::vector<std::span<Item>>& runs, int threads)
 
 } // namespace
 
-void append_in_order(BoxOrder kind, std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies,
+void append_in_order(AabbOrder kind, std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies,
                      const Eigen::Vector3d& origin, int threads, LargeVector<std::uint32_t>& order)
 {
     if (bodies.empty()) return;
@@ -197,7 +197,7 @@ void append_in_order(BoxOrder kind, std::span<const Aabb> boxes, std::span<const
     }
     std::vector<std::span<Item>> runs;
     for (const auto& [begin, count] : begins) runs.push_back(std::span(items).subspan(begin, count));
-    if (kind == BoxOrder::kd)
+    if (kind == AabbOrder::kd)
         order_kd(std::move(runs), threads);
     else
         order_octree(runs, threads);

@@ -6,9 +6,9 @@
 #include <oncollide/base/function_ref.hpp>
 #include <oncollide/base/large_vector.hpp>
 #include <oncollide/base/prefetch.hpp>
-#include <oncollide/broadphase/box_order.hpp>
-#include <oncollide/broadphase/box_tree_kernel.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
+#include <oncollide/broadphase/tree/aabb_order.hpp>
+#include <oncollide/broadphase/tree/aabb_tree_kernel.hpp>
 
 namespace oncollide {
 
@@ -18,11 +18,11 @@ namespace oncollide {
 /// The order stays while boxes move a little: refit() updates boxes and widens bounds, and degraded() reports when
 /// the bounds have become so wide that rebuilding pays off. Boxes are floats relative to the centre of all boxes,
 /// rounded outward. 34 bytes per box.
-class BoxTree {
+class AabbTree {
 public:
-    explicit BoxTree(BoxOrder kind) : kind_(kind) {}
+    explicit AabbTree(AabbOrder kind) : kind_(kind) {}
 
-    /// Cost: see BoxOrder.
+    /// Cost: see AabbOrder.
     void build(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads);
     /// Updates the boxes of all bodies. Cost: O(n).
     void refit(std::span<const Aabb> boxes, double margin, int threads);
@@ -54,7 +54,7 @@ public:
     void prefetch_body_at(std::uint32_t place) const { prefetch(&order_[place]); }
     std::uint32_t place_of(std::uint32_t body) const { return places_[body]; }
     void prefetch_place_of(std::uint32_t body) const { prefetch(&places_[body]); }
-    const BoxTreeView& view() const { return view_; }
+    const AabbTreeView& view() const { return view_; }
     /// Bodies below node `node` of level `level` >= 1.
     std::uint32_t bodies_below(int level, std::uint32_t node) const { return at(level).nodes[node].bodies; }
     /// Volume of one node's bounds, or of all nodes of a level, as of the last complete refit.
@@ -91,7 +91,7 @@ private:
         float volume = 0;
     };
     struct Level {
-        LargeVector<float> blocks;         ///< see BoxLevelView
+        LargeVector<float> blocks;         ///< see AabbLevelView
         std::vector<std::uint16_t> moving; ///< by node of the level above: bit k: child k is or holds a moving body
         std::uint32_t count = 0;
         // By node, for levels above 0:
@@ -109,26 +109,26 @@ private:
     /// The first coordinate of the box in a slot; the other five follow at distances of 16.
     const float* corner(std::uint32_t place) const
     {
-        return view_.level[0].blocks + std::size_t{place / 16} * box_block + place % 16;
+        return view_.level[0].blocks + std::size_t{place / 16} * aabb_block + place % 16;
     }
     static float& coordinate(Level& level, std::uint32_t place, std::size_t c); ///< c: lo x y z, hi x y z
     void bound(int level, std::uint32_t node);
     float volume_of(int level, std::uint32_t node) const;
     double extent_of_leaves() const;
 
-    BoxOrder kind_;
+    AabbOrder kind_;
     std::uint32_t bodies_ = 0;
     LargeVector<std::uint32_t> order_;  ///< body by slot
     LargeVector<std::uint32_t> places_; ///< slot by body
     Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
     std::vector<Level> levels_;
-    BoxTreeView view_{};
+    AabbTreeView view_{};
     bool layers_known_ = false;
     double leaf_extent_ = 0, built_extent_ = 0; ///< sum of the leaves' edges, now and when built
     float farthest_ = 0;                        ///< upper bound on the magnitude of coordinates
 };
 
 /// The implementation for instruction_set().
-const BoxTreeKernel& box_tree_kernel();
+const AabbTreeKernel& aabb_tree_kernel();
 
 } // namespace oncollide
