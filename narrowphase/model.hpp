@@ -13,16 +13,16 @@
 
 #include <oncollide/base/prefetch.hpp>
 #include <oncollide/broadphase/bounds/pose_bounds.hpp>
-#include <oncollide/narrowphase/exact/exact_fcl.hpp>
+#include <oncollide/narrowphase/fcl/exact_fcl.hpp>
 #include <oncollide/narrowphase/hulls/inner_spheres.hpp>
 #include <oncollide/narrowphase/hulls/outer_hull.hpp>
 #include <oncollide/narrowphase/inside/parts.hpp>
 #include <oncollide/narrowphase/obb/map_tree.hpp>
 #include <oncollide/narrowphase/obb/obb_tree.hpp>
+#include <oncollide/narrowphase/obb/shape_tree.hpp>
 #include <oncollide/narrowphase/obb/terrain_tree.hpp>
 #include <oncollide/narrowphase/shapes/convex.hpp>
 #include <oncollide/narrowphase/shapes/polytope_surface.hpp>
-#include <oncollide/narrowphase/shapes/shape_tree.hpp>
 #include <oncollide/narrowphase/spheres/ocst.hpp>
 #include <oncollide/narrowphase/spheres/surface.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>

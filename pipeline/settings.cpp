@@ -9,7 +9,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/near_word.hpp>
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/narrowphase/exact/exact_fcl.hpp>
+#include <oncollide/narrowphase/fcl/exact_fcl.hpp>
 #include <oncollide/narrowphase/spheres/cell_key.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
 

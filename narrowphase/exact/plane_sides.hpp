@@ -2,8 +2,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <oncollide/narrowphase/exact/relative_pose.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
-#include <oncollide/narrowphase/relative_pose.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide {

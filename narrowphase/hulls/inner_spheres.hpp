@@ -6,8 +6,8 @@
 
 #include <Eigen/Core>
 
+#include <oncollide/narrowphase/exact/relative_pose.hpp>
 #include <oncollide/narrowphase/hulls/sphere_overlap_kernel.hpp>
-#include <oncollide/narrowphase/relative_pose.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide {

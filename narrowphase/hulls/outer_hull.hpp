@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 #include <oncollide/broadphase/bounds/support_map.hpp>
-#include <oncollide/narrowphase/relative_pose.hpp>
+#include <oncollide/narrowphase/exact/relative_pose.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide {

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include <oncollide/narrowphase/obb/traversal.hpp>
+#include <oncollide/narrowphase/walks/traversal.hpp>
 
 namespace oncollide {
 

@@ -9,9 +9,9 @@
 
 #include <Eigen/Core>
 
-#include <oncollide/narrowphase/obb/box_node.hpp>
+#include <oncollide/narrowphase/exact/relative_pose.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
-#include <oncollide/narrowphase/relative_pose.hpp>
+#include <oncollide/narrowphase/obb/box_node.hpp>
 
 namespace oncollide {
 

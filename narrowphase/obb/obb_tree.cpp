@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numeric>
 
-#include <oncollide/narrowphase/obb/box_fit.hpp>
+#include <oncollide/narrowphase/obb/fits/box_fit.hpp>
+#include <oncollide/narrowphase/obb/fits/triangle_parts.hpp>
 #include <oncollide/narrowphase/obb/oriented_box.hpp>
-#include <oncollide/narrowphase/obb/triangle_parts.hpp>
 
 namespace oncollide {
 

@@ -8,7 +8,7 @@
 
 #include <oncollide/base/large_vector.hpp>
 #include <oncollide/base/prefetch.hpp>
-#include <oncollide/narrowphase/obb/grid_split.hpp>
+#include <oncollide/narrowphase/obb/fits/grid_split.hpp>
 #include <oncollide/narrowphase/obb/hierarchy.hpp>
 #include <oncollide/narrowphase/obb/mesh_chunks.hpp>
 #include <oncollide/scenes/model/mesh.hpp>

@@ -3,7 +3,7 @@
 
 #include <oncollide/base/aabb.hpp>
 #include <oncollide/base/cpu_features.hpp>
-#include <oncollide/narrowphase/obb/box_fit.hpp>
+#include <oncollide/narrowphase/obb/fits/box_fit.hpp>
 #include <oncollide/narrowphase/obb/oriented_box_kernel.hpp>
 
 namespace oncollide {

@@ -3,13 +3,14 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <vector>
 
-#include <oncollide/narrowphase/obb/hierarchy.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
+#include <oncollide/narrowphase/obb/hierarchy.hpp>
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
 #include <oncollide/scenes/model/terrain_access.hpp>
 
@@ -91,7 +92,8 @@ public:
     {
         TrianglePoints points;
         const auto corners = terrain_.corners(triangle);
-        for (std::size_t k = 0; k < 3; ++k) points[k] = TerrainAccess::point(terrain_, corners[k].column, corners[k].row);
+        for (std::size_t k = 0; k < 3; ++k)
+            points[k] = TerrainAccess::point(terrain_, corners[k].column, corners[k].row);
         return points;
     }
     const Terrain& terrain() const { return terrain_; }
@@ -127,6 +129,9 @@ private:
     struct Block {
         std::uint32_t x, y;
     };
+    static constexpr float nothing = std::numeric_limits<float>::infinity(); ///< as `low`: no cell exists
+    static constexpr float range_rounding = 0x1p-20f; ///< error bound of stored heights, as a share of half the
+                                                      ///< terrain's height
     /// Eight by eight squares: a block of level 4.
     static constexpr std::uint32_t part_level = 4;
     struct Part {
@@ -171,8 +176,11 @@ private:
         return bounds_[level - 3][std::size_t(y) * blocks(level).x + x];
     }
     Range range(std::uint32_t level, std::uint32_t x, std::uint32_t y) const;
-    static Range range_of(const Square& square);
-    static Slab slab_of(const Square& square);
+    static Range range_of(const Square& s) { return {s.low, s.low < nothing ? s.low + 255 * s.step : -nothing}; }
+    static Slab slab_of(const Square& s)
+    {
+        return {{s.slab_low, s.slab_low < nothing ? s.slab_low + 255 * s.slab_step : -nothing}, s.slope_x, s.slope_y};
+    }
     const Part& part(std::uint32_t x, std::uint32_t y) const
     {
         const std::size_t number = std::size_t(y) * parts_across_ + x;

@@ -1,5 +1,5 @@
 #pragma once
-#include <oncollide/narrowphase/relative_pose.hpp>
+#include <oncollide/narrowphase/exact/relative_pose.hpp>
 #include <oncollide/narrowphase/shapes/convex.hpp>
 
 namespace oncollide {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/narrowphase/obb/box_search.hpp>
+#include <oncollide/narrowphase/walks/box_search.hpp>
 
 namespace oncollide {
 

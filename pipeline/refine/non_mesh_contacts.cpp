@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include <oncollide/narrowphase/walks/box_walk_queries.hpp>
 #include <oncollide/pipeline/refine/part_solid.hpp>
 #include <oncollide/pipeline/refine/placed_pair.hpp>
 

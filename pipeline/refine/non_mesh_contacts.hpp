@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
-#include <oncollide/narrowphase/obb/map_walk.hpp>
-#include <oncollide/narrowphase/obb/shape_walk.hpp>
+#include <oncollide/narrowphase/walks/map_walk.hpp>
+#include <oncollide/narrowphase/walks/shape_walk.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 #include <oncollide/pipeline/results.hpp>
 

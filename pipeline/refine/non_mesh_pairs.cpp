@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include <oncollide/narrowphase/walks/box_walk_queries.hpp>
 #include <oncollide/pipeline/refine/containment_test.hpp>
 #include <oncollide/pipeline/refine/part_solid.hpp>
 #include <oncollide/pipeline/refine/placed_pair.hpp>

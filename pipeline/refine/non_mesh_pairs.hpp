@@ -1,8 +1,8 @@
 #pragma once
 #include <oncollide/narrowphase/inside/point_location.hpp>
-#include <oncollide/narrowphase/obb/map_walk.hpp>
-#include <oncollide/narrowphase/obb/shape_walk.hpp>
-#include <oncollide/narrowphase/obb/solid_distance.hpp>
+#include <oncollide/narrowphase/walks/map_walk.hpp>
+#include <oncollide/narrowphase/walks/shape_walk.hpp>
+#include <oncollide/narrowphase/walks/solid_distance.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 #include <oncollide/pipeline/refine/triangle_walks.hpp>
 #include <oncollide/pipeline/results.hpp>

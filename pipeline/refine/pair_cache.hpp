@@ -6,8 +6,8 @@
 #include <vector>
 
 #include <oncollide/broadphase/broad_phase.hpp>
-#include <oncollide/narrowphase/obb/traversal.hpp>
 #include <oncollide/narrowphase/spheres/walk.hpp>
+#include <oncollide/narrowphase/walks/traversal.hpp>
 
 namespace oncollide {
 

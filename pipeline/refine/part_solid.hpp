@@ -4,9 +4,9 @@
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/obb/map_tree.hpp>
 #include <oncollide/narrowphase/obb/obb_tree.hpp>
+#include <oncollide/narrowphase/obb/shape_tree.hpp>
 #include <oncollide/narrowphase/obb/terrain_tree.hpp>
 #include <oncollide/narrowphase/shapes/outward_normal.hpp>
-#include <oncollide/narrowphase/shapes/shape_tree.hpp>
 #include <oncollide/scenes/model/map_access.hpp>
 
 namespace oncollide {

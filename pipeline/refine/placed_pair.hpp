@@ -1,5 +1,5 @@
 #pragma once
-#include <oncollide/narrowphase/shapes/half_space.hpp>
+#include <oncollide/narrowphase/pairs/half_space.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 #include <oncollide/pipeline/results.hpp>
 

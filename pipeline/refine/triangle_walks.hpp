@@ -1,6 +1,6 @@
 #pragma once
-#include <oncollide/narrowphase/obb/traversal.hpp>
 #include <oncollide/narrowphase/model.hpp>
+#include <oncollide/narrowphase/walks/traversal.hpp>
 
 namespace oncollide {
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/obb/box_walk.hpp>
+#include <oncollide/narrowphase/walks/box_walk_distance.hpp>
 #include <oncollide/samples/generators.hpp>
 
 #include "random_pose.hpp"

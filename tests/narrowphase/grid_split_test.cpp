@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/obb/grid_split.hpp>
-#include <oncollide/narrowphase/obb/traversal.hpp>
+#include <oncollide/narrowphase/obb/fits/grid_split.hpp>
+#include <oncollide/narrowphase/walks/traversal.hpp>
 #include <oncollide/samples/generators.hpp>
 
 #include "random_pose.hpp"

@@ -9,7 +9,7 @@
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/hulls/inner_spheres.hpp>
 #include <oncollide/narrowphase/inside/point_location.hpp>
-#include <oncollide/narrowphase/obb/traversal.hpp>
+#include <oncollide/narrowphase/walks/traversal.hpp>
 #include <oncollide/samples/generators.hpp>
 
 #include "random_pose.hpp"

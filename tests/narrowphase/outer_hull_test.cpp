@@ -6,7 +6,7 @@
 
 #include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/hulls/outer_hull.hpp>
-#include <oncollide/narrowphase/obb/traversal.hpp>
+#include <oncollide/narrowphase/walks/traversal.hpp>
 #include <oncollide/samples/generators.hpp>
 
 #include "random_pose.hpp"

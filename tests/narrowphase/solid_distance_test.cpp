@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/cpu_features.hpp>
-#include <oncollide/narrowphase/obb/solid_distance.hpp>
+#include <oncollide/narrowphase/walks/solid_distance.hpp>
 #include <oncollide/samples/generators.hpp>
 
 #include "random_pose.hpp"

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/random.hpp>
-#include <oncollide/narrowphase/obb/traversal.hpp>
+#include <oncollide/narrowphase/walks/traversal.hpp>
 #include <oncollide/samples/generators.hpp>
 
 #include "random_pose.hpp"

@@ -11,8 +11,8 @@
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
-#include <oncollide/narrowphase/obb/traversal.hpp>
-#include <oncollide/narrowphase/obb/triangle_parts.hpp>
+#include <oncollide/narrowphase/obb/fits/triangle_parts.hpp>
+#include <oncollide/narrowphase/walks/traversal.hpp>
 #include <oncollide/samples/generators.hpp>
 
 #include "random_pose.hpp"

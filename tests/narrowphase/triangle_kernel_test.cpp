@@ -6,10 +6,10 @@
 
 #include <oncollide/base/cpu_features.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
+#include <oncollide/narrowphase/exact/relative_pose.hpp>
 #include <oncollide/narrowphase/exact/segment_kernel.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/exact/triangle_kernel.hpp>
-#include <oncollide/narrowphase/relative_pose.hpp>
 
 #include "hard/triangle_families.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/narrowphase/relative_pose.hpp>
+#include <oncollide/narrowphase/exact/relative_pose.hpp>
 #include <oncollide/samples/generators.hpp>
 
 #include "hard/body_trial.hpp"

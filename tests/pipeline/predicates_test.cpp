@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/narrowphase/obb/traversal.hpp>
+#include <oncollide/narrowphase/walks/traversal.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
 #include <oncollide/pipeline/results.hpp>

@@ -5,8 +5,8 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/random.hpp>
+#include <oncollide/narrowphase/exact/relative_pose.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
-#include <oncollide/narrowphase/relative_pose.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/model/mesh_topology.hpp>

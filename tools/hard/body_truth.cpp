@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include <oncollide/narrowphase/relative_pose.hpp>
+#include <oncollide/narrowphase/exact/relative_pose.hpp>
 
 #include "hard/exact_oracle.hpp"
 #include "hard/triangle_distance.hpp"

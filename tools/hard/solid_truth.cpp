@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
-#include <oncollide/narrowphase/relative_pose.hpp>
+#include <oncollide/narrowphase/exact/relative_pose.hpp>
 
 #include "hard/body_truth.hpp"
 #include "hard/exact_inside.hpp"

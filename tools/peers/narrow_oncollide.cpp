@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/narrowphase/obb/traversal.hpp>
+#include <oncollide/narrowphase/walks/traversal.hpp>
 
 #include "bench/narrow/tree_pair.hpp"
 

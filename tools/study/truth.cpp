@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/narrowphase/relative_pose.hpp>
+#include <oncollide/narrowphase/exact/relative_pose.hpp>
 #include <oncollide/scenes/model/mesh_topology.hpp>
 
 #include "differential/convex_truth.hpp"

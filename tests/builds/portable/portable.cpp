@@ -6,9 +6,9 @@
 
 #include <oncollide/base/random.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
-#include <oncollide/narrowphase/obb/traversal.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
+#include <oncollide/narrowphase/walks/traversal.hpp>
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <type_traits>
 
-#include <oncollide/narrowphase/obb/box_walk.hpp>
+#include <oncollide/narrowphase/walks/box_walk_queries.hpp>
 
 namespace oncollide {
 

@@ -6,8 +6,8 @@
 
 #include <oncollide/base/aabb.hpp>
 #include <oncollide/base/cpu_features.hpp>
-#include <oncollide/narrowphase/obb/box_fit_kernel.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
+#include <oncollide/narrowphase/obb/fits/box_fit_kernel.hpp>
 
 namespace oncollide {
 

@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/obb/triangle_parts.hpp>
+#include <oncollide/narrowphase/obb/fits/triangle_parts.hpp>
 
 #include <algorithm>
 #include <bit>
@@ -6,7 +6,7 @@
 #include <limits>
 
 #include <oncollide/base/prefetch.hpp>
-#include <oncollide/narrowphase/obb/box_fit.hpp>
+#include <oncollide/narrowphase/obb/fits/box_fit.hpp>
 
 namespace oncollide {
 

@@ -3,9 +3,9 @@
 #include <vector>
 
 #include <oncollide/narrowphase/obb/obb_tree.hpp>
-#include <oncollide/narrowphase/obb/shape_walk.hpp>
 #include <oncollide/narrowphase/obb/solid_gap_kernel.hpp>
 #include <oncollide/narrowphase/obb/terrain_tree.hpp>
+#include <oncollide/narrowphase/walks/shape_walk.hpp>
 
 namespace oncollide {
 

@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/shapes/shape_tree.hpp>
+#include <oncollide/narrowphase/obb/shape_tree.hpp>
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // Compiled once per instruction set; see oncollide_add_kernel.
 #include <oncollide/base/simd.hpp>
 #include <oncollide/base/simd_doubles.hpp>
-#include <oncollide/narrowphase/obb/box_fit_kernel.hpp>
+#include <oncollide/narrowphase/obb/fits/box_fit_kernel.hpp>
 
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {

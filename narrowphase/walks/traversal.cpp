@@ -1,11 +1,12 @@
-#include <oncollide/narrowphase/obb/traversal.hpp>
+#include <oncollide/narrowphase/walks/traversal.hpp>
 
 #include <algorithm>
 #include <span>
 
-#include <oncollide/narrowphase/obb/box_walk_all.hpp>
 #include <oncollide/narrowphase/exact/common_corner.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
+#include <oncollide/narrowphase/walks/box_walk_all.hpp>
+#include <oncollide/narrowphase/walks/box_walk_distance.hpp>
 
 namespace oncollide {
 

@@ -4,10 +4,10 @@
 #include <optional>
 #include <span>
 
-#include <oncollide/narrowphase/exact/triangle_tests.hpp>
 #include <oncollide/narrowphase/obb/map_tree.hpp>
+#include <oncollide/narrowphase/obb/shape_tree.hpp>
 #include <oncollide/narrowphase/shapes/convex_pair.hpp>
-#include <oncollide/narrowphase/shapes/shape_tree.hpp>
+#include <oncollide/narrowphase/walks/triangle_tests.hpp>
 #include <oncollide/scenes/model/map_access.hpp>
 
 namespace oncollide {

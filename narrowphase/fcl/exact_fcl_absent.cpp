@@ -1,6 +1,6 @@
 // Replaces exact_fcl.cpp in builds without FCL.
 #include <oncollide/base/error.hpp>
-#include <oncollide/narrowphase/exact/exact_fcl.hpp>
+#include <oncollide/narrowphase/fcl/exact_fcl.hpp>
 
 namespace oncollide {
 namespace {

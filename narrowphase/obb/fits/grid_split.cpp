@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/obb/grid_split.hpp>
+#include <oncollide/narrowphase/obb/fits/grid_split.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,6 @@
-#include <oncollide/narrowphase/obb/shape_walk.hpp>
+#include <oncollide/narrowphase/walks/shape_walk.hpp>
+
+#include <oncollide/narrowphase/walks/box_walk_distance.hpp>
 
 namespace oncollide {
 

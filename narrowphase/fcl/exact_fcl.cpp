@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/exact/exact_fcl.hpp>
+#include <oncollide/narrowphase/fcl/exact_fcl.hpp>
 
 #include <new>
 

@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/exact/triangle_tests.hpp>
+#include <oncollide/narrowphase/walks/triangle_tests.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/obb/box_fit.hpp>
+#include <oncollide/narrowphase/obb/fits/box_fit.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,6 @@
-#include <oncollide/narrowphase/obb/map_walk.hpp>
+#include <oncollide/narrowphase/walks/map_walk.hpp>
+
+#include <oncollide/narrowphase/walks/box_walk_distance.hpp>
 
 namespace oncollide {
 

@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 
+#include <oncollide/narrowphase/exact/relative_pose.hpp>
 #include <oncollide/narrowphase/obb/box_node.hpp>
-#include <oncollide/narrowphase/relative_pose.hpp>
 
 namespace oncollide {
 

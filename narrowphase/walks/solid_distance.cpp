@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/obb/solid_distance.hpp>
+#include <oncollide/narrowphase/walks/solid_distance.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <limits>
 
 #include <oncollide/base/cpu_features.hpp>
-#include <oncollide/narrowphase/obb/walk_frame.hpp>
+#include <oncollide/narrowphase/walks/walk_frame.hpp>
 
 namespace oncollide {
 

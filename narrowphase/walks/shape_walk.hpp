@@ -1,6 +1,6 @@
 #pragma once
-#include <oncollide/narrowphase/obb/box_walk.hpp>
-#include <oncollide/narrowphase/shapes/shape_tests.hpp>
+#include <oncollide/narrowphase/walks/box_walk.hpp>
+#include <oncollide/narrowphase/walks/shape_tests.hpp>
 
 namespace oncollide {
 

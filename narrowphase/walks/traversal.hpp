@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include <oncollide/narrowphase/obb/box_walk.hpp>
-#include <oncollide/narrowphase/obb/obb_tree.hpp>
 #include <oncollide/narrowphase/exact/plane_sides.hpp>
-#include <oncollide/narrowphase/exact/triangle_tests.hpp>
+#include <oncollide/narrowphase/obb/obb_tree.hpp>
+#include <oncollide/narrowphase/walks/box_walk.hpp>
+#include <oncollide/narrowphase/walks/triangle_tests.hpp>
 
 namespace oncollide {
 

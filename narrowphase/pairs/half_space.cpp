@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/shapes/half_space.hpp>
+#include <oncollide/narrowphase/pairs/half_space.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,0 +1,102 @@
+// The traversal that finds the nearest primitives.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include <oncollide/narrowphase/walks/box_walk_queries.hpp>
+
+namespace oncollide {
+
+template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
+DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b, const RelativePose& b_to_a,
+                                                                      double tolerance, double farthest)
+{
+    const WalkFrame frame(a, b, b_to_a);
+    if (frame.apart > farthest) return {frame.apart, infinity, {}};
+    origin_ = frame.origin;
+    start(a, b, b_to_a, frame);
+    DistanceBounds<Pair> best{infinity, infinity, {}};
+    // A meeting is found early, where boxes overlap most.
+    const std::uint64_t rows_before = box_rows;
+    std::size_t batch = first_batch;
+    const auto take_meeting = [&](Pair pair) {
+        best = {0, 0, pair};
+        return false;
+    };
+    walk(frame.gap_within(0), [&](Entry e) {
+        wait(e, [](const Pair&) { return false; });
+        return test_if_enough(batch, take_meeting);
+    });
+    if (best.nearest || !leaves_.meeting(std::span<const Pair>(waiting_), take_meeting)) return best;
+    // Projections onto the line through the nearest points show nearly the distance of all primitives near them. The
+    // neighbours of the last pair show it on the line of that pair.
+    take_line(Line(b_to_a(b.centre()) - a.centre(), b_to_a));
+    Line last_line = line_;
+    double share = 1; // search for pairs nearer than this share of the distance of the nearest pair
+    double most;      // primitives farther apart do not matter
+    float cutoff;     // boxes with a larger gap do not matter
+    const auto narrow_down = [&] {
+        const double nearer = std::min(share * best.upper, best.upper - tolerance);
+        cutoff = std::min(frame.gap_within(std::min(nearer, farthest)), 0x1p90f);
+        // Pairs that share the nearest points with the nearest pair are equally near except for rounding.
+        most = std::min(nearer - 3 * frame.leaf_rounding, farthest);
+    };
+    const auto measure = [&] {
+        measure_waiting(frame, [&](const Pair& pair, const Nearest& points) {
+            last_line = Line(points.between, b_to_a);
+            best.lower = std::min(best.lower, points.lower);
+            if (points.upper >= best.upper || points.lower > farthest) return;
+            best.upper = points.upper, best.nearest = pair;
+            take_line(last_line);
+        });
+        narrow_down();
+    };
+    const auto parted = [&](double apart) {
+        if (apart <= most) return false;
+        best.lower = std::min(best.lower, apart);
+        return true;
+    };
+    const auto take_leaves = [&](Entry e) {
+        const auto apart = [&](const auto& of_a, const auto& of_b, const Line& line) {
+            return low_b(of_b, line) - high_a(of_a, line) - frame.leaf_rounding;
+        };
+        const auto of_a = a_.primitives(e.slot_a(), e.lane_a());
+        const auto of_b = b_.primitives(e.slot_b(), e.lane_b());
+        if (parted(apart(of_a, of_b, line_)) || parted(apart(of_a, of_b, last_line))) return;
+        each_pair(e, [&](Pair pair) {
+            const std::array one_a{pair.a};
+            const std::array one_b{pair.b};
+            if (!parted(apart(one_a, one_b, line_)) && !parted(apart(one_a, one_b, last_line)))
+                waiting_.push_back(pair);
+            return true;
+        });
+        if (waiting_.size() >= (best.nearest ? measured : 1)) measure();
+    };
+    // Depth first: a heap of all boxes would open half as many, but maintaining it costs more than opening them.
+    const auto look = [&](double share_of_nearest) {
+        share = share_of_nearest, best.lower = infinity;
+        start_again(), narrow_down();
+        while (top_) {
+            const Entry e = stack_[--top_];
+            if (e.gap > cutoff)
+                best.lower = std::min(best.lower, frame.at_least(e.gap));
+            else if (!both_leaves(e))
+                sort_last(open<true>(e, cutoff));
+            else
+                take_leaves(e);
+        }
+        measure();
+    };
+    // Pairs in overlapping boxes that did not meet are near. If there are none, a coarse search finds the line early.
+    // Its share is larger for geometries that are far apart: few of their pairs are nearer than that.
+    if (waiting_.size() > most_seeds) waiting_.resize(most_seeds);
+    measure();
+    if (!best.nearest) look(box_rows - rows_before > 8 ? 0.5 : 0.85);
+    if (best.nearest) look(1); // otherwise the distance is above the cutoff `farthest`
+    best.lower = std::max(std::min(best.lower, least_box_gap(frame)), 0.0);
+    return best;
+}
+
+} // namespace oncollide

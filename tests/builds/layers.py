@@ -1,0 +1,102 @@
+"""Reads the includes of all sources, and fails where a folder includes a folder that LAYERS does not permit, or where the
+includes of folders form a circle.
+
+layers.py PROJECT
+"""
+
+import pathlib
+import re
+import sys
+
+MODULES = ["base", "scenes", "samples", "broadphase", "narrowphase", "pipeline", "tools"]
+
+# The folders that each folder may include, within its module; CMake's include trees keep modules apart. Folders that are
+# not listed may include any folder, as long as that makes no circle.
+LAYERS = {
+    "base": [],
+    "broadphase": [],
+    "broadphase/bounds": [""],
+    "broadphase/tree": [""],
+    "narrowphase/exact": [],
+    "narrowphase/fcl": [],
+    "narrowphase/shapes": ["exact"],
+    "narrowphase/obb/fits": ["exact"],
+    "narrowphase/obb": ["exact", "shapes", "obb/fits"],
+    "narrowphase/walks": ["exact", "shapes", "obb"],
+    "narrowphase/spheres": [],
+    "narrowphase/gl": ["spheres"],
+    "narrowphase/hulls": ["exact", "shapes"],
+    "narrowphase/inside": ["exact", "obb", "walks"],
+    "narrowphase": ["exact", "shapes", "obb", "spheres", "hulls", "inside", "fcl"],
+    "narrowphase/pairs": ["", "exact", "shapes", "obb", "walks", "hulls", "inside"],
+}
+
+# Includes that close a circle: (from, to). Remove a line with its last include; add none.
+CIRCLES = {
+    ("pipeline", "pipeline/refine"),
+    ("scenes/cooked", "scenes"),
+    ("scenes/files", "scenes/files/tables"),
+    ("scenes/files", "scenes/files/terrain"),
+    ("scenes/model", "scenes/cooked"),
+    ("tools/bench", "tools/bench/scenes"),
+    ("tools/bench", "tools/clash"),
+    ("tools/cli", "tools/view"),
+    ("tools/hard", "tools/hard/tangent"),
+    ("tools/hard", "tools/study"),
+    ("tools/peers", "tools/bench/narrow"),
+}
+
+
+def includes(project):
+    """{(folder, included folder): the first such include}, within modules."""
+    found = {}
+    for module in MODULES:
+        for source in sorted((project / module).rglob("*.[ch]pp")):
+            folder = source.parent.relative_to(project).as_posix()
+            for name in re.findall(r'^ *#include [<"](?:oncollide/)?([\w/]+\.hpp)[>"]', source.read_text(), re.MULTILINE):
+                # tools/ is its own include folder
+                candidates = [name, f"{module}/{name}", f"{folder}/{name}"]
+                path = next((c for c in candidates if (project / c).is_file()), None)
+                if path and path.split("/")[0] == module and (to := path.rpartition("/")[0]) != folder:
+                    found.setdefault((folder, to), f"{source.relative_to(project)} includes {name}")
+    return found
+
+
+def circle(arrows):
+    """The folders of a circle, in order; None if there is none."""
+    below = {}
+    for a, b in arrows:
+        below.setdefault(a, []).append(b)
+    done, path = set(), []
+
+    def visit(folder):
+        if folder in path:
+            return path[path.index(folder):] + [folder]
+        if folder in done:
+            return None
+        path.append(folder)
+        for to in below.get(folder, []):
+            if found := visit(to):
+                return found
+        path.pop()
+        done.add(folder)
+        return None
+
+    return next((found for folder in sorted(below) if (found := visit(folder))), None)
+
+
+def main():
+    found = includes(pathlib.Path(sys.argv[1]))
+    faults = [f"{line}: not permitted by LAYERS" for (folder, to), line in found.items()
+              if folder in LAYERS and to not in {f"{folder.split('/')[0]}/{name}".rstrip("/") for name in LAYERS[folder]}]
+    faults += [f"CIRCLES lists {a} -> {b}, which no longer exists" for a, b in CIRCLES if (a, b) not in found]
+    if round_trip := circle(set(found) - CIRCLES):
+        faults.append("a circle: " + " -> ".join(round_trip))
+        faults += [found[arrow] for arrow in zip(round_trip, round_trip[1:])]
+    if len(found) < 40:
+        faults.append(f"only {len(found)} arrows between folders were found: are the includes read?")
+    sys.exit("\n".join(faults) or 0)
+
+
+if __name__ == "__main__":
+    main()
