@@ -17,9 +17,9 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Calls visit(primitive) for the primitives of a hierarchy that may be below cut(), lower boxes first.
 template <BoxHierarchy Hierarchy, class Cut, class Visit>
-class Descent {
+class LowFirst {
 public:
-    Descent(Hierarchy& tree, const RelativePose& to_plane, Cut cut, Visit visit)
+    LowFirst(Hierarchy& tree, const RelativePose& to_plane, Cut cut, Visit visit)
         : tree_(tree), to_plane_(to_plane), cut_(cut), visit_(visit), base_(to_plane(tree.centre()).z()),
           rounding_(0x1p-17 * tree.radius() + 0x1p-48 * (tree.centre().norm() + to_plane.translation.norm()))
     {
@@ -155,7 +155,7 @@ Vector3d HalfSpacePair::lowest(double enough) const
     if (body_.shape()) return lowest_of_shape(body_.convex(), to_plane_);
     Lowest lowest(to_plane_);
     with_corners(body_, [&](auto& tree, auto each_corner) {
-        Descent(
+        LowFirst(
             tree, to_plane_, [&] { return lowest.point().z() <= enough ? -infinity : lowest.point().z(); },
             [&](const auto& primitive) { each_corner(primitive, [&](const Vector3d& p) { lowest.take(p); }); });
     });
@@ -165,7 +165,7 @@ Vector3d HalfSpacePair::lowest(double enough) const
 void HalfSpacePair::each_meeting(FunctionRef<void(const BodyPart&, const Vector3d&)> found) const
 {
     with_corners(body_, [&](auto& tree, auto each_corner) {
-        Descent(
+        LowFirst(
             tree, to_plane_, [] { return 0.0; },
             [&](const auto& primitive) {
                 Lowest lowest(to_plane_);
