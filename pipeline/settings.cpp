@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/near_word.hpp>
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/narrowphase/fcl/exact_fcl.hpp>
-#include <oncollide/narrowphase/spheres/cell_key.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
+#include <oncollide/pipeline/settings_table.hpp>
 
 namespace oncollide {
 
@@ -31,11 +29,6 @@ Enum from_name(std::string_view what, const std::array<std::string_view, n>& nam
         if (names[i] == name) return static_cast<Enum>(i);
     throw Error(ErrorKind::usage,
                 fmt::format("{}: no '{}'{}", what, name, valid_names(name, {names.begin(), names.end()})));
-}
-
-void require(bool condition, std::string_view setting, auto value, std::string_view valid)
-{
-    if (!condition) throw Error(ErrorKind::usage, fmt::format("{} = {}: must be {}", setting, value, valid));
 }
 
 } // namespace
@@ -129,41 +122,21 @@ std::uint64_t hash_of(const Settings& s)
 
 void check(const Settings& s)
 {
-    if (s.depth && s.max_error)
-        throw Error(ErrorKind::usage, "depth and max-error: give one of them, they set the same dial");
-    if (s.depth)
-        require(*s.depth >= 1 && *s.depth <= deepest_level, "depth", *s.depth, fmt::format("1 to {}", deepest_level));
-    if (s.max_error)
-        require(std::isfinite(*s.max_error) && *s.max_error > 0, "max-error", *s.max_error,
-                "a length in metres, above 0");
-    require(std::isfinite(s.clearance) && s.clearance >= 0 && s.clearance <= 1e15, "clearance", s.clearance,
-            "a length in metres, 0 to 1e15");
-    if (s.exact == ExactLevel::fcl && !fcl_available())
-        throw Error(ErrorKind::usage, "exact = fcl: this is a build without FCL (ONCOLLIDE_FCL=OFF); use predicates");
+    const auto refuse = [](const std::string& why) { throw Error(ErrorKind::usage, why); };
+    for (const SettingRow& row : settings_table()) row.check(s);
+    if (s.depth && s.max_error) refuse("depth and max-error: give one of them, they set the same dial");
     if (wants_kinds(s) && s.exact != ExactLevel::predicates)
-        throw Error(ErrorKind::usage,
-                    fmt::format("{} needs exact = predicates, which distinguish touching from crossing; exact is {}",
-                                s.ignore_touching ? "ignore-touching" : "kinds", name_of(s.exact)));
+        refuse(fmt::format("{} needs exact = predicates, which distinguish touching from crossing; exact is {}",
+                           s.ignore_touching ? "ignore-touching" : "kinds", name_of(s.exact)));
     if (s.open_as_surface && s.mode != Mode::solid)
-        throw Error(ErrorKind::usage, "open-as-surface needs mode = solid: in surface mode all meshes are surfaces");
+        refuse("open-as-surface needs mode = solid: in surface mode all meshes are surfaces");
     if (s.ignore_touching && s.mode == Mode::solid)
-        throw Error(ErrorKind::usage,
-                    "ignore-touching needs mode = surface: solid bodies whose surfaces only touch may "
-                    "still overlap");
+        refuse("ignore-touching needs mode = surface: solid bodies whose surfaces only touch may still overlap");
     if (s.ignore_touching && s.clearance > 0)
-        throw Error(ErrorKind::usage,
-                    "ignore-touching needs clearance = 0: bodies that touch are inside any clearance");
-    require(s.threads >= 0 && s.threads <= 1024, "threads", s.threads, "0 (all) to 1024");
-    require(s.age_limit >= 1 && s.age_limit <= 1'000'000, "age", s.age_limit, "1 to 1000000 frames");
-    require(s.look_ahead >= 0 && s.look_ahead <= 10'000, "look-ahead", s.look_ahead, "0 (off) to 10000 frames");
+        refuse("ignore-touching needs clearance = 0: bodies that touch are inside any clearance");
     if (s.look_ahead > 0 && s.memory_budget > 0)
-        throw Error(ErrorKind::usage, "look-ahead excludes memory-budget, because results would depend on the "
-                                      "progress of a thread; limit cooked meshes with resident instead");
-    if (s.backend == BackendKind::gl_raster)
-        throw Error(ErrorKind::usage,
-                    "backend = gl-raster: not available, gl-compute was faster wherever both ran; use gl-compute");
-    require(s.gpu >= -1 && s.gpu < 64, "gpu", s.gpu, "0 to 63, or -1 for the first hardware GPU");
-    require(s.viewport >= 1 && s.viewport <= 1024, "viewport", s.viewport, "1 to 1024 pixels");
+        refuse("look-ahead excludes memory-budget, because results would depend on the progress of a thread; limit "
+               "cooked meshes with resident instead");
 }
 
 bool exact_runs(const Settings& s)

@@ -1,5 +1,7 @@
-// All settings that can be written down, in one table: from it come the settings' part of results and its reader.
+// All settings that can be written down, in one table. Checks, the settings in JSON and their reader, the options of
+// the command, the keywords of Python and the table in docs/choosing.md come from it.
 #pragma once
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,18 +12,40 @@
 
 namespace oncollide {
 
+/// The type of a setting's value.
+enum class SettingForm : std::uint8_t {
+    flag,   ///< true or false
+    whole,  ///< an int
+    amount, ///< a size_t; the command accepts the suffixes K, M and G
+    number, ///< a double
+    name,   ///< one of a list of names
+    names,  ///< any of a list of names
+};
+
 /// One member of Settings. `executor` and `stop` have no row: they are objects of the running program.
 struct SettingRow {
-    std::string_view member;             ///< in C++ and Python
-    std::string_view key;                ///< in JSON and, with hyphens, on the command line
-    bool affects_results;                ///< false: only speed and memory
+    std::string_view member;     ///< in C++ and Python
+    std::string_view key;        ///< in JSON
+    std::string_view options;    ///< on the command line, older spellings last; an option "--no-..." clears a flag
+    std::string_view group;      ///< heading of the option in --help
+    std::string_view value;      ///< value of the option in --help; empty for a flag
+    std::string_view help;       ///< without a full stop
+    std::string_view by_default; ///< the default, in words; empty for a flag, and if there is no value by default
+    SettingForm form;
+    bool affects_results; ///< false: only speed and memory
+    /// Throws Error{usage} naming the setting, its value and the valid range.
+    void (*check)(const Settings&);
     std::string (*get)(const Settings&); ///< JSON text
+    /// Throws nlohmann::json::exception for a value of another type, Error{usage} for an unknown name.
     void (*set)(Settings&, const nlohmann::json&);
 };
 std::span<const SettingRow> settings_table();
 
+/// The row of a member. Null: there is none.
+const SettingRow* setting_of(std::string_view member);
+
 /// Sets the members whose row affects results. Members without a key, as in files of older versions, keep their value.
-/// Throws nlohmann::json::exception for a value of another type, Error{usage} for an unknown name.
+/// Throws as SettingRow::set().
 void set_results_settings(Settings& settings, const nlohmann::json& from);
 
 } // namespace oncollide

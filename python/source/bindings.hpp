@@ -15,6 +15,7 @@ GeometryHandle geometry(py::handle value, const Place& place);
 
 /// Settings from keyword arguments.
 Settings settings_of(const py::kwargs& arguments, const char* call);
+std::string settings_text(); ///< one line per setting, for docstrings
 
 // Each adds its part to the module.
 void bind_geometry(py::module_& module);

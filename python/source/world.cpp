@@ -71,7 +71,7 @@ void bind_world(py::module_& m)
             return fmt::format("<oncollide.Model {} of World {}>", model.id.slot, model.world);
         });
 
-    WorldClass world(m, "World", R"(World(**settings)
+    const std::string text = R"(World(**settings)
 --
 
 Holds bodies and their models, which may be added, removed and moved between steps, and finds the bodies that collide.
@@ -82,25 +82,14 @@ Holds bodies and their models, which may be added, removed and moved between ste
     for pair in world.step().pairs: ...
 
 Settings, all by keyword:
-  max_error: metres, > 0; bodies reported `within` are closer than clearance + max_error. None: 1 % of the smaller body.
-  depth: 1 to 16, the depth of sphere-trees, in place of max_error.
-  clearance: metres, >= 0; pairs this close count as touching.
-  exact: 'off', 'predicates' (decides exactly whether surfaces meet) or 'fcl'.
-  contact_kinds, ignore_touching: distinguish touching from crossing; count pairs that only touch as separate. Both
-      need exact='predicates'.
-  mode: 'surface' or 'solid' (the inside of a closed mesh belongs to it). open_as_surface: 'solid' allows open meshes.
-  threads: 1; 0: all of the machine. Never changes a result.
-  bounding_volume: 'auto', 'sphere' or 'obb'. broad_phase: 'kd', 'octree' or 'brute'.
-  backend: 'cpu', 'auto', 'gl-compute' or 'gl-query'; gpu, viewport: for these.
-  skip: names of stages to leave out. age_limit, node_budget, memory_budget, coherence: as in the C++ library.
-  resident_budget: bytes of memory for chunks of cooked files; 0: no limit. look_ahead: frames to prefetch them for.
-
+)" + settings_text() + R"(
 Bodies have ids, whole numbers. The id of a removed body is stale: using it raises Error. Poses are float64: (4, 4),
 body to world, metres, or (7,) with position and quaternion x y z qx qy qz qw.
 
 Raises TypeError and ValueError for arguments of another type, shape or range, and Error for other invalid arguments;
 the World is then unchanged. One thread at a time may change or step a World; queries, contacts and distances may run
-in parallel. Other Python threads can run during calls that compute.)");
+in parallel. Other Python threads can run during calls that compute.)";
+    WorldClass world(m, "World", text.c_str());
 
     world.def(py::init(
         [](const py::kwargs& settings) { return std::make_unique<HeldWorld>(settings_of(settings, "World")); }));

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <set>
+#include <utility>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/report.hpp>
 #include <oncollide/pipeline/settings_table.hpp>
 
@@ -64,6 +66,42 @@ TEST(SettingsTable, ReadsWhatItWrites)
     set_results_settings(results, {{"skip", {"ocst"}}});
     EXPECT_TRUE(results.skip.contains(StageId::refine)) << "the older name";
     EXPECT_NE(written, plain);
+}
+
+TEST(SettingsTable, RefusesEachValueOutOfRangeByItsName)
+{
+    const auto refusal = [](const Settings& settings) -> std::string {
+        try {
+            check(settings);
+        } catch (const Error& error) {
+            return error.what();
+        }
+        return "";
+    };
+    EXPECT_EQ(refusal({}), "");
+    for (const auto& [member, bad] : {std::pair<std::string, nlohmann::json>{"max_error", -1.0},
+                                      {"depth", 17},
+                                      {"clearance", -1.0},
+                                      {"backend", "gl-raster"},
+                                      {"gpu", 64},
+                                      {"viewport", 0},
+                                      {"threads", -1},
+                                      {"age_limit", 0},
+                                      {"look_ahead", -1}}) {
+        Settings settings;
+        setting_of(member)->set(settings, bad);
+        const std::string_view option = setting_of(member)->options;
+        EXPECT_EQ(refusal(settings).substr(0, option.find(',') - 2), option.substr(2, option.find(',') - 2)) << member;
+    }
+    EXPECT_EQ(setting_of("nothing"), nullptr);
+}
+
+TEST(SettingsTable, CallsALimitThatCanLeavePairsUndecidedOneOfTheResults)
+{
+    for (const std::string_view member : {"node_budget", "memory_budget", "resident_budget", "backend"})
+        EXPECT_TRUE(setting_of(member)->affects_results) << member;
+    for (const std::string_view member : {"threads", "coherence", "look_ahead", "age_limit", "gpu"})
+        EXPECT_FALSE(setting_of(member)->affects_results) << member;
 }
 
 } // namespace

@@ -167,7 +167,8 @@ int check_pair(const CheckOptions& options)
 {
     SettingsOptions chosen = options.settings;
     // --max-error or --depth requests a bound; without them the pair is decided.
-    if (chosen.exact.empty()) chosen.exact = chosen.depth || chosen.max_error ? "off" : "predicates";
+    if (chosen["exact"].text.empty())
+        chosen["exact"].text = chosen["depth"].whole || chosen["max_error"].number ? "off" : "on";
     Settings settings = settings_from(chosen);
     if (options.distance && !(*options.distance >= 0))
         throw Error(ErrorKind::usage,
@@ -221,8 +222,7 @@ void add_check(Arguments app)
     sub.add_option("--pose-a", options->pose_a, "pose of A, metres and unit quaternion (default: identity)")
         .type_name("\"x y z qx qy qz qw\"");
     sub.add_option("--pose-b", options->pose_b, "pose of B").type_name("\"x y z qx qy qz qw\"");
-    options->settings.exact.clear();
-    add_accuracy_options(sub, options->settings);
+    add_accuracy_options(sub, options->settings, "on, and off with --max-error or --depth");
     add_cache_options(sub, options->cache);
     sub.add_option("--json", options->json, "write the result as JSON; '-' is standard output").type_name("FILE");
     sub.add_option(

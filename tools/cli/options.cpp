@@ -10,6 +10,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/output_file.hpp>
+#include <oncollide/pipeline/settings_table.hpp>
 #include <oncollide/samples/catalogue.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 
@@ -49,133 +50,92 @@ std::size_t parse_amount(const char* option, const std::string& text)
     return value * factor;
 }
 
+void add_option(Arguments command, const SettingRow& row, SettingsOptions::Value& value, std::string_view by_default)
+{
+    const std::string names(row.options);
+    std::string help(row.help);
+    if (!by_default.empty()) help += fmt::format(" (default {})", by_default);
+    const auto add = [&](auto& field) {
+        return command.add_option(names, field, help).type_name(std::string(row.value));
+    };
+    switch (row.form) {
+    case SettingForm::flag:
+        command.add_flag(names, value.flag, help);
+        break;
+    case SettingForm::whole:
+        add(value.whole);
+        break;
+    case SettingForm::number:
+        add(value.number);
+        break;
+    case SettingForm::amount:
+    case SettingForm::name:
+        add(value.text);
+        break;
+    case SettingForm::names:
+        add(value.list).repeatable();
+        break;
+    }
+}
+
+void add_group(Arguments command, SettingsOptions& o, std::string_view group, std::string_view exact)
+{
+    command.group(std::string(group));
+    for (const SettingRow& row : settings_table())
+        if (row.group == group)
+            add_option(command, row, o[row.member], row.member == "exact" && !exact.empty() ? exact : row.by_default);
+    command.group("Options");
+}
+
+/// The value of an option; null: not given.
+nlohmann::json given(const SettingRow& row, const SettingsOptions::Value& value)
+{
+    const std::string option(row.options.substr(0, row.options.find(',')));
+    switch (row.form) {
+    case SettingForm::flag:
+        return value.flag ? nlohmann::json(!option.starts_with("--no-")) : nlohmann::json();
+    case SettingForm::whole:
+        return value.whole ? nlohmann::json(*value.whole) : nlohmann::json();
+    case SettingForm::number:
+        return value.number ? nlohmann::json(*value.number) : nlohmann::json();
+    case SettingForm::amount:
+        return value.text.empty() ? nlohmann::json() : nlohmann::json(parse_amount(option.c_str(), value.text));
+    case SettingForm::name:
+        return value.text.empty() ? nlohmann::json() : nlohmann::json(value.text);
+    case SettingForm::names:
+        return value.list.empty() ? nlohmann::json() : nlohmann::json(value.list);
+    }
+    return {};
+}
+
 } // namespace
 
-void add_accuracy_options(Arguments command, SettingsOptions& o)
+SettingsOptions::SettingsOptions() : values_(settings_table().size()) {}
+
+SettingsOptions::Value& SettingsOptions::operator[](std::string_view member)
 {
-    command.group("Accuracy");
-    command
-        .add_option(
-            "--max-error", o.max_error,
-            fmt::format("accuracy in metres: bodies that are 'within' a bound are at most this far apart (default: "
-                        "{} % of the diagonal of the AABB of the smaller body of each pair)",
-                        100 * default_error))
-        .type_name("M");
-    command
-        .add_option("--depth", o.depth,
-                    "instead of --max-error, the paper's measure of accuracy: depth of the sphere-trees, 1 to 16 "
-                    "levels")
-        .type_name("D");
-    command.add_option("--clearance", o.clearance, "metres: bodies at most this far apart are not separate (default 0)")
-        .type_name("M");
-    command
-        .add_option(
-            "--exact", o.exact,
-            fmt::format("decide exactly whether bodies collide, triangle by triangle: on (exact arithmetic; also "
-                        "called predicates), off, or fcl (a cross-check: only where FCL agrees) (default {})",
-                        o.exact.empty() ? "on, and off with --max-error or --depth" : o.exact))
-        .type_name("on|off|predicates|fcl");
-    command.add_flag("--contact-kinds,--kinds", o.kinds,
-                     "report whether colliding meshes only touch or cross; needs --exact on");
-    command.add_flag("--ignore-touching", o.ignore_touching,
-                     "report meshes that touch without crossing as separate; needs --exact on");
-    command
-        .add_option("--mode", o.mode,
-                    "surface, or solid: meshes must be closed and include their inside (default surface)")
-        .type_name("surface|solid");
-    command.add_flag("--open-as-surface", o.open_as_surface,
-                     "with --mode solid: treat meshes that are not closed as surfaces");
-    command.group("Options");
+    const SettingRow* row = setting_of(member);
+    ONCOLLIDE_ASSERT(row);
+    return values_[static_cast<std::size_t>(row - settings_table().data())];
+}
+
+void add_accuracy_options(Arguments command, SettingsOptions& o, std::string_view exact)
+{
+    add_group(command, o, "Accuracy", exact);
 }
 
 void add_pipeline_options(Arguments command, SettingsOptions& o)
 {
-    command.group("Computation");
-    command
-        .add_option("--threads", o.threads,
-                    "number of threads; 0: all. Does not change the result (default "
-                    "1)")
-        .type_name("N");
-    command
-        .add_option(
-            "--backend", o.backend,
-            "builds the sphere-trees of meshes (finds grey cells): cpu (default), gl-compute (a GPU, the same "
-            "results), gl-query (the paper's occlusion queries, which miss collisions), or auto: gl-compute on a "
-            "real GPU, else cpu")
-        .type_name("cpu|gl-compute|gl-query|auto");
-    command.add_option("--gpu", o.gpu, "number of the GPU in the list of 'oncollide doctor' (default: the first)")
-        .type_name("N");
-    command.add_option("--viewport", o.viewport, "gl-query: pixels per side of a cell, 1 to 1024 (default 16)")
-        .type_name("PX");
-    command
-        .add_option(
-            "--bounding-volume,--spheres", o.bounding_volume,
-            "bounding volumes of a mesh's parts: obb (oriented boxes), or sphere, as in the paper, slower at equal "
-            "error (default auto: obb with --exact on, and on the cpu if the error is in metres; else sphere)")
-        .type_name("auto|sphere|obb");
-    command
-        .add_option("--broad", o.broad,
-                    "broad phase, which finds pairs of overlapping AABBs: a kd-tree, an octree, or brute force "
-                    "(default kd)")
-        .type_name("kd|octree|brute");
-    command
-        .add_option("--skip", o.skip,
-                    "skip a stage: bounds, regions (delimitation), broad, refinement (refine) or exact "
-                    "(repeatable); results get wider, never wrong")
-        .type_name("bounds|regions|broad|refinement|exact")
-        .repeatable();
-    command
-        .add_option("--age", o.age,
-                    fmt::format("drop parts of trees that no test used for this many frames (default {})", o.age))
-        .type_name("N");
-    command
-        .add_option("--node-budget", o.node_budget,
-                    "limit on the nodes (cells) of all trees together, e.g. 2M; 0: none (default)")
-        .type_name("N");
-    command
-        .add_option("--memory-budget", o.memory_budget,
-                    "limit on the bytes of all trees together, e.g. 64M; 0: none (default). A quarter of it, 1 to 16 "
-                    "MiB, is for temporary buffers")
-        .type_name("BYTES");
-    command
-        .add_option(
-            "--resident", o.resident,
-            "limit on the bytes of cooked meshes in memory, e.g. 64M; 0: none (default). Changes a result only if "
-            "a single pair needs more")
-        .type_name("BYTES");
-    command
-        .add_option("--look-ahead", o.look_ahead,
-                    "frames for which a prefetch thread prepares the cooked meshes and tiles that bodies will come "
-                    "near, as predicted from their motion; 0: off (default). Does not change the result")
-        .type_name("FRAMES");
-    command.add_flag("--no-coherence", o.no_coherence,
-                     "test every pair from scratch, without using results of earlier frames; same result");
-    command.group("Options");
+    add_group(command, o, "Computation", {});
 }
 
 Settings settings_from(const SettingsOptions& o)
 {
-    Settings settings{.depth = o.depth,
-                      .max_error = o.max_error,
-                      .clearance = o.clearance,
-                      .exact = exact_from_name(o.exact),
-                      .contact_kinds = o.kinds,
-                      .ignore_touching = o.ignore_touching,
-                      .mode = mode_from_name(o.mode),
-                      .open_as_surface = o.open_as_surface,
-                      .backend = backend_from_name(o.backend),
-                      .bounding_volume = bounding_volume_from_name(o.bounding_volume),
-                      .gpu = o.gpu,
-                      .viewport = o.viewport,
-                      .broad_phase = broad_phase_from_name(o.broad),
-                      .threads = o.threads,
-                      .skip = stages_from_names(o.skip),
-                      .age_limit = o.age,
-                      .node_budget = parse_amount("--node-budget", o.node_budget),
-                      .memory_budget = parse_amount("--memory-budget", o.memory_budget),
-                      .resident_budget = parse_amount("--resident", o.resident),
-                      .look_ahead = o.look_ahead,
-                      .coherence = !o.no_coherence};
+    Settings settings;
+    for (std::size_t i = 0; i < o.values().size(); ++i) {
+        const SettingRow& row = settings_table()[i];
+        if (const nlohmann::json value = given(row, o.values()[i]); !value.is_null()) row.set(settings, value);
+    }
     check(settings);
     return settings;
 }

@@ -2,7 +2,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cli/arguments.hpp"
@@ -16,24 +18,32 @@
 // live until the command has run.
 namespace oncollide::tools {
 
-/// Options that become Settings.
-struct SettingsOptions {
-    std::optional<int> depth;
-    std::optional<double> max_error;
-    double clearance = 0;
-    std::string exact = "off", mode = "surface", backend = "cpu", broad = "kd", bounding_volume = "auto";
-    int threads = 1;
-    int gpu = Settings{}.gpu, viewport = Settings{}.viewport;
-    bool kinds = false, ignore_touching = false, open_as_surface = false;
-    std::vector<std::string> skip;
-    int age = Settings{}.age_limit, look_ahead = Settings{}.look_ahead;
-    std::string node_budget = "0", memory_budget = "0";
-    std::string resident = "0";
-    bool no_coherence = false;
+/// Options that become Settings: one per row of the table of settings.
+class SettingsOptions {
+public:
+    /// The option of a member of Settings; the form of its row selects the field. Fields without a value keep the
+    /// default of Settings.
+    struct Value {
+        std::optional<int> whole;
+        std::optional<double> number;
+        std::string text;  ///< of a name or an amount
+        bool flag = false; ///< true: the opposite of the default
+        std::vector<std::string> list;
+    };
+    SettingsOptions();
+    Value& operator[](std::string_view member);
+    const Value& operator[](std::string_view member) const { return const_cast<SettingsOptions&>(*this)[member]; }
+    std::span<const Value> values() const { return values_; } ///< by row
+
+private:
+    std::vector<Value> values_;
 };
 
-void add_accuracy_options(Arguments command, SettingsOptions& options); ///< depth to mode
-void add_pipeline_options(Arguments command, SettingsOptions& options); ///< the rest
+/// Adds the options of the group "Accuracy".
+/// @param exact  what --help says of the default of --exact; empty: the table's text
+void add_accuracy_options(Arguments command, SettingsOptions& options, std::string_view exact = {});
+/// Adds the options of the group "Computation".
+void add_pipeline_options(Arguments command, SettingsOptions& options);
 /// Throws Error{usage} for a name or number out of range.
 Settings settings_from(const SettingsOptions& options);
 

@@ -56,7 +56,8 @@ ResultsHeader header_of(const SceneOptions& source, const Scene& scene, const Pi
     ResultsHeader header = words(pipeline.stages());
     header.version = std::string(version), header.scene = scene.name, header.bodies = scene.size();
     Settings settings = pipeline.settings(); // without settings that never change a result
-    settings.threads = 1, settings.backend = BackendKind::cpu, settings.gpu = Settings{}.gpu;
+    settings.threads = 1, settings.gpu = Settings{}.gpu;
+    if (settings.backend != BackendKind::gl_query) settings.backend = BackendKind::cpu;
     const std::string run = settings_json(settings);
     TextInMemory text;
     JsonWriter(text).object("bodies", scene.size(), "pace", scene.pace, "separate", separate, "run", JsonText{run});

@@ -10,6 +10,7 @@
 #include <oncollide/base/near_word.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/pipeline/report.hpp>
+#include <oncollide/pipeline/settings_table.hpp>
 #include <oncollide/samples/catalogue.hpp>
 
 #include "cli/command.hpp"
@@ -120,6 +121,8 @@ int reference(const ReferenceOptions& options, const CommandText& program)
     }
     if (options.what == "markdown")
         text = markdown_of(program);
+    else if (options.what == "settings")
+        text = settings_markdown();
     else if (options.what == "bash")
         text = bash_completion_of(program, scenes);
     else if (options.what == "zsh")
@@ -128,7 +131,7 @@ int reference(const ReferenceOptions& options, const CommandText& program)
         text = fish_completion_of(program, scenes);
     else
         usage(fmt::format("reference: no '{}'{}", options.what,
-                          valid_names(options.what, {"markdown", "man", "bash", "zsh", "fish"})));
+                          valid_names(options.what, {"markdown", "settings", "man", "bash", "zsh", "fish"})));
     OutputFile file(options.out);
     file.write(text);
     file.commit();
@@ -144,6 +147,22 @@ std::string markdown_of(const CommandText& program)
                                   "[command-line.md](command-line.md).\n",
                                   version);
     add_section(out, program);
+    return out;
+}
+
+std::string settings_markdown()
+{
+    std::string out =
+        "| `Settings`, Python | option | JSON | meaning | default | changes results |\n|---|---|---|---|---|---|\n";
+    for (const SettingRow& row : settings_table()) {
+        const std::string_view option = row.options.substr(0, row.options.find(','));
+        const std::string value(row.value);
+        std::string names;
+        for (const char c : value) names += c == '|' ? std::string("\\|") : std::string(1, c);
+        out +=
+            fmt::format("| `{}` | `{}{}{}` | `{}` | {} | {} | {} |\n", row.member, option, names.empty() ? "" : " ",
+                        names, row.key, escaped_markdown(row.help), row.by_default, row.affects_results ? "yes" : "no");
+    }
     return out;
 }
 
@@ -179,7 +198,7 @@ void add_reference(Arguments app)
     auto options = std::make_shared<ReferenceOptions>();
     sub.add_option("what", options->what, "a page, man pages, or completions for a shell")
         .required()
-        .type_name("markdown|man|bash|zsh|fish");
+        .type_name("markdown|settings|man|bash|zsh|fish");
     sub.add_option("--out", options->out, "file (for man pages: folder) to write (default: standard output)")
         .type_name("FILE");
     sub.action([options, sub] { return reference(*options, sub.describe_program()); });

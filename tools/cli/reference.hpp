@@ -7,6 +7,7 @@
 namespace oncollide::tools {
 
 std::string markdown_of(const CommandText& program); ///< one page, for docs/
+std::string settings_markdown();                     ///< a table of all settings, for docs/choosing.md
 std::string man_page_of(const CommandText& command, const CommandText& program);
 
 /// Completion of the program's commands, options and their values. `scenes`: the values for NAME.

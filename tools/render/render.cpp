@@ -28,7 +28,7 @@ struct Panels {
 template <class Take>
 void play(Scene& scene, const RenderOptions& options, const Settings& settings, const RenderPlan& plan, Take take)
 {
-    ScenePictures pictures(scene, shown_from(options, scene));
+    ScenePictures pictures(scene, shown_from(options, settings, scene));
     Pipeline pipeline(scene, settings);
     GrownTrees whole(scene, plan.deepest, thread_count(settings));
     const TreeOf tree_of = [&](GeometryId id) -> const Ocst* {
@@ -79,7 +79,7 @@ int render(const RenderOptions& options)
     const View view(options);
     Scene scene = open_scene(options.scene);
     const RenderPlan plan = plan_from(options, settings, scene);
-    shown_from(options, scene);
+    shown_from(options, settings, scene);
     const std::string input = is_scene_file(options.scene.scene) ? options.scene.scene : "";
     for (const ImagePlan& image : plan.images) check_files({{"--out", image.file}}, {input});
     if (!options.quiet) print_warnings(scene);

@@ -101,15 +101,15 @@ RenderPlan plan_from(const RenderOptions& o, const Settings& settings, const Sce
     return plan;
 }
 
-ScenePictures::Shown shown_from(const RenderOptions& o, const Scene& scene)
+ScenePictures::Shown shown_from(const RenderOptions& o, const Settings& settings, const Scene& scene)
 {
     if (o.show != "meshes" && o.show != "spheres" && o.show != "both")
         usage(fmt::format("--show {}: expected meshes, spheres or both", o.show));
     ScenePictures::Shown shown{.meshes = o.show != "spheres",
                                .spheres = o.show != "meshes",
                                .bodies = std::vector<std::uint8_t>(scene.size(), o.bodies.empty()),
-                               .clearance = o.settings.clearance,
-                               .meeting = exact_from_name(o.settings.exact) == ExactLevel::predicates};
+                               .clearance = settings.clearance,
+                               .meeting = settings.exact == ExactLevel::predicates};
     for (const std::string& name : o.bodies) shown.bodies[index(body_of(scene, name))] = 1;
     return shown;
 }

@@ -36,7 +36,7 @@ struct RenderPlan {
 
 // All throw Error{usage} for options that are invalid, by themselves or for this scene.
 RenderPlan plan_from(const RenderOptions& options, const Settings& settings, const Scene& scene);
-ScenePictures::Shown shown_from(const RenderOptions& options, const Scene& scene);
+ScenePictures::Shown shown_from(const RenderOptions& options, const Settings& settings, const Scene& scene);
 
 /// The camera options, applied to the automatic camera.
 class View {

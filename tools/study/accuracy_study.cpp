@@ -73,13 +73,13 @@ std::vector<Source> sources_of(const StudyOptions& o)
     std::vector<Source> sources;
     for (const std::string& backend : split(o.backends)) {
         Source source{backend == "cpu" ? "" : backend + ", ", o.settings};
-        source.settings.backend = backend;
+        source.settings["backend"].text = backend;
         if (backend_from_name(backend) != BackendKind::gl_query) {
             sources.push_back(source);
             continue;
         }
         for (int viewport : parse_list<int>("--viewport", o.viewports, "8,16,64")) {
-            source.prefix = fmt::format("{} {} px, ", backend, viewport), source.settings.viewport = viewport;
+            source.prefix = fmt::format("{} {} px, ", backend, viewport), source.settings["viewport"].whole = viewport;
             sources.push_back(source);
         }
     }
@@ -95,9 +95,10 @@ std::vector<StudyVariant> variants_of(const StudyOptions& o)
         for (const std::string& volume : split(o.bounding_volumes))
             for (const std::string& exact : split(o.exact)) {
                 SettingsOptions one = source.settings;
-                one.bounding_volume = volume, one.exact = exact;
+                one["bounding_volume"].text = volume, one["exact"].text = exact;
                 // Without an exact level, touching pairs cannot be recognised and are left over as false positives.
-                if (exact_from_name(exact) == ExactLevel::off) one.kinds = one.ignore_touching = false;
+                if (exact_from_name(exact) == ExactLevel::off)
+                    one["contact_kinds"].flag = one["ignore_touching"].flag = false;
                 const BoundingVolume kind = bounding_volume_from_name(volume);
                 if (kind == BoundingVolume::automatic)
                     usage("--bounding-volume auto: a study needs a definite choice; expected sphere, obb or both");
@@ -109,12 +110,12 @@ std::vector<StudyVariant> variants_of(const StudyOptions& o)
                     continue;
                 }
                 for (const Dial& dial : dials) {
-                    one.depth = dial.depth, one.max_error = dial.max_error;
+                    one["depth"].whole = dial.depth, one["max_error"].number = dial.max_error;
                     const std::string series = source.prefix + form;
                     variants.push_back({series, fmt::format("{}, {}", series, dial.text()), settings_from(one)});
                 }
             }
-    if (o.settings.ignore_touching &&
+    if (o.settings["ignore_touching"].flag &&
         std::ranges::none_of(variants, [](const StudyVariant& v) { return v.settings.ignore_touching; }))
         usage("--ignore-touching: needs --exact predicates in the list");
     if (variants.empty()) usage("--bounding-volume obb: OBBs need --backend cpu; no variant is left");

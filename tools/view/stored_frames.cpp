@@ -40,7 +40,7 @@ Scene scene_of(const std::string& name, const StoredRun& run)
 
 Settings without_narrow_phase(Settings settings, int threads)
 {
-    settings.threads = threads;
+    settings.threads = threads, settings.backend = BackendKind::cpu;
     settings.skip.insert(StageId::refine), settings.skip.insert(StageId::exact);
     return settings;
 }
