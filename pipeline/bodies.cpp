@@ -11,6 +11,13 @@ void BodyChanges::clear()
         list->clear();
 }
 
+bool BodyChanges::empty() const
+{
+    for (const auto* list : {&removed, &added_dynamic, &added_static, &moved, &made_static, &made_dynamic, &fresh})
+        if (!list->empty()) return false;
+    return true;
+}
+
 void Bodies::mark(std::uint32_t slot, std::uint8_t how)
 {
     if (!(state_[slot] & listed_bit)) changed_.push_back(slot);
@@ -109,12 +116,14 @@ void Bodies::set_model(std::uint32_t slot, Model* model, ModelId id)
 void Bodies::exclude(std::uint32_t a, std::uint32_t b)
 {
     if (!excluded_.insert(key(a, b)).second) return;
+    ++exclusions_version_;
     partners_[a].push_back(b), partners_[b].push_back(a);
 }
 
 void Bodies::include(std::uint32_t a, std::uint32_t b)
 {
     if (excluded_.erase(key(a, b)) == 0) return;
+    ++exclusions_version_;
     std::erase(partners_[a], b), std::erase(partners_[b], a);
 }
 

@@ -21,6 +21,7 @@ struct BodyChanges {
     std::vector<std::uint32_t> removed, added_dynamic, added_static, moved, made_static, made_dynamic;
     std::vector<std::uint32_t> fresh; ///< bodies that are new or have a new geometry: cached data of them is void
     void clear();
+    bool empty() const;
 };
 
 /// The bodies of a World, as columns by slot, and their changes. The slot freed last is reused first, under a new
@@ -55,6 +56,7 @@ public:
         return !excluded_.empty() && excluded_.contains(key(a, b));
     }
     bool any_excluded() const { return !excluded_.empty(); }
+    std::uint64_t exclusions_version() const { return exclusions_version_; } ///< grows when an exclusion changes
 
     std::uint32_t slots() const { return static_cast<std::uint32_t>(state_.size()); }
     std::uint32_t size() const { return size_; } ///< bodies
@@ -141,6 +143,7 @@ private:
     const std::uint16_t world_;
     bool any_group_ = false;
     std::uint64_t filters_version_ = 1; ///< grows when a layer, a mask or a group changes
+    std::uint64_t exclusions_version_ = 0;
 };
 
 /// Updates the world AABBs of new and moved bodies: tight, or around bounding spheres.

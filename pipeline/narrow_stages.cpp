@@ -78,9 +78,10 @@ public:
     void run(Bodies& bodies, Frame& frame, StageStats& stats) override
     {
         begin(bodies, frame);
-        level_.clear(frame.results.size());
-        for (std::uint32_t i = 0; i < frame.results.size(); ++i) level_.add(bodies, frame.results[i], i);
+        level_.clear(frame.open.size());
+        for (const std::uint32_t i : frame.open) level_.add(bodies, frame.results[i], i);
         level_.run(frame, stats);
+        stats.in += frame.kept.pairs, stats.out += frame.kept.left_by_refine;
         for (const Round& round : frame.context.rounds) stats.gpu_ms += round.gpu_ms, stats.wait_ms += round.wait_ms;
     }
 
@@ -91,11 +92,15 @@ public:
     }
 
 private:
+    /// Fills the results: of a pair of which nothing changed with its last result, of all others with a bound from the
+    /// boxes. An undecided pair is tried again.
     static void begin(const Bodies& bodies, Frame& frame)
     {
         const std::span<const std::uint8_t> none, fresh = frame.fresh;
         frame.cache.begin_frame(frame.pairs, frame.fresh_slots.empty() ? none : fresh);
+        frame.results.swap(frame.last_results);
         frame.results.clear(), frame.results.reserve(frame.pairs.size());
+        frame.open.clear(), frame.kept = {};
         constexpr std::size_t ahead = 8;
         for (std::size_t i = 0; i < frame.pairs.size(); ++i) {
             if (i + ahead < frame.pairs.size()) {
@@ -103,8 +108,16 @@ private:
                 bodies.prefetch(later.b);
                 if (later.a != frame.pairs[i + ahead - 1].a) bodies.prefetch(later.a);
             }
-            frame.results.push_back(undecided(bodies, frame.pairs[i]));
+            const BodyPair pair = frame.pairs[i];
+            if (const PairResult* last = frame.settings.coherence ? frame.last_result(i) : nullptr) {
+                frame.results.push_back(*last);
+                frame.kept.add(*last);
+            } else {
+                frame.results.push_back(undecided(bodies, pair));
+                frame.open.push_back(static_cast<std::uint32_t>(i));
+            }
         }
+        frame.context.trees.kept = frame.kept.pairs;
     }
 
     LevelRun level_;
@@ -123,11 +136,12 @@ public:
 
     void run(Bodies& bodies, Frame& frame, StageStats& stats) override
     {
-        const auto open = [](const PairResult& result) { return is_open(result.verdict); };
-        level_.clear(static_cast<std::size_t>(std::ranges::count_if(frame.results, open)));
-        for (std::uint32_t i = 0; i < frame.results.size(); ++i)
-            if (is_open(frame.results[i].verdict)) level_.add(bodies, frame.results[i], i);
+        const auto open = [&](std::uint32_t i) { return is_open(frame.results[i].verdict); };
+        level_.clear(static_cast<std::size_t>(std::ranges::count_if(frame.open, open)));
+        for (const std::uint32_t i : frame.open)
+            if (open(i)) level_.add(bodies, frame.results[i], i);
         level_.run(frame, stats);
+        stats.in += frame.kept.exact, stats.out += frame.kept.left_by_exact;
     }
 
     void skip(Bodies&, Frame& frame, StageStats& stats) override

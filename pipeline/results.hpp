@@ -84,6 +84,7 @@ struct TreeStats {
     std::uint64_t node_pairs = 0;     ///< pairs of cells, or of boxes, whose parts were compared
     std::uint64_t triangle_pairs = 0; ///< pairs of triangles tested by predicates
     std::uint64_t narrowed = 0;       ///< pairs of bodies narrowed down by boxes or exactly: each level counts
+    std::uint64_t kept = 0;           ///< pairs of which nothing changed, which keep their last result untested
     std::uint64_t by_gap = 0;         ///< of these, apart since an earlier frame by a gap that was not used up
     std::uint64_t by_hull = 0;        ///< of these, apart by convex solids around their meshes
     std::uint64_t by_balls = 0;       ///< of these, meeting by spheres inside their meshes

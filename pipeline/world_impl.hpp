@@ -29,7 +29,8 @@ struct World::Impl {
     MotionForecast courses;
     std::vector<PairOfBodies> active, last_active, began, ended; ///< active: not separate in the last frame
     std::string backend_note;
-    std::uint64_t hash = 0;
+    std::uint64_t hash = 0, frame_hash = 0; ///< of all frames; of the last frame
+    std::size_t undecided = 0;              ///< pairs of the last frame
 
     struct QueryWorker;                // query_worker.hpp
     std::shared_mutex guard;           ///< for const calls: of the models' trees
@@ -79,6 +80,10 @@ struct World::Impl {
     void in_batches(const Pairs& pairs, std::size_t count, Work work);
     /// Passes the changes to the broad phase and lists the AABBs to update.
     void take_in_changes();
+    /// True if this frame must have the results of the last one, pair by pair.
+    bool rests() const;
+    void run_stages();
+    void repeat_stages(); ///< the counts of the last frame, as nothing changed
     void find_events();
     void look_ahead();
     /// For const calls: updates AABBs and broad phase if there are changes.

@@ -29,6 +29,21 @@ std::uint64_t hash_of(std::span<const PairResult> results, bool with_kinds)
     return hash;
 }
 
+void add_to(StageStats& total, const StageStats& s)
+{
+    total.frames += 1, total.in += s.in, total.out += s.out, total.culled += s.culled;
+    total.undecided += s.undecided, total.cpu_ms += s.cpu_ms, total.gpu_ms += s.gpu_ms, total.wait_ms += s.wait_ms;
+    total.skipped &= s.skipped, total.note = total.skipped ? s.note : std::string_view{};
+}
+
+/// For tests of every pair: where nothing changed, bounds are the last ones, as if the pairs had not been tested.
+void keep_bounds(Frame& frame)
+{
+    for (std::size_t i = 0; i < frame.results.size(); ++i)
+        if (const PairResult* last = frame.last_result(i); last && last->verdict == Verdict::separate)
+            if (PairResult& now = frame.results[i]; now.verdict == Verdict::separate) now.bound = last->bound;
+}
+
 /// `auto` uses only hardware GPUs: software renderers are slower than the cpu backend.
 std::unique_ptr<OcclusionBackend> make_automatic_backend(int gpu, std::string& note)
 {
@@ -118,6 +133,12 @@ void World::Impl::take_in_changes()
     frame.fresh.resize(bodies.slots());
     for (std::uint32_t slot : changes.fresh)
         if (!frame.fresh[slot]) frame.fresh[slot] = 1, frame.fresh_slots.push_back(slot);
+    frame.changed.resize(bodies.slots());
+    for (const auto* slots : {&changes.fresh, &changes.moved})
+        for (std::uint32_t slot : *slots)
+            if (!frame.changed[slot]) frame.changed[slot] = 1, frame.changed_slots.push_back(slot);
+    frame.same_bodies &= changes.empty() && frame.exclusions_version == bodies.exclusions_version();
+    frame.exclusions_version = bodies.exclusions_version();
     frame.moved += changes.added_dynamic.size() + changes.moved.size();
     broad->remove(changes.removed);
     broad->add(changes.added_dynamic), broad->add(changes.added_static, true);
@@ -137,51 +158,70 @@ FrameView World::step()
                                                    frame.number, p.models.lost()));
     frame.context.trees = {}, frame.context.rounds.clear(), frame.context.frame = frame.number;
     p.take_in_changes();
-    auto from = begin;
-    for (std::size_t i = 0; i < p.stages.size(); ++i) {
-        Stage& stage = *p.stages[i];
-        StageStats& stats = p.stats[i];
-        stats = p.blank[i];
-        stats.note = p.skipped[i] ? by_request : stage.reason_to_skip(p.bodies, frame);
-        stats.skipped = !stats.note.empty();
-        if (stats.skipped)
-            stage.skip(p.bodies, frame, stats);
-        else
-            stage.run(p.bodies, frame, stats);
-        stats.culled = stats.in - stats.out;
-        // A stage that skips itself costs less than reading the clock, so it is not timed.
-        const auto to = stats.skipped && !p.skipped[i] ? from : Clock::now();
-        stats.cpu_ms = milliseconds(to - from);
-        from = to;
-
-        StageStats& total = p.totals[i];
-        total.frames += 1, total.in += stats.in, total.out += stats.out, total.culled += stats.culled;
-        total.undecided += stats.undecided, total.cpu_ms += stats.cpu_ms, total.gpu_ms += stats.gpu_ms;
-        total.wait_ms += stats.wait_ms;
-        total.skipped &= stats.skipped, total.note = total.skipped ? stats.note : std::string_view{};
+    if (p.rests()) {
+        p.repeat_stages();
+    } else {
+        try {
+            p.run_stages();
+        } catch (...) {
+            frame.keeps = false; // some results are of this frame
+            throw;
+        }
+        if (!p.settings.coherence) keep_bounds(frame);
+        p.find_events();
+        p.look_ahead();
+        p.frame_hash = hash_of(frame.results, wants_kinds(p.settings));
     }
-    p.find_events();
-    p.look_ahead();
+    frame.keeps = !p.settings.node_budget && !p.settings.memory_budget && !p.settings.resident_budget;
+    for (std::size_t i = 0; i < p.stages.size(); ++i) add_to(p.totals[i], p.stats[i]);
     for (std::uint32_t slot : frame.fresh_slots) frame.fresh[slot] = 0;
-    frame.fresh_slots.clear(), frame.moved = 0;
+    for (std::uint32_t slot : frame.changed_slots) frame.changed[slot] = 0;
+    frame.fresh_slots.clear(), frame.changed_slots.clear(), frame.moved = 0, frame.same_bodies = true;
 
     TreeStats& trees = frame.context.trees;
     trees.collapsed = p.models.age(frame.number);
     trees.nodes = p.models.nodes();
     trees.bytes = p.models.bytes();
-    const std::uint64_t hash = hash_of(frame.results, wants_kinds(p.settings));
-    mix(p.hash, hash);
-    return {frame.number++,
-            milliseconds(Clock::now() - begin),
-            frame.results,
-            p.began,
-            p.ended,
-            p.stats,
-            p.totals,
-            frame.delimitation,
-            trees,
-            frame.context.rounds,
-            hash};
+    mix(p.hash, p.frame_hash);
+    return {frame.number++, milliseconds(Clock::now() - begin),
+            frame.results,  p.began,
+            p.ended,        p.stats,
+            p.totals,       frame.delimitation,
+            trees,          frame.context.rounds,
+            p.frame_hash};
+}
+
+void World::Impl::run_stages()
+{
+    auto from = frame.context.began;
+    for (std::size_t i = 0; i < stages.size(); ++i) {
+        Stage& stage = *stages[i];
+        StageStats& s = stats[i];
+        s = blank[i];
+        s.note = skipped[i] ? by_request : stage.reason_to_skip(bodies, frame);
+        s.skipped = !s.note.empty();
+        if (s.skipped)
+            stage.skip(bodies, frame, s);
+        else
+            stage.run(bodies, frame, s);
+        s.culled = s.in - s.out;
+        // A stage that skips itself costs less than reading the clock, so it is not timed.
+        const auto to = s.skipped && !skipped[i] ? from : Clock::now();
+        s.cpu_ms = milliseconds(to - from);
+        from = to;
+    }
+}
+
+bool World::Impl::rests() const
+{
+    return frame.keeps && frame.same_bodies && settings.coherence && !frame.choose && undecided == 0;
+}
+
+void World::Impl::repeat_stages()
+{
+    frame.delimitation.clear(), began.clear(), ended.clear();
+    for (StageStats& s : stats) s.cpu_ms = s.gpu_ms = s.wait_ms = 0;
+    frame.context.trees.kept = frame.results.size();
 }
 
 /// Lets the prefetcher prepare the parts of cooked meshes that moving bodies will reach next.
@@ -198,8 +238,11 @@ void World::Impl::find_events()
 {
     active.swap(last_active);
     active.clear(), began.clear(), ended.clear();
-    for (const PairResult& result : frame.results)
+    undecided = 0;
+    for (const PairResult& result : frame.results) {
         if (result.verdict != Verdict::separate) active.push_back({result.a, result.b});
+        undecided += result.verdict == Verdict::undecided;
+    }
     const auto slots = [](const PairOfBodies& pair) { return BodyPair{pair.a.slot, pair.b.slot}; };
     auto now = active.begin(), before = last_active.begin();
     while (now != active.end() || before != last_active.end()) {

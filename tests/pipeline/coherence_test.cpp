@@ -4,9 +4,11 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <set>
 
 #include <gtest/gtest.h>
 
+#include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/generators.hpp>
 
@@ -38,12 +40,13 @@ public:
     }
 
     /// Most bodies move a little, some rest, and a few change in other ways.
-    void change()
+    /// @param rest  the share of the bodies at rest
+    void change(double rest = 0.2)
     {
         for (std::size_t i = 0; i < bodies_.size(); ++i) {
             Body& body = bodies_[i];
-            const std::size_t what = below(60);
-            if (what < 12) continue;
+            if (u() < rest) continue;
+            const std::size_t what = 12 + below(48);
             if (what < 52) {
                 const double scale = std::pow(10, -2.0 - double(below(4)));
                 const Isometry3d by = random_pose(random_(), scale);
@@ -74,6 +77,13 @@ public:
                 for (std::uint32_t m = 0; m < models_; ++m)
                     if (std::holds_alternative<OccupancyMap>(geometries_[m]->data))
                         for (auto& world : worlds_) world->set_cells(world->model_at(m), {&place, 1}, state);
+            } else {
+                Body& other = bodies_[below(bodies_.size())];
+                if (&other == &body) continue;
+                for (auto& world : worlds_) {
+                    const BodyId a = world->body_at(body.slot), b = world->body_at(other.slot);
+                    world->excluded(a, b) ? world->include(a, b) : world->exclude(a, b);
+                }
             }
         }
     }
@@ -89,6 +99,10 @@ public:
                                                                 : world.add(geometries_[m]);
         }
         for (std::size_t i = 0; i < bodies_.size(); ++i) world.add_body(spec(world, i));
+        for (std::uint32_t i = 0; i < bodies_.size(); ++i)
+            for (std::uint32_t j = 0; j < i; ++j)
+                if (worlds_[0]->excluded(worlds_[0]->body_at(bodies_[i].slot), worlds_[0]->body_at(bodies_[j].slot)))
+                    world.exclude(world.body_at(i), world.body_at(j));
         return world;
     }
 
@@ -165,6 +179,61 @@ protected:
     }
 };
 
+/// As the events of a World state them: pairs that began and ended, by the bodies' slots.
+void follow_events(std::set<BodyPair>& pairs, const FrameView& frame)
+{
+    for (const PairOfBodies& pair : frame.ended)
+        EXPECT_EQ(pairs.erase({index(pair.a), index(pair.b)}), 1u) << "frame " << frame.frame;
+    for (const PairOfBodies& pair : frame.began)
+        EXPECT_TRUE(pairs.insert({index(pair.a), index(pair.b)}).second) << "frame " << frame.frame;
+}
+
+TEST_P(Coherence, KeepsTheResultsOfPairsAtRestAsANewWorldWouldFindThem)
+{
+    const Settings on = settings(GetParam());
+    Settings off = on;
+    off.coherence = false;
+    std::uint64_t kept = 0, pairs = 0, repeated = 0;
+    for (std::uint64_t seed = 11; seed < 14; ++seed) {
+        Crowd crowd(seed, {on, off});
+        std::set<BodyPair> present, expected_present;
+        for (int frame = 0; frame < 40; ++frame) {
+            if (frame) crowd.change(frame % 3 ? 0.97 : 1); // now and then all bodies rest
+            const FrameView view = crowd.world(0).step(), expected = crowd.world(1).step();
+            ASSERT_EQ(view.hash, expected.hash) << "seed " << seed << " frame " << frame;
+            ASSERT_EQ(view.pairs.size(), expected.pairs.size());
+            for (std::size_t i = 0; i < view.pairs.size(); ++i) {
+                const PairResult &r = view.pairs[i], &e = expected.pairs[i];
+                ASSERT_TRUE(index(r.a) == index(e.a) && index(r.b) == index(e.b) && r.verdict == e.verdict &&
+                            r.stage == e.stage && r.kind == e.kind && r.bound == e.bound)
+                    << "seed " << seed << " frame " << frame << " pair " << i << ": " << int(r.verdict) << " at "
+                    << r.bound << ", " << int(e.verdict) << " at " << e.bound;
+            }
+            for (std::size_t stage = 0; stage < view.stages.size(); ++stage)
+                if (view.stages[stage].stage == "refine" || view.stages[stage].stage == "exact") {
+                    EXPECT_EQ(view.stages[stage].in, expected.stages[stage].in) << view.stages[stage].stage;
+                    EXPECT_EQ(view.stages[stage].out, expected.stages[stage].out) << view.stages[stage].stage;
+                }
+            follow_events(present, view), follow_events(expected_present, expected);
+            ASSERT_EQ(present, expected_present);
+            EXPECT_EQ(expected.trees.kept, 0u);
+            kept += view.trees.kept, pairs += view.pairs.size();
+            repeated += view.trees.kept == view.pairs.size();
+            if (frame % 8) continue;
+            World fresh = crowd.fresh(on);
+            std::map<Users, PairResult> again = by_users(fresh, fresh.step());
+            ASSERT_EQ(again.size(), view.pairs.size());
+            for (const auto& [users, r] : by_users(crowd.world(0), view)) {
+                ASSERT_EQ(again.at(users).verdict, r.verdict) << "seed " << seed << " frame " << frame;
+                if (r.verdict == Verdict::separate) continue;
+                ASSERT_EQ(again.at(users).bound, r.bound);
+            }
+        }
+    }
+    EXPECT_GT(kept, 4 * pairs / 5) << pairs;
+    EXPECT_GT(repeated, 20u);
+}
+
 TEST_P(Coherence, ChangesNoVerdictAndNoBoundAndKeepsPairsApartThatAre)
 {
     Settings on = settings(GetParam()), off = on, threads = on, none = on;
@@ -232,7 +301,7 @@ TEST(CoherenceOfAPair, EndsWhereTheBodiesCanHaveMet)
     const auto step = [&] {
         const FrameView view = world.step();
         EXPECT_EQ(view.pairs.size(), 1u);
-        return std::pair(view.pairs[0], view.trees.by_gap == 1);
+        return std::pair(view.pairs[0], view.trees.by_gap + view.trees.kept == 1);
     };
     const auto [first, kept_first] = step();
     ASSERT_EQ(first.verdict, Verdict::separate);
