@@ -91,7 +91,7 @@ void require(bool condition, std::string_view setting, auto value, std::string_v
     if (!condition) throw Error(ErrorKind::usage, fmt::format("{} = {}: must be {}", setting, value, valid));
 }
 
-/// What a row says of a setting to people.
+/// The texts of a row for help and pages.
 struct Words {
     std::string_view options, group, value, help, by_default;
 };

@@ -40,7 +40,7 @@ private:
 };
 
 /// Adds the options of the group "Accuracy".
-/// @param exact  what --help says of the default of --exact; empty: the table's text
+/// @param exact  the default of --exact in --help; empty: the text of the table
 void add_accuracy_options(Arguments command, SettingsOptions& options, std::string_view exact = {});
 /// Adds the options of the group "Computation".
 void add_pipeline_options(Arguments command, SettingsOptions& options);
