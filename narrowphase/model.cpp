@@ -16,10 +16,21 @@ const CookedFile* file_of(const GeometryData& data)
     return nullptr;
 }
 
+Kind kind_of(const GeometryData& data)
+{
+    if (std::holds_alternative<Terrain>(data)) return Kind::terrain;
+    if (std::holds_alternative<OccupancyMap>(data)) return Kind::map;
+    const Shape* const shape = std::get_if<Shape>(&data);
+    if (!shape) return Kind::mesh;
+    if (std::holds_alternative<HalfSpace>(*shape)) return Kind::half_space;
+    return is_polytope(*shape) ? Kind::polytope : Kind::round;
+}
+
 } // namespace
 
 Model::Model(std::shared_ptr<const Geometry> geometry)
-    : geometry_(std::move(geometry)),
+    : geometry_(std::move(geometry)), kind_(kind_of(geometry_->data)),
+      index_(static_cast<std::uint8_t>(geometry_->data.index())),
       data_(std::visit([](const auto& data) -> const void* { return &data; }, geometry_->data)),
       file_(file_of(geometry_->data)), bounds_(geometry_->data)
 {
