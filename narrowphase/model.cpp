@@ -16,16 +16,6 @@ const CookedFile* file_of(const GeometryData& data)
     return nullptr;
 }
 
-Kind kind_of(const GeometryData& data)
-{
-    if (std::holds_alternative<Terrain>(data)) return Kind::terrain;
-    if (std::holds_alternative<OccupancyMap>(data)) return Kind::map;
-    const Shape* const shape = std::get_if<Shape>(&data);
-    if (!shape) return Kind::mesh;
-    if (std::holds_alternative<HalfSpace>(*shape)) return Kind::half_space;
-    return is_polytope(*shape) ? Kind::polytope : Kind::round;
-}
-
 } // namespace
 
 Model::Model(std::shared_ptr<const Geometry> geometry)

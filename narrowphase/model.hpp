@@ -17,29 +17,18 @@
 #include <oncollide/narrowphase/hulls/inner_spheres.hpp>
 #include <oncollide/narrowphase/hulls/outer_hull.hpp>
 #include <oncollide/narrowphase/inside/parts.hpp>
+#include <oncollide/narrowphase/kind.hpp>
 #include <oncollide/narrowphase/obb/map_tree.hpp>
 #include <oncollide/narrowphase/obb/obb_tree.hpp>
 #include <oncollide/narrowphase/obb/shape_tree.hpp>
 #include <oncollide/narrowphase/obb/terrain_tree.hpp>
 #include <oncollide/narrowphase/shapes/convex.hpp>
-#include <oncollide/narrowphase/shapes/polytope_surface.hpp>
 #include <oncollide/narrowphase/spheres/ocst.hpp>
 #include <oncollide/narrowphase/spheres/surface.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
 #include <oncollide/scenes/model/map_access.hpp>
 
 namespace oncollide {
-
-/// The kinds of models that pairs are tested by (pairs/pair_tests.hpp).
-enum class Kind : std::uint8_t {
-    mesh,
-    terrain,
-    map,
-    polytope, ///< a box or a hull
-    round,    ///< any other bounded shape
-    half_space,
-};
-constexpr std::size_t kind_count = 6;
 
 /// Owns all data derived from a geometry. Each item is computed once, when it is first needed, and stays at its
 /// address, shared by all bodies, queries and threads.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include <oncollide/narrowphase/pairs/operands.hpp>
 #include <oncollide/narrowphase/pairs/pair_worker.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
 #include <oncollide/narrowphase/walks/box_search.hpp>

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include <oncollide/narrowphase/pairs/half_space.hpp>
-#include <oncollide/narrowphase/pairs/operands.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
+#include <oncollide/narrowphase/pairs/pair_worker.hpp>
 #include <oncollide/narrowphase/pairs/part_solid.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
 #include <oncollide/narrowphase/shapes/convex_pair.hpp>

@@ -3,7 +3,7 @@
 
 #include <oncollide/base/function_ref.hpp>
 #include <oncollide/narrowphase/finding.hpp>
-#include <oncollide/narrowphase/pairs/operands.hpp>
+#include <oncollide/narrowphase/pairs/pair_worker.hpp>
 #include <oncollide/narrowphase/shapes/convex_pair.hpp>
 
 namespace oncollide {

@@ -15,7 +15,7 @@ struct PairTask {
     double travel = 0; ///< sum of the upper bounds of how far both bodies have moved
 };
 
-/// What the exact level decides.
+/// The settings of an exact decision.
 struct PairOptions {
     double clearance = 0;         ///< metres: bodies this close are near
     bool kinds = false;           ///< determine whether colliding surfaces touch or cross

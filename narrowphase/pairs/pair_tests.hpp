@@ -8,12 +8,11 @@ namespace oncollide {
 
 struct EnoughDistance;
 
-/// Whether the tests of a pair need the models' OBB trees. All pairs but those of two shapes need them, if only for one
-/// of the two models.
+/// Whether the tests of a pair need the trees of the models that have triangles.
 enum class TreesNeeded : std::uint8_t { never, for_kinds, always };
 
-/// The tests of two kinds of models, one column for each question. A column is null if no test answers it. The trees of
-/// both models must exist as `trees` says; ChunkFault is thrown if a file cannot be read.
+/// The tests of two kinds of models, one column for each question. A column is null if the question has no test for
+/// these kinds. The trees that `trees` requires must exist. The tests throw ChunkFault if a file cannot be read.
 struct PairTests {
     TreesNeeded trees;
 

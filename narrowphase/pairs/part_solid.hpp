@@ -55,7 +55,7 @@ private:
     bool flat_ = false;
 };
 
-/// Of solids that meet: the points of deepest overlap.
+/// Solids that meet return their points of deepest overlap.
 constexpr EnoughDistance nearest_of_all{.below = -std::numeric_limits<double>::infinity()};
 
 /// A round body without a normal at the contact (its centre is there) gets the opposite of the other's normal.

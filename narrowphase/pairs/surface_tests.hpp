@@ -111,7 +111,7 @@ Finding near(PairWorker& worker, const PairTask& task, double clearance, double 
     return {found.near ? Verdict::within : Verdict::separate, ContactKind::unknown, found.bound};
 }
 
-/// Of meshes and terrains.
+/// The distance of two meshes or terrains.
 template <class A, class B>
 Distance distance(PairWorker& worker, const PairTask& task, double tolerance, double farthest)
 {

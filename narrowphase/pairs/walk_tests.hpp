@@ -1,5 +1,5 @@
-// Tests of two bodies by a walk of their hierarchies, for each two operands (operands.hpp) that a PairWorker has a walk
-// for. Included by the table alone, which makes functions of them.
+// Tests of two bodies by a walk of their hierarchies, for each two operands (pair_worker.hpp) that a PairWorker has a
+// walk for. Included by the table alone, which makes functions of them.
 #pragma once
 #include <algorithm>
 #include <concepts>
@@ -9,8 +9,8 @@
 #include <vector>
 
 #include <oncollide/narrowphase/pairs/containment.hpp>
-#include <oncollide/narrowphase/pairs/operands.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
+#include <oncollide/narrowphase/pairs/pair_worker.hpp>
 #include <oncollide/narrowphase/pairs/part_solid.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
 #include <oncollide/narrowphase/walks/box_walk_queries.hpp>
@@ -180,7 +180,7 @@ Finding near(const WalkPair<A, B>& p, double clearance, double tolerance, PairMe
     return {Verdict::within, ContactKind::unknown, (found.near ? found.bound : clearance) + out};
 }
 
-/// From the result of a traversal.
+/// The distance in the world frame, from the result of a traversal.
 template <class A, class B>
 Distance distance_of(const OrderedPair& p, auto& tree_a, auto& tree_b, double off, const auto& found)
 {
