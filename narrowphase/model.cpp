@@ -19,7 +19,8 @@ const CookedFile* file_of(const GeometryData& data)
 } // namespace
 
 Model::Model(std::shared_ptr<const Geometry> geometry)
-    : geometry_(std::move(geometry)),
+    : geometry_(std::move(geometry)), kind_(kind_of(geometry_->data)),
+      index_(static_cast<std::uint8_t>(geometry_->data.index())),
       data_(std::visit([](const auto& data) -> const void* { return &data; }, geometry_->data)),
       file_(file_of(geometry_->data)), bounds_(geometry_->data)
 {

@@ -17,12 +17,12 @@
 #include <oncollide/narrowphase/hulls/inner_spheres.hpp>
 #include <oncollide/narrowphase/hulls/outer_hull.hpp>
 #include <oncollide/narrowphase/inside/parts.hpp>
+#include <oncollide/narrowphase/kind.hpp>
 #include <oncollide/narrowphase/obb/map_tree.hpp>
 #include <oncollide/narrowphase/obb/obb_tree.hpp>
 #include <oncollide/narrowphase/obb/shape_tree.hpp>
 #include <oncollide/narrowphase/obb/terrain_tree.hpp>
 #include <oncollide/narrowphase/shapes/convex.hpp>
-#include <oncollide/narrowphase/shapes/polytope_surface.hpp>
 #include <oncollide/narrowphase/spheres/ocst.hpp>
 #include <oncollide/narrowphase/spheres/surface.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
@@ -43,6 +43,7 @@ public:
     Model(const Model&) = delete;
     Model& operator=(const Model&) = delete;
 
+    Kind kind() const { return kind_; }
     const Geometry& geometry() const { return *geometry_; }
     /// Null if the geometry is no mesh. For a cooked mesh this reads and keeps the whole file, which may throw
     /// ChunkFault; use cooked() where it suffices.
@@ -62,7 +63,7 @@ public:
     void read_all() const;
     /// The chunks that this model holds of a map's or a terrain's file; null: none.
     HeldChunks* held_grid() const;
-    bool is_mesh() const { return as<Mesh>() || cooked(); }
+    bool is_mesh() const { return kind_ == Kind::mesh; }
     const Shape* shape() const { return as<Shape>(); }
     const OccupancyMap* map() const { return as<OccupancyMap>(); }
     const Terrain* terrain() const { return as<Terrain>(); }
@@ -75,9 +76,14 @@ public:
     const BoundingMesh& bounding_mesh() const;
     /// How far the surface that trees are built over may lie outside the geometry (m); 0 unless it is a shape.
     double covering_error() const { return shape() ? bounding_mesh().covering_error : 0.0; }
-    bool is_half_space() const { return shape() && std::holds_alternative<HalfSpace>(*shape()); }
     /// True for a mesh, a box or a hull: exact triangle tests decide it.
-    bool has_triangles() const { return is_mesh() || (shape() && is_polytope(*shape())); }
+    bool has_triangles() const { return kind_ == Kind::mesh || kind_ == Kind::polytope; }
+    /// True if the OBB tree exists, or the model needs none.
+    bool has_obb_tree() const { return obb_tree || !has_triangles(); }
+    /// True if a sphere-tree can represent the model.
+    bool has_sphere_tree() const { return kind_ != Kind::terrain && kind_ != Kind::half_space; }
+    /// Distance of the farthest point from the origin of the geometry's frame; 0 for a half-space.
+    double reach() const { return kind_ == Kind::half_space ? 0 : bounds_.reach(); }
     /// The shape for tests without trees. The model must be a shape other than a half-space.
     const Convex& convex() const;
     /// The shape as one primitive for traversals. The model must be a shape other than a half-space.
@@ -101,8 +107,9 @@ public:
 
     /// True for a mesh in which every edge is shared by two triangles that traverse it in opposite directions.
     bool closed() const;
+    bool is_open_mesh() const { return is_mesh() && !closed(); }
     /// True if surface_mesh() has an inside: a closed mesh, a box or a hull.
-    bool has_inside() const { return shape() ? is_polytope(*shape()) : closed(); }
+    bool has_inside() const { return kind_ == Kind::polytope || closed(); }
     /// Points of each connected part; empty for a map.
     std::span<const PartPoints> parts() const;
     /// Calls visit(part) for every part that may be in a box, possibly for others too, until it returns true. Returns
@@ -136,24 +143,25 @@ public:
 
 private:
     /// Does not read the geometry itself: in a large world the geometries lie scattered in memory.
-    template <class Kind>
-    const Kind* as() const
+    template <class Data>
+    const Data* as() const
     {
-        return kind_ == index_of<Kind>(&geometry_->data) ? static_cast<const Kind*>(data_) : nullptr;
+        return index_ == index_of<Data>(&geometry_->data) ? static_cast<const Data*>(data_) : nullptr;
     }
-    template <class Kind, class... Kinds>
-    static constexpr std::size_t index_of(const std::variant<Kinds...>*)
+    template <class Data, class... All>
+    static constexpr std::size_t index_of(const std::variant<All...>*)
     {
         std::size_t index = 0;
-        ((!std::is_same_v<Kind, Kinds> && ++index) && ...);
+        ((!std::is_same_v<Data, All> && ++index) && ...);
         return index;
     }
     const Mesh& polytope() const;
     const Mesh& whole() const;
 
     std::shared_ptr<const Geometry> geometry_;
-    const std::size_t kind_ = geometry_->data.index();
-    const void* data_; ///< the data of that kind: the geometry's, or this model's own
+    const Kind kind_;
+    const std::uint8_t index_; ///< of the data in the geometry
+    const void* data_;         ///< the data of that kind: the geometry's, or this model's own
     const CookedFile* file_;
     std::unique_ptr<OuterHull> hull_;
     std::unique_ptr<InnerSpheres> balls_;

@@ -4,7 +4,8 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/pipeline/refine/contact_finding.hpp>
+#include <oncollide/narrowphase/pairs/triangle_pairs.hpp>
+#include <oncollide/pipeline/check_distance.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {
@@ -30,6 +31,13 @@ struct TwoTrees {
 
 } // namespace
 
+void check_distance(double tolerance, double farthest)
+{
+    for (const auto& [what, value] : {std::pair("tolerance", tolerance), std::pair("limit", farthest)})
+        if (!(value >= 0))
+            throw Error(ErrorKind::usage, fmt::format("distance: a {} of {}; must be 0 or more", what, value));
+}
+
 Finding collide(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b, const Eigen::Isometry3d& pose_b)
 {
     TwoTrees trees(a, pose_a, b, pose_b);
@@ -43,15 +51,18 @@ Distance distance(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b,
 {
     check_distance(tolerance, farthest);
     TwoTrees trees(a, pose_a, b, pose_b);
-    return ContactFinding().distance(trees.a, pose_a, trees.b, pose_b, tolerance, farthest);
+    Traversal walk;
+    return triangle_distance(walk, trees.a, pose_a, trees.b, pose_b, tolerance, farthest);
 }
 
 std::vector<Contact> contacts(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b,
                               const Eigen::Isometry3d& pose_b)
 {
     TwoTrees trees(a, pose_a, b, pose_b);
+    Traversal walk;
+    std::vector<TrianglePair> pairs;
     std::vector<Contact> found;
-    ContactFinding().find(trees.a, pose_a, trees.b, pose_b, found);
+    triangle_contacts(walk, trees.a, pose_a, trees.b, pose_b, pairs, found);
     return found;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <oncollide/base/parallel.hpp>
+#include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/pipeline/world_impl.hpp>
 
 namespace oncollide {
@@ -12,11 +13,7 @@ struct World::Impl::QueryWorker {
     explicit QueryWorker(Impl& impl);
     BothLevels levels;
     RefineContext context;
-    ContactFinding contacts;
-    NonMeshContacts non_mesh_contacts;
-    PairDistance distances;
-    PenetrationDepth penetration;
-    std::vector<Contact> meetings;
+    PairWorker pairs; ///< for distances, contacts and penetrations
     std::vector<Aabb> boxes;
     std::vector<AabbHit> hits;
     std::vector<Eigen::Isometry3d> poses; ///< of pairs given as columns

@@ -142,7 +142,7 @@ void World::Impl::check_body(const BodySpec& body)
     const Model& model = model_of(body.model);
     check_pose("new body: ", body.pose);
     if (!reads_on_demand(settings)) model.read_all(); // now rather than in the middle of a frame
-    if (settings.mode == Mode::solid && !settings.open_as_surface && model.is_mesh() && !model.closed())
+    if (settings.mode == Mode::solid && !settings.open_as_surface && model.is_open_mesh())
         refuse_open_mesh(name_or(model.geometry().name, "mesh"), *model.mesh());
 }
 
@@ -165,7 +165,7 @@ void World::Impl::replace(ModelId id, std::shared_ptr<const Geometry> geometry)
 {
     model_of(id);
     if (settings.mode == Mode::solid && !settings.open_as_surface && id.slot < users.size() && users[id.slot])
-        if (const Model model(geometry); model.is_mesh() && !model.closed())
+        if (const Model model(geometry); model.is_open_mesh())
             refuse_open_mesh(name_or(geometry->name, "mesh"), *model.mesh());
     models.replace(id, std::move(geometry));
     std::uint32_t left = id.slot < users.size() ? users[id.slot] : 0;

@@ -4,9 +4,6 @@
 #include <shared_mutex>
 
 #include <oncollide/pipeline/refine/narrowing.hpp>
-#include <oncollide/pipeline/refine/non_mesh_contacts.hpp>
-#include <oncollide/pipeline/refine/pair_distance.hpp>
-#include <oncollide/pipeline/refine/penetration_depth.hpp>
 #include <oncollide/pipeline/stage.hpp>
 #include <oncollide/pipeline/world.hpp>
 

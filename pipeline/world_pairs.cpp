@@ -2,8 +2,9 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/narrowphase/shapes/convex_distance.hpp>
+#include <oncollide/pipeline/check_distance.hpp>
 #include <oncollide/pipeline/query_worker.hpp>
-#include <oncollide/pipeline/refine/placed_pair.hpp>
 
 namespace oncollide {
 
@@ -207,7 +208,7 @@ void World::Impl::need_trees(std::span<const PairTask> tasks)
 {
     const auto there = [&](Model& model) {
         if (model.obb_tree_used.load(std::memory_order_relaxed) != frame.number) model.obb_tree_used = frame.number;
-        return !model.has_triangles() || model.obb_tree;
+        return model.has_obb_tree();
     };
     {
         const std::shared_lock lock(guard);
@@ -222,7 +223,8 @@ void World::Impl::need_trees(std::span<const PairTask> tasks)
 /// The trees must be there.
 Distance World::Impl::distance(QueryWorker& worker, const PairTask& task, double tolerance, double cutoff)
 {
-    return models.with_room([&] { return worker.distances.find(task, settings.mode, tolerance, cutoff); });
+    const bool solid = settings.mode == Mode::solid;
+    return models.with_room([&] { return tests_for(task).distance(worker.pairs, task, tolerance, cutoff, solid); });
 }
 
 Distance World::distance(PairSide a, PairSide b, double tolerance, double cutoff) const
@@ -230,8 +232,8 @@ Distance World::distance(PairSide a, PairSide b, double tolerance, double cutoff
     Impl& p = impl();
     check_distance(tolerance, cutoff);
     const PairTask task = p.checked_task(a, b);
-    if (task.a->shape() && task.b->shape()) // needs no worker and no tree
-        return DirectPair(task).distance({.above = cutoff, .tolerance = tolerance});
+    if (const auto direct = tests_for(task).direct_distance) // needs no worker and no tree
+        return direct(task, {.above = cutoff, .tolerance = tolerance});
     p.need_trees({&task, 1});
     Impl::Lease worker(p);
     return p.distance(*worker, task, tolerance, cutoff);
@@ -281,13 +283,9 @@ void World::distances(const ModelPairColumns& pairs, std::span<Distance> found, 
 /// The trees must be there. Appends.
 void World::Impl::contacts(QueryWorker& worker, const PairTask& task, std::vector<Contact>& found)
 {
-    const auto has_surface = [](const Model& model) { return model.is_mesh() || model.terrain(); };
     models.with_room([&, begin = found.size()] {
         found.resize(begin);
-        if (has_surface(*task.a) && has_surface(*task.b))
-            worker.contacts.find(*task.a, *task.pose_a, *task.b, *task.pose_b, found);
-        else
-            worker.non_mesh_contacts.find(task, found);
+        tests_for(task).contacts(worker.pairs, task, found);
     });
 }
 
@@ -335,7 +333,7 @@ void World::Impl::check_penetration(const PairTask& task) const
     for (const Model* model : {task.a, task.b}) {
         const std::string& own = model->geometry().name;
         const std::string name = own.empty() ? "a model" : fmt::format("model '{}'", own);
-        if (!model->has_triangles())
+        if (!tests_for(model->kind(), model->kind()).penetration)
             throw Error(ErrorKind::usage, fmt::format("penetration: {} is not a mesh, box or hull", name));
         if (model->cooked() && reads_on_demand(settings))
             throw Error(
@@ -349,9 +347,7 @@ void World::Impl::check_penetration(const PairTask& task) const
 /// The trees must be there.
 Penetration World::Impl::penetration(QueryWorker& worker, const PairTask& task)
 {
-    worker.meetings.clear();
-    worker.contacts.find(*task.a->obb_tree, *task.pose_a, *task.b->obb_tree, *task.pose_b, worker.meetings);
-    return worker.penetration.measure(task, worker.meetings);
+    return tests_for(task).penetration(worker.pairs, task);
 }
 
 Penetration World::penetration(PairSide a, PairSide b) const

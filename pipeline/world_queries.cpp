@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/pipeline/check_distance.hpp>
 #include <oncollide/pipeline/query_worker.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
 

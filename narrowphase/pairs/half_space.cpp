@@ -84,26 +84,18 @@ private:
     Vector3d point_ = Vector3d::Constant(infinity);
 };
 
-/// For a body that is no shape: calls work(tree, each_corner) with a hierarchy whose primitives have corners;
-/// each_corner(primitive, take) passes the corners of a primitive to take().
-void with_corners(Model& body, auto work)
+// Pass the corners of a primitive to take().
+void each_corner(const MapTree& tree, const MapCell& cell, auto take)
 {
-    if (body.map()) {
-        MapTree& cells = body.cells();
-        return work(cells, [&](const MapCell& cell, auto take) {
-            for (unsigned k = 0; k < 8; ++k) take(corner_of(MapAccess::box(cells.map(), cell), k));
-        });
-    }
-    if (body.terrain()) {
-        TerrainTree& heights = body.heights();
-        return work(heights, [&](std::uint32_t triangle, auto take) {
-            for (const Vector3d& p : heights.points(triangle)) take(p);
-        });
-    }
-    ObbTree& tree = *body.obb_tree;
-    work(tree, [&](std::uint32_t triangle, auto take) {
-        for (const Vector3d& p : tree.corners(triangle)) take(p);
-    });
+    for (unsigned k = 0; k < 8; ++k) take(corner_of(MapAccess::box(tree.map(), cell), k));
+}
+void each_corner(const TerrainTree& tree, std::uint32_t triangle, auto take)
+{
+    for (const Vector3d& p : tree.points(triangle)) take(p);
+}
+void each_corner(const ObbTree& tree, std::uint32_t triangle, auto take)
+{
+    for (const Vector3d& p : tree.corners(triangle)) take(p);
 }
 
 Vector3d lowest_of_shape(const Convex& c, const RelativePose& to_plane)
@@ -130,93 +122,121 @@ Vector3d shared_point(const RelativePose& to_plane)
     return point.allFinite() ? point : Vector3d(0, 0, 0);
 }
 
-double radius_of(const Model& body)
+/// As HalfSpacePair::lowest(), of another half-space.
+Vector3d lowest_of_plane(const RelativePose& to_plane)
 {
-    return body.shape() ? body.convex().radius : 0;
+    // They meet unless their planes are parallel and they face away from each other.
+    const Vector3d normal = to_plane.rotation.col(2), along(normal.x(), normal.y(), 0);
+    const double across = along.norm(), height = normal.dot(to_plane.translation);
+    if (across == 0 && normal.z() < 0) return to_plane.translation;
+    if (height >= 0) return Vector3d::Zero();
+    return normal.z() > across ? Vector3d(0, 0, height / normal.z()) : Vector3d(height / across / across * along);
 }
 
 } // namespace
 
-HalfSpacePair::HalfSpacePair(Model& body, const RelativePose& body_to_plane, double slack)
+template <class Body>
+HalfSpacePair<Body>::HalfSpacePair(Model& body, const RelativePose& body_to_plane, double slack)
     : body_(body), to_plane_(body_to_plane), slack_(slack)
 {
 }
 
-Vector3d HalfSpacePair::lowest(double enough) const
+template <class Body>
+double HalfSpacePair<Body>::radius() const
 {
-    if (body_.is_half_space()) {
-        // They meet unless their planes are parallel and they face away from each other.
-        const Vector3d normal = to_plane_.rotation.col(2), along(normal.x(), normal.y(), 0);
-        const double across = along.norm(), height = normal.dot(to_plane_.translation);
-        if (across == 0 && normal.z() < 0) return to_plane_.translation;
-        if (height >= 0) return Vector3d::Zero();
-        return normal.z() > across ? Vector3d(0, 0, height / normal.z()) : Vector3d(height / across / across * along);
-    }
-    if (body_.shape()) return lowest_of_shape(body_.convex(), to_plane_);
-    Lowest lowest(to_plane_);
-    with_corners(body_, [&](auto& tree, auto each_corner) {
-        LowFirst(
-            tree, to_plane_, [&] { return lowest.point().z() <= enough ? -infinity : lowest.point().z(); },
-            [&](const auto& primitive) { each_corner(primitive, [&](const Vector3d& p) { lowest.take(p); }); });
-    });
-    return lowest.point();
+    if constexpr (is_solid)
+        return body_.convex().radius;
+    else
+        return 0;
 }
 
-void HalfSpacePair::each_meeting(FunctionRef<void(const BodyPart&, const Vector3d&)> found) const
+template <class Body>
+Vector3d HalfSpacePair<Body>::lowest(double enough) const
 {
-    with_corners(body_, [&](auto& tree, auto each_corner) {
+    if constexpr (is_plane) {
+        return lowest_of_plane(to_plane_);
+    } else if constexpr (is_solid) {
+        return lowest_of_shape(body_.convex(), to_plane_);
+    } else {
+        auto& tree = Body::tree(body_);
+        Lowest lowest(to_plane_);
+        LowFirst(
+            tree, to_plane_, [&] { return lowest.point().z() <= enough ? -infinity : lowest.point().z(); },
+            [&](const auto& primitive) { each_corner(tree, primitive, [&](const Vector3d& p) { lowest.take(p); }); });
+        return lowest.point();
+    }
+}
+
+template <class Body>
+void HalfSpacePair<Body>::each_meeting(FunctionRef<void(const BodyPart&, const Vector3d&)> found) const
+{
+    if constexpr (!is_plane && !is_solid) {
+        auto& tree = Body::tree(body_);
         LowFirst(
             tree, to_plane_, [] { return 0.0; },
             [&](const auto& primitive) {
                 Lowest lowest(to_plane_);
-                each_corner(primitive, [&](const Vector3d& p) { lowest.take(p); });
+                each_corner(tree, primitive, [&](const Vector3d& p) { lowest.take(p); });
                 if (lowest.point().z() <= 0) found(BodyPart(primitive), lowest.point());
             });
-    });
+    }
 }
 
-double HalfSpacePair::rounding() const
+template <class Body>
+double HalfSpacePair<Body>::rounding() const
 {
-    if (body_.terrain()) return body_.terrain()->error();
-    if (!body_.shape() || body_.is_half_space()) return 0;
-    const Convex& c = body_.convex();
-    if (c.flat_sided) return slack_ * c.radius;
-    return (slack_ + 0x1p-47) * c.extent + 0x1p-47 * to_plane_.translation.norm();
+    if constexpr (is_plane) {
+        return 0;
+    } else if constexpr (is_solid) {
+        const Convex& c = body_.convex();
+        if (c.flat_sided) return slack_ * c.radius;
+        return (slack_ + 0x1p-47) * c.extent + 0x1p-47 * to_plane_.translation.norm();
+    } else {
+        return Body::error(body_);
+    }
 }
 
-double HalfSpacePair::low() const
+template <class Body>
+double HalfSpacePair<Body>::low() const
 {
-    if (body_.shape()) return -std::numeric_limits<double>::infinity();
+    if (is_plane || is_solid) return -infinity;
     const Aabb box = bounds_of(body_.geometry());
     const Vector3d centre = box.centre(), half = box.half_extent();
     const double rounding = 0x1p-48 * (centre.norm() + half.norm() + to_plane_.translation.norm());
     return to_plane_(centre).z() - to_plane_.rotation.row(2).cwiseAbs().dot(half) - rounding;
 }
 
-ConvexMeeting HalfSpacePair::meeting() const
+template <class Body>
+ConvexMeeting HalfSpacePair<Body>::meeting() const
 {
     if (const double sure = low() - rounding(); sure > 0) return {1, sure};
-    const double radius = radius_of(body_), doubt = rounding(), height = lowest(radius - doubt).z();
+    const double radius = this->radius(), doubt = rounding(), height = lowest(radius - doubt).z();
     if (height <= radius - doubt) return {-1, 0};
     if (height > radius + doubt) return {1, (height - radius - doubt) * (1 - 0x1p-50)};
     return {0, std::max(height - radius, 0.0) + doubt};
 }
 
-ConvexDistance HalfSpacePair::distance(double above) const
+template <class Body>
+ConvexDistance HalfSpacePair<Body>::distance(double above) const
 {
-    if (const double sure = low() - rounding(); sure > above)
-        return {sure, std::numeric_limits<double>::infinity(), {}, {}};
-    const double radius = radius_of(body_), doubt = rounding() + 0x1p-50 * radius;
+    if (const double sure = low() - rounding(); sure > above) return {sure, infinity, {}, {}};
+    const double radius = this->radius(), doubt = rounding() + 0x1p-50 * radius;
     const Vector3d p = lowest(radius - doubt);
     ConvexDistance d{0, 0, {p.x(), p.y(), 0}, {p.x(), p.y(), p.z() - radius}};
     if (p.z() <= radius - doubt) {
         d.on_b = d.on_a = {p.x(), p.y(), std::min(d.on_b.z(), 0.0)};
-        if (body_.is_half_space() && p.isZero(0)) d.on_b = d.on_a = shared_point(to_plane_);
+        if (is_plane && p.isZero(0)) d.on_b = d.on_a = shared_point(to_plane_);
         return d;
     }
     d.lower = std::max(p.z() - radius - doubt, 0.0) * (1 - 0x1p-50);
     d.upper = (std::max(p.z() - radius, 0.0) + doubt) * (1 + 0x1p-50);
     return d;
 }
+
+template class HalfSpacePair<operand::Cells>;
+template class HalfSpacePair<operand::Heights>;
+template class HalfSpacePair<operand::Triangles>;
+template class HalfSpacePair<operand::Solid>;
+template class HalfSpacePair<operand::Plane>;
 
 } // namespace oncollide

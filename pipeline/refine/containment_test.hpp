@@ -1,23 +1,13 @@
 #pragma once
-#include <mutex>
-#include <optional>
+#include <cstdint>
+#include <span>
 #include <vector>
 
-#include <oncollide/base/function_ref.hpp>
-#include <oncollide/base/parallel.hpp>
 #include <oncollide/narrowphase/inside/point_location.hpp>
 #include <oncollide/pipeline/model_store.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 
 namespace oncollide {
-
-/// Splitting a mesh of more triangles into its parts would take too long for a first result.
-constexpr std::size_t many_triangles = 1 << 17;
-
-/// A point (world frame) of a part of one body that lies inside the other. Requires that their surfaces do not meet.
-/// @param around  returns the surface that bounds a model's inside; null: the model has no inside
-std::optional<Eigen::Vector3d> one_holds_the_other(const PairTask& task, PointLocator& locator,
-                                                   FunctionRef<ObbTree*(const Model&)> around);
 
 /// Solid mode: finds pairs whose surfaces do not meet, but with one body or a part of it inside the other.
 class ContainmentTest {

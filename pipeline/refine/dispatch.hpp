@@ -1,8 +1,8 @@
 #pragma once
 #include <cstdint>
 
+#include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/pipeline/model_store.hpp>
-#include <oncollide/pipeline/refine/non_mesh_pairs.hpp>
 #include <oncollide/pipeline/settings.hpp>
 
 namespace oncollide {
@@ -44,10 +44,10 @@ public:
     Refiner of(Level level, ModelStore& models, Model& a, Model& b, std::uint32_t frame) const
     {
         const auto room = [&] {
-            return !needs_trees(a, b, kinds_) || (models.admit_obb_tree(a, frame) && models.admit_obb_tree(b, frame));
+            return !needs_trees(a, b) || (models.admit_obb_tree(a, frame) && models.admit_obb_tree(b, frame));
         };
         if (level == Level::refine) {
-            const bool no_spheres = !has_spheres(a) || !has_spheres(b);
+            const bool no_spheres = !a.has_sphere_tree() || !b.has_sphere_tree();
             if ((obb_ || no_spheres) && room()) return left_to_exact_ ? Refiner::none : Refiner::obbs;
             if (no_spheres || !a.unreadable.empty() || !b.unreadable.empty()) return Refiner::no_room;
             const double error = models.max_error(a, b);
@@ -61,17 +61,19 @@ public:
     /// True if of() would make no tree because all exist.
     bool there(Level level, const ModelStore& models, const Model& a, const Model& b) const
     {
-        if (level == Level::refine && !obb_ && has_spheres(a) && has_spheres(b)) {
+        if (level == Level::refine && !obb_ && a.has_sphere_tree() && b.has_sphere_tree()) {
             const double error = models.max_error(a, b);
             return models.has_spheres(a, error) && models.has_spheres(b, error);
         }
-        const auto has_obb_tree = [](const Model& model) { return model.obb_tree || !model.has_triangles(); };
-        return !needs_trees(a, b, kinds_) || (has_obb_tree(a) && has_obb_tree(b));
+        return !needs_trees(a, b) || (a.has_obb_tree() && b.has_obb_tree());
     }
 
 private:
-    /// True if a sphere-tree can represent the model.
-    static bool has_spheres(const Model& model) { return !model.terrain() && !model.is_half_space(); }
+    bool needs_trees(const Model& a, const Model& b) const
+    {
+        const TreesNeeded trees = tests_for(a.kind(), b.kind()).trees;
+        return trees == TreesNeeded::always || (trees == TreesNeeded::for_kinds && kinds_);
+    }
 
     bool obb_;
     ExactLevel exact_;

@@ -5,7 +5,8 @@
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/base/prefetch.hpp>
 #include <oncollide/narrowphase/hulls/outer_hull.hpp>
-#include <oncollide/pipeline/refine/placed_pair.hpp>
+#include <oncollide/narrowphase/pairs/pair_tests.hpp>
+#include <oncollide/narrowphase/pairs/placed_pair.hpp>
 
 namespace oncollide {
 
@@ -14,50 +15,11 @@ namespace {
 constexpr std::size_t pairs_per_chunk = 64;
 constexpr std::size_t pairs_per_look = 16; // per check whether the call should stop; chunks begin with a check
 
-std::optional<TrianglePair> hint_of(const PairMemory* memory)
-{
-    return memory && memory->met ? std::optional(memory->triangles) : std::nullopt;
-}
-
-/// The position in the trees where a pair met last; a traversal starts there and updates it.
-template <class A, class B>
-class RememberedHint {
-public:
-    explicit RememberedHint(PairMemory* memory) : memory_(memory)
-    {
-        const auto* place = memory ? std::get_if<MeetingHint<A, B>>(&memory->place) : nullptr;
-        if (place) place_ = *place;
-    }
-    ~RememberedHint()
-    {
-        if (memory_ && place_) memory_->place = *place_;
-    }
-    std::optional<MeetingHint<A, B>>* get() { return memory_ ? &place_ : nullptr; }
-
-private:
-    PairMemory* memory_;
-    std::optional<MeetingHint<A, B>> place_;
-};
-template <>
-class RememberedHint<TerrainTree, TerrainTree> { // few and large
-public:
-    explicit RememberedHint(PairMemory*) {}
-    std::optional<MeetingHint<TerrainTree, TerrainTree>>* get() { return nullptr; }
-};
-
-void remember(PairMemory* memory, const std::optional<TrianglePair>& meeting)
-{
-    if (!memory) return;
-    memory->met = meeting.has_value();
-    if (meeting) memory->triangles = *meeting;
-}
-
 /// Upper bound on the effect of rounding and of not exactly rigid poses on distances of the two bodies.
 double rounding_of(const PairTask& task)
 {
-    const auto reach = [](const Model& model) { return model.is_half_space() ? 0 : model.bounds().reach(); };
     const double rounding = 0x1p-30 + 4 * (stretch(*task.pose_a) + stretch(*task.pose_b));
-    return rounding * (reach(*task.a) + reach(*task.b));
+    return rounding * (task.a->reach() + task.b->reach());
 }
 
 /// A traversal returns `separate` for bodies farther apart than this.
@@ -196,8 +158,10 @@ Finding ObbRefiner::refine(const RefineContext& context, const PairTask& task, P
     const Settings& settings = context.settings;
     const double tolerance = goal_ == Goal::near ? models_.max_error(*task.a, *task.b) : 0;
     const auto walk = [&](PairMemory* hints) {
-        return goal_ == Goal::near ? near(context, task, hints, tolerance, worker)
-                                   : exact(context, task, hints, worker);
+        const PairTests& tests = tests_for(task);
+        if (goal_ == Goal::near) return tests.near(worker.pairs, task, settings.clearance, tolerance, hints);
+        const PairOptions options{settings.clearance, wants_kinds(settings), settings.ignore_touching};
+        return tests.decide(worker.pairs, task, options, hints);
     };
     if (!memory) return walk(nullptr);
     const double beyond = settings.clearance + tolerance;
@@ -229,61 +193,6 @@ Finding ObbRefiner::refine(const RefineContext& context, const PairTask& task, P
     else
         memory->hulls.walks = std::max<std::uint8_t>(memory->hulls.walks, 1);
     return result;
-}
-
-Finding ObbRefiner::near(const RefineContext& context, const PairTask& task, PairMemory* memory, double tolerance,
-                         Worker& worker) const
-{
-    if (!is_surface(*task.a) || !is_surface(*task.b)) return worker.solids.near(context, task, memory, tolerance);
-    return worker.walks.with(*task.a, *task.b, [&]<class A, class B>(auto& walk, A& a, B& b) -> Finding {
-        RememberedHint<A, B> place(memory);
-        const auto found = walk.near(a, b, RelativePose(*task.pose_a, *task.pose_b), context.settings.clearance,
-                                     tolerance, hint_of(memory), place.get());
-        remember(memory, found.witness);
-        return {found.near ? Verdict::within : Verdict::separate, ContactKind::unknown, found.bound};
-    });
-}
-
-Finding ObbRefiner::exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const
-{
-    if (!is_polytope(*task.a) || !is_polytope(*task.b) || !needs_trees(*task.a, *task.b, wants_kinds(context.settings)))
-        return worker.solids.exact(context, task, memory);
-    return worker.walks.with(*task.a, *task.b, [&](auto& walk, auto& a, auto& b) {
-        return exact(context, task, memory, worker, walk, a, b);
-    });
-}
-
-template <class A, class B>
-Finding ObbRefiner::exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker,
-                          TraversalOf<A, B>& walk, A& a, B& b) const
-{
-    const Settings& settings = context.settings;
-    const RelativePose b_to_a(*task.pose_a, *task.pose_b);
-    RememberedHint<A, B> place(memory);
-    double bound = 0;
-    if (!wants_kinds(settings)) {
-        const auto [meeting, gap] = walk.first_meeting(a, b, b_to_a, hint_of(memory), place.get());
-        remember(memory, meeting);
-        if (meeting) return {Verdict::colliding, ContactKind::unknown, 0};
-        bound = gap;
-    } else {
-        auto [meeting, gap, contact, parted] = walk.contact(a, b, b_to_a, hint_of(memory), place.get());
-        remember(memory, meeting);
-        // Closed meshes that only touch in all pairs of triangles may still share an interior point.
-        if constexpr (two_meshes<A, B>)
-            if (contact == TriangleContact::touching && !parted && task.a->has_inside() && task.b->has_inside() &&
-                worker.inside.find(a, b, b_to_a))
-                contact = TriangleContact::crossing;
-        const bool touching = contact == TriangleContact::touching;
-        if (meeting)
-            return {touching && settings.ignore_touching ? Verdict::separate : Verdict::colliding,
-                    touching ? ContactKind::touching : ContactKind::crossing, 0};
-        bound = gap;
-    }
-    if ((task.a->shape() || task.b->shape()) && worker.solids.shape_holds(task))
-        return {Verdict::colliding, ContactKind::enclosed, 0};
-    if (settings.clearance > 0) return worker.solids.within_clearance(context, task);
-    return {Verdict::separate, ContactKind::unknown, bound};
 }
 
 /// The same, but if a chunk of a cooked file is missing, the pair keeps its previous result, which is still true.
@@ -324,14 +233,10 @@ void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
                     });
     context.trees.narrowed += tasks.size();
     for (Worker& worker : workers_) {
-        const Traversal::Counts counts = worker.walks.counts();
+        const Traversal::Counts counts = worker.pairs.counts();
         context.trees.node_pairs += counts.box_rows, context.trees.triangle_pairs += counts.triangles;
         context.trees.unsure_pairs += counts.unsure, context.trees.by_witness += counts.hints_held;
-        worker.walks.reset_counts();
-        const NonMeshPairs::Counts solids = worker.solids.counts();
-        context.trees.node_pairs += solids.box_rows, context.trees.triangle_pairs += solids.primitives;
-        context.trees.by_witness += solids.hints_held;
-        worker.solids.reset_counts();
+        worker.pairs.reset_counts();
         context.trees.by_gap += worker.by_gap, worker.by_gap = 0;
         context.trees.by_hull += worker.by_hull, worker.by_hull = 0;
         context.trees.by_balls += worker.by_balls, worker.by_balls = 0;

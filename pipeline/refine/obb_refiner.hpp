@@ -1,11 +1,9 @@
 #pragma once
 #include <vector>
 
-#include <oncollide/narrowphase/inside/shared_inside.hpp>
+#include <oncollide/narrowphase/pairs/pair_worker.hpp>
 #include <oncollide/pipeline/model_store.hpp>
-#include <oncollide/pipeline/refine/non_mesh_pairs.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
-#include <oncollide/pipeline/refine/triangle_walks.hpp>
 
 namespace oncollide {
 
@@ -25,9 +23,7 @@ public:
 private:
     /// One thread's working memory.
     struct Worker {
-        TriangleWalks walks;
-        SharedInside inside;
-        NonMeshPairs solids;
+        PairWorker pairs;
         std::uint64_t by_gap = 0;   ///< pairs decided by their gap
         std::uint64_t by_hull = 0;  ///< pairs decided by their outer hulls
         std::uint64_t by_balls = 0; ///< pairs decided by their inner spheres
@@ -35,13 +31,6 @@ private:
     Finding refine(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
     Finding refine_there(const RefineContext& context, const PairTask& task, const Finding& known, PairMemory* memory,
                          Worker& worker) const;
-    Finding near(const RefineContext& context, const PairTask& task, PairMemory* memory, double tolerance,
-                 Worker& worker) const;
-    Finding exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
-    /// Decides two bodies with triangles.
-    template <class A, class B>
-    Finding exact(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker,
-                  TraversalOf<A, B>& walk, A& a, B& b) const;
 
     const ModelStore& models_;
     const Goal goal_;

@@ -5,23 +5,13 @@
 #include <span>
 #include <vector>
 
-#include <Eigen/Geometry>
-
 #include <oncollide/narrowphase/finding.hpp>
-#include <oncollide/narrowphase/model.hpp>
+#include <oncollide/narrowphase/pairs/pair_task.hpp>
 #include <oncollide/pipeline/refine/pair_cache.hpp>
 #include <oncollide/pipeline/results.hpp>
 #include <oncollide/pipeline/settings.hpp>
 
 namespace oncollide {
-
-/// A pair of bodies at their poses, to be refined.
-struct PairTask {
-    std::uint32_t number; ///< index of the pair in the results and in the cache
-    Model *a, *b;
-    const Eigen::Isometry3d *pose_a, *pose_b;
-    double travel = 0; ///< Bodies::travel() of both
-};
 
 /// Data that refiners share with their caller.
 struct RefineContext {

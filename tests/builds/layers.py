@@ -28,7 +28,7 @@ LAYERS = {
     "narrowphase/hulls": ["exact", "shapes"],
     "narrowphase/inside": ["exact", "obb", "walks"],
     "narrowphase": ["exact", "shapes", "obb", "spheres", "hulls", "inside", "fcl"],
-    "narrowphase/pairs": ["", "exact", "shapes", "obb", "walks", "hulls", "inside"],
+    "narrowphase/pairs": ["", "exact", "shapes", "obb", "walks", "spheres", "inside"],
 }
 
 # Includes that close a circle: (from, to). Remove a line with its last include; add none.

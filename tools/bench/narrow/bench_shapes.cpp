@@ -10,7 +10,7 @@
 
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/pipeline/refine/non_mesh_pairs.hpp>
+#include <oncollide/narrowphase/pairs/pair_tests.hpp>
 
 #include "cli/outputs.hpp"
 
@@ -124,11 +124,11 @@ private:
             const double from = processor_ns();
             for (std::size_t i = begin; i < end; ++i) {
                 const ClosePair& p = drawn_[i];
+                const PairTask task{0, p.a->model.get(), p.b->model.get(), &p.pose_a, &p.pose_b};
                 if (fcl)
                     results_[i].fcl = fcl_contacts({p.a->fcl, p.pose_a}, {p.b->fcl, p.pose_b}) > 0;
                 else
-                    results_[i].ours =
-                        solids_.exact(context_, {0, p.a->model.get(), p.b->model.get(), &p.pose_a, &p.pose_b}, nullptr);
+                    results_[i].ours = tests_for(task).decide(worker_, task, {}, nullptr);
             }
             (fcl ? row.fcl_ns : row.ours_ns) += processor_ns() - from;
         }
@@ -148,9 +148,7 @@ private:
 
     ClosePairs pairs_;
     int threads_;
-    Settings settings_;
-    RefineContext context_{.settings = settings_, .trees = {}, .rounds = {}, .began = {}};
-    NonMeshPairs solids_;
+    PairWorker worker_;
     std::vector<ClosePair> drawn_;
     std::vector<ShapeResults> results_;
     unsigned turn_ = 0;

@@ -69,7 +69,7 @@ Shape draw_shape(std::size_t kind, Lot& lot)
 /// The body's support point along the unit vector u.
 Vector3d farthest(const RacedShape& shape, const Isometry3d& pose, const Vector3d& u)
 {
-    if (shape.model->is_half_space()) return pose.translation(); // u is its normal
+    if (shape.model->kind() == Kind::half_space) return pose.translation(); // u is its normal
     const Convex& c = shape.model->convex();
     return pose * c.support(pose.linear().transpose() * u) + c.radius * u;
 }

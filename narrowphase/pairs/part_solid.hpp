@@ -1,11 +1,17 @@
 #pragma once
+#include <algorithm>
 #include <array>
+#include <limits>
+#include <utility>
+#include <vector>
 
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
+#include <oncollide/narrowphase/finding.hpp>
 #include <oncollide/narrowphase/obb/map_tree.hpp>
 #include <oncollide/narrowphase/obb/obb_tree.hpp>
 #include <oncollide/narrowphase/obb/shape_tree.hpp>
 #include <oncollide/narrowphase/obb/terrain_tree.hpp>
+#include <oncollide/narrowphase/shapes/convex_distance.hpp>
 #include <oncollide/narrowphase/shapes/outward_normal.hpp>
 #include <oncollide/scenes/model/map_access.hpp>
 
@@ -48,5 +54,23 @@ private:
     Convex solid_;
     bool flat_ = false;
 };
+
+/// Solids that meet return their points of deepest overlap.
+constexpr EnoughDistance nearest_of_all{.below = -std::numeric_limits<double>::infinity()};
+
+/// A round body without a normal at the contact (its centre is there) gets the opposite of the other's normal.
+inline void complete(Contact& c)
+{
+    const bool of_a = !c.normal_a.isZero(0), of_b = !c.normal_b.isZero(0);
+    if (!of_a && of_b) c.normal_a = -c.normal_b;
+    if (of_a && !of_b) c.normal_b = -c.normal_a;
+}
+
+/// Sorts contacts[begin] and following by (a, b).
+inline void sort_by_parts(std::vector<Contact>& contacts, std::size_t begin)
+{
+    std::sort(contacts.begin() + std::ptrdiff_t(begin), contacts.end(),
+              [](const Contact& x, const Contact& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); });
+}
 
 } // namespace oncollide

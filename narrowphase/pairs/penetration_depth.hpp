@@ -2,9 +2,10 @@
 #include <span>
 #include <vector>
 
+#include <oncollide/narrowphase/finding.hpp>
 #include <oncollide/narrowphase/inside/point_location.hpp>
-#include <oncollide/pipeline/refine/pair_refiner.hpp>
-#include <oncollide/pipeline/results.hpp>
+#include <oncollide/narrowphase/model.hpp>
+#include <oncollide/narrowphase/pairs/pair_task.hpp>
 
 namespace oncollide {
 
@@ -14,9 +15,11 @@ class PenetrationDepth {
 public:
     /// The trees of both models must exist.
     /// @param contacts  all contacts of the pair
+    /// @param locator, walk  working memory
     /// Cost: a scan of all triangles of both bodies; one point location for each piece into which the contacts cut a
     /// mesh; and some dozens of point distances.
-    Penetration measure(const PairTask& task, std::span<const Contact> contacts);
+    Penetration measure(const PairTask& task, std::span<const Contact> contacts, PointLocator& locator,
+                        Traversal& walk);
 
 private:
     /// One body, and the transformation into the frame of body a.
@@ -29,8 +32,8 @@ private:
     void find_deepest(const Side& outer, bool of_a, Penetration& found);
     Distance to_surface(const Side& outer, const Eigen::Vector3d& point);
 
-    PointLocator locator_;
-    Traversal walk_;
+    PointLocator* locator_ = nullptr; ///< of the current call, like walk_
+    Traversal* walk_ = nullptr;
     std::vector<std::uint8_t> meets_;
     std::vector<std::uint32_t> roots_, inside_; ///< inside_: vertices of one mesh
     std::vector<Eigen::Vector3d> points_;       ///< positions of inside_, in the frame of body a

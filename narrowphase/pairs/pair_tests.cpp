@@ -1,0 +1,199 @@
+#include <oncollide/narrowphase/pairs/pair_tests.hpp>
+
+#include <array>
+#include <concepts>
+
+#include <oncollide/narrowphase/pairs/direct_tests.hpp>
+#include <oncollide/narrowphase/pairs/surface_tests.hpp>
+#include <oncollide/narrowphase/pairs/walk_tests.hpp>
+
+namespace oncollide {
+
+namespace pair_table {
+
+using direct_tests::OnHalfSpace, direct_tests::TwoShapes;
+using operand::Cells, operand::Heights, operand::Plane, operand::Polytope, operand::Solid, operand::Triangles;
+using walk_tests::WalkPair;
+
+using Contacts = std::vector<Contact>;
+
+// Makers of rows. `swapped`: the pair's b is the first operand, in whose frame the test computes.
+
+/// Two bodies with triangles.
+template <class A, class B>
+constexpr PairTests surfaces()
+{
+    return {.trees = TreesNeeded::always,
+            .decide = surface_tests::decide<A, B>,
+            .near = surface_tests::near<A, B>,
+            .distance =
+                [](PairWorker& worker, const PairTask& task, double tolerance, double farthest, bool solid) {
+                    const Distance found = surface_tests::distance<A, B>(worker, task, tolerance, farthest);
+                    return walk_tests::with_insides(found, worker, task, solid);
+                },
+            .direct_distance = nullptr,
+            .contacts = surface_tests::contacts<A, B>,
+            .penetration = nullptr};
+}
+
+/// Two bodies whose hierarchies have a walk.
+template <class A, class B, bool swapped>
+constexpr PairTests walked()
+{
+    return {.trees = TreesNeeded::always,
+            .decide =
+                [](PairWorker& worker, const PairTask& task, const PairOptions& options, PairMemory* memory) {
+                    return walk_tests::decide(WalkPair<A, B>(worker, task, swapped), options.clearance, memory);
+                },
+            .near =
+                [](PairWorker& worker, const PairTask& task, double clearance, double tolerance, PairMemory* memory) {
+                    return walk_tests::near(WalkPair<A, B>(worker, task, swapped), clearance, tolerance, memory);
+                },
+            .distance =
+                [](PairWorker& worker, const PairTask& task, double tolerance, double farthest, bool solid) {
+                    const Distance found =
+                        walk_tests::distance(WalkPair<A, B>(worker, task, swapped), tolerance, farthest);
+                    return walk_tests::with_insides(found, worker, task, solid);
+                },
+            .direct_distance = nullptr,
+            .contacts = [](PairWorker& worker, const PairTask& task,
+                           Contacts& found) { walk_tests::contacts(WalkPair<A, B>(worker, task, swapped), found); },
+            .penetration = nullptr};
+}
+
+/// The distance of a shape from a mesh or a terrain, B: of the shape as a solid, unless it has too many points.
+template <class Shape, class B, bool swapped>
+Distance shape_distance(PairWorker& worker, const PairTask& task, double tolerance, double farthest, bool solid)
+{
+    const OrderedPair pair(task, swapped);
+    const auto walk = [&] {
+        if constexpr (std::same_as<Shape, Polytope> && swapped) // surfaces are not swapped
+            return walk_tests::distance(WalkPair<B, Shape>(worker, task, false), tolerance, farthest);
+        else
+            return walk_tests::distance(WalkPair<Shape, B>(worker, task, swapped), tolerance, farthest);
+    };
+    const Distance found = pair.a.convex().count <= operand::most_points
+                               ? walk_tests::solid_distance<B>(worker, pair, tolerance, farthest)
+                               : walk();
+    return walk_tests::with_insides(found, worker, task, solid);
+}
+
+template <class B, bool swapped>
+constexpr PairTests round_and_surface()
+{
+    PairTests tests = walked<Solid, B, swapped>();
+    tests.distance = shape_distance<Solid, B, swapped>;
+    return tests;
+}
+
+/// Triangles decide; as a solid, a box or a hull is nearer to other bodies, and has one contact for each triangle.
+template <class B, bool swapped>
+constexpr PairTests polytope_and_surface()
+{
+    PairTests tests = [] {
+        if constexpr (swapped)
+            return surfaces<B, Polytope>();
+        else
+            return surfaces<Polytope, B>();
+    }();
+    tests.distance = shape_distance<Polytope, B, swapped>;
+    tests.contacts = walked<Solid, B, swapped>().contacts;
+    return tests;
+}
+
+template <bool swapped>
+constexpr PairTests map_and_polytope()
+{
+    PairTests tests = walked<Cells, Polytope, swapped>();
+    tests.contacts = walked<Cells, Solid, swapped>().contacts;
+    return tests;
+}
+
+template <class Test, bool swapped>
+constexpr PairTests direct(TreesNeeded trees)
+{
+    return {.trees = trees,
+            .decide = [](PairWorker&, const PairTask& task, const PairOptions& options,
+                         PairMemory*) { return direct_tests::decide(Test(task, swapped), options.clearance); },
+            .near =
+                [](PairWorker&, const PairTask& task, double clearance, double tolerance, PairMemory*) {
+                    return direct_tests::compare(Test(task, swapped), clearance, {.below = clearance + tolerance},
+                                                 ContactKind::unknown);
+                },
+            .distance =
+                [](PairWorker&, const PairTask& task, double tolerance, double farthest, bool) {
+                    return direct_tests::distance(Test(task, swapped), {.above = farthest, .tolerance = tolerance});
+                },
+            .direct_distance =
+                trees == TreesNeeded::always
+                    ? nullptr
+                    : +[](const PairTask& task,
+                          const EnoughDistance& enough) { return direct_tests::distance(Test(task, swapped), enough); },
+            .contacts = [](PairWorker&, const PairTask& task,
+                           Contacts& found) { direct_tests::contacts(Test(task, swapped), found); },
+            .penetration = nullptr};
+}
+
+/// Two boxes or hulls: their triangles decide kinds of contact only.
+constexpr PairTests two_polytopes()
+{
+    PairTests tests = direct<TwoShapes, false>(TreesNeeded::for_kinds);
+    tests.decide = [](PairWorker& worker, const PairTask& task, const PairOptions& options, PairMemory* memory) {
+        return options.kinds ? surface_tests::decide<Polytope, Polytope>(worker, task, options, memory)
+                             : direct_tests::decide(TwoShapes(task, false), options.clearance);
+    };
+    return tests;
+}
+
+using Table = std::array<std::array<PairTests, kind_count>, kind_count>;
+
+constexpr Table make_table()
+{
+    Table table{};
+    const auto at = [&](Kind a, Kind b) -> PairTests& { return table[std::size_t(a)][std::size_t(b)]; };
+    using enum Kind;
+    at(mesh, mesh) = surfaces<Triangles, Triangles>();
+    at(mesh, terrain) = surfaces<Triangles, Heights>(), at(terrain, mesh) = surfaces<Heights, Triangles>();
+    at(terrain, terrain) = surfaces<Heights, Heights>();
+
+    at(map, map) = walked<Cells, Cells, false>();
+    at(map, mesh) = walked<Cells, Triangles, false>(), at(mesh, map) = walked<Cells, Triangles, true>();
+    at(map, terrain) = walked<Cells, Heights, false>(), at(terrain, map) = walked<Cells, Heights, true>();
+    at(map, polytope) = map_and_polytope<false>(), at(polytope, map) = map_and_polytope<true>();
+    at(map, round) = walked<Cells, Solid, false>(), at(round, map) = walked<Cells, Solid, true>();
+
+    at(polytope, mesh) = polytope_and_surface<Triangles, false>();
+    at(mesh, polytope) = polytope_and_surface<Triangles, true>();
+    at(polytope, terrain) = polytope_and_surface<Heights, false>();
+    at(terrain, polytope) = polytope_and_surface<Heights, true>();
+    at(round, mesh) = round_and_surface<Triangles, false>(), at(mesh, round) = round_and_surface<Triangles, true>();
+    at(round, terrain) = round_and_surface<Heights, false>(), at(terrain, round) = round_and_surface<Heights, true>();
+
+    at(polytope, polytope) = two_polytopes();
+    at(round, round) = at(round, polytope) = at(polytope, round) = direct<TwoShapes, false>(TreesNeeded::never);
+
+    const auto on_half_space = [&]<class Body>(Body, Kind body, TreesNeeded trees) {
+        at(half_space, body) = direct<OnHalfSpace<Body>, false>(trees);
+        at(body, half_space) = direct<OnHalfSpace<Body>, true>(trees);
+    };
+    on_half_space(Triangles(), mesh, TreesNeeded::always);
+    on_half_space(Heights(), terrain, TreesNeeded::always);
+    on_half_space(Cells(), map, TreesNeeded::always);
+    on_half_space(Solid(), polytope, TreesNeeded::never);
+    on_half_space(Solid(), round, TreesNeeded::never);
+    at(half_space, half_space) = direct<OnHalfSpace<Plane>, false>(TreesNeeded::never);
+
+    for (const Kind a : {mesh, polytope})
+        for (const Kind b : {mesh, polytope}) at(a, b).penetration = surface_tests::penetration;
+    return table;
+}
+
+} // namespace pair_table
+
+const PairTests& tests_for(Kind a, Kind b)
+{
+    static constexpr pair_table::Table table = pair_table::make_table();
+    return table[std::size_t(a)][std::size_t(b)];
+}
+
+} // namespace oncollide

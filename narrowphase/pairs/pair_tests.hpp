@@ -1,0 +1,54 @@
+#pragma once
+#include <vector>
+
+#include <oncollide/narrowphase/pairs/pair_memory.hpp>
+#include <oncollide/narrowphase/pairs/pair_worker.hpp>
+
+namespace oncollide {
+
+struct EnoughDistance;
+
+/// Whether the tests of a pair need the trees of the models that have triangles.
+enum class TreesNeeded : std::uint8_t { never, for_kinds, always };
+
+/// The tests of two kinds of models, one column for each question. A column is null if the question has no test for
+/// these kinds. The trees that `trees` requires must exist. The tests throw ChunkFault if a file cannot be read.
+struct PairTests {
+    TreesNeeded trees;
+
+    /// Exact: colliding if a common point is certain, else separate if a gap is certain. With a clearance, the distance
+    /// decides the rest. Shapes and cells are solid. Pairs stay `within` if rounding (2^-47 of the bodies' sizes and
+    /// distance, if a sphere or a capsule is rotated or another round shape takes part) or the error of a terrain's
+    /// heights leaves both possible.
+    /// @param memory  witness, tested first (except for two maps) and updated; null: no witness
+    Finding (*decide)(PairWorker&, const PairTask&, const PairOptions&, PairMemory* memory);
+
+    /// Within clearance + tolerance (metres), or separate.
+    Finding (*near)(PairWorker&, const PairTask&, double clearance, double tolerance, PairMemory* memory);
+
+    /// As World::distance(). Exception: for a box or a hull that encloses a map's cells or a part of a mesh, it may be
+    /// the distance to its surface. Beyond `farthest`, the upper bound is infinite.
+    /// @param solid  the inside of a closed mesh belongs to the mesh
+    Distance (*distance)(PairWorker&, const PairTask&, double tolerance, double farthest, bool solid);
+
+    /// The same for pairs that need neither trees nor walks; beyond `enough.above` the upper bound is infinite.
+    Distance (*direct_distance)(const PairTask&, const EnoughDistance& enough);
+
+    /// Appends contacts sorted by (a, b), each pair of parts once: exact where `decide` is. All pairs of cells, boxes,
+    /// hulls and triangles with a common point are found, for one body's coordinates transformed into the other's frame
+    /// in double. Contacts of round shapes that rounding cannot decide are reported as `near`. Cost: the cost of the
+    /// exact level, plus half a microsecond to two per contact.
+    void (*contacts)(PairWorker&, const PairTask&, std::vector<Contact>&);
+
+    /// As World::penetration(), for two models with triangles.
+    Penetration (*penetration)(PairWorker&, const PairTask&);
+};
+
+/// The tests of models of these kinds, in this order.
+const PairTests& tests_for(Kind a, Kind b);
+inline const PairTests& tests_for(const PairTask& task)
+{
+    return tests_for(task.a->kind(), task.b->kind());
+}
+
+} // namespace oncollide

@@ -1,0 +1,22 @@
+#include <oncollide/narrowphase/pairs/placed_pair.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace oncollide {
+
+double stretch(const Eigen::Isometry3d& pose)
+{
+    const Eigen::Vector3d x = pose.linear().col(0), y = pose.linear().col(1), z = pose.linear().col(2);
+    const double lengths = std::max({std::abs(x.dot(x) - 1), std::abs(y.dot(y) - 1), std::abs(z.dot(z) - 1)});
+    const double angles = std::max({std::abs(x.dot(y)), std::abs(y.dot(z)), std::abs(z.dot(x))});
+    if (lengths == 0 && angles == 0 && (pose.linear().array().square() == pose.linear().array().abs()).all()) return 0;
+    return 3 * std::max(lengths, angles) + 0x1p-50;
+}
+
+PlacedPair::PlacedPair(const Eigen::Isometry3d& pose_a, const Eigen::Isometry3d& pose_b)
+    : b_to_a(pose_a, pose_b), slack(stretch(pose_a) + stretch(pose_b))
+{
+}
+
+} // namespace oncollide

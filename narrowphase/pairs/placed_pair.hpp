@@ -1,0 +1,49 @@
+#pragma once
+#include <utility>
+
+#include <oncollide/narrowphase/exact/relative_pose.hpp>
+#include <oncollide/narrowphase/finding.hpp>
+#include <oncollide/narrowphase/pairs/pair_task.hpp>
+
+namespace oncollide {
+
+/// B's pose in A's frame, and the largest relative error of lengths there compared with the world; 0 if both poses
+/// rotate by quarter turns.
+struct PlacedPair {
+    RelativePose b_to_a;
+    double slack;
+
+    PlacedPair(const Eigen::Isometry3d& pose_a, const Eigen::Isometry3d& pose_b);
+    double below(double bound) const { return bound * (1 - slack); }
+    double above(double bound) const { return bound * (1 + slack); }
+};
+
+/// Upper bound on the relative change of lengths by a pose; 0 for quarter turns.
+double stretch(const Eigen::Isometry3d& pose);
+
+/// A pair in the order in which its test takes it: computations are in the first body's frame.
+struct OrderedPair {
+    Model &a, &b;
+    const Eigen::Isometry3d &pose_a, &pose_b;
+    PlacedPair placed;
+    bool swapped; ///< true: a is the task's b
+
+    OrderedPair(const PairTask& task, bool swap)
+        : a(swap ? *task.b : *task.a), b(swap ? *task.a : *task.b), pose_a(swap ? *task.pose_b : *task.pose_a),
+          pose_b(swap ? *task.pose_a : *task.pose_b), placed(pose_a, pose_b), swapped(swap)
+    {
+    }
+    /// Undoes the swap.
+    Distance in_task(Distance d) const
+    {
+        if (swapped) std::swap(d.point_a, d.point_b), std::swap(d.a, d.b);
+        return d;
+    }
+    Contact in_task(Contact c) const
+    {
+        if (swapped) std::swap(c.a, c.b), std::swap(c.ends[0], c.ends[1]), std::swap(c.normal_a, c.normal_b);
+        return c;
+    }
+};
+
+} // namespace oncollide

@@ -1,0 +1,85 @@
+// The table of tests over pairs of kinds.
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <oncollide/narrowphase/pairs/pair_tests.hpp>
+#include <oncollide/samples/generators.hpp>
+
+#include "random_pose.hpp"
+
+namespace oncollide {
+namespace {
+
+/// One model of each kind, by kind, with its trees.
+std::vector<std::unique_ptr<Model>> one_of_each_kind()
+{
+    TerrainGrid grid{.columns = 4, .rows = 4};
+    grid.spacing = {0.5, 0.5}, grid.origin = {-0.75, -0.75, 0};
+    const std::vector<double> heights{0, 0.25, 0, 0.5, 0.25, 0.75, 0.25, 0, 0, 0.25, 0.5, 0.25, 0.5, 0, 0, 0.25};
+    std::vector<std::unique_ptr<Model>> models;
+    static BoxTotals totals;
+    for (GeometryData data : std::initializer_list<GeometryData>{
+             make_torus_knot_mesh(2, 3, 0.5, 0.2, 0.08, 200), make_terrain("hills", grid, heights),
+             make_building_map(1, 0.5, 3), Shape(Box{{0.25, 0.5, 0.375}}), Shape(Capsule{0.25, 0.5}),
+             Shape(HalfSpace{})}) {
+        auto model = std::make_unique<Model>(std::make_shared<const Geometry>(Geometry{{}, std::move(data), {}}));
+        EXPECT_EQ(std::size_t(model->kind()), models.size());
+        if (model->has_triangles()) model->make_obb_tree(nullptr, totals);
+        models.push_back(std::move(model));
+    }
+    return models;
+}
+
+TEST(PairTests, HaveATestForAllPairsOfKinds)
+{
+    for (std::size_t a = 0; a < kind_count; ++a)
+        for (std::size_t b = 0; b < kind_count; ++b) {
+            SCOPED_TRACE(testing::Message() << a << " " << b);
+            const PairTests& tests = tests_for(Kind(a), Kind(b));
+            EXPECT_TRUE(tests.decide && tests.near && tests.distance && tests.contacts);
+            EXPECT_EQ(tests.direct_distance != nullptr, tests.trees != TreesNeeded::always);
+            const auto has_triangles = [](std::size_t kind) {
+                return Kind(kind) == Kind::mesh || Kind(kind) == Kind::polytope;
+            };
+            EXPECT_EQ(tests.penetration != nullptr, has_triangles(a) && has_triangles(b));
+        }
+}
+
+TEST(PairTests, AgreeInBothOrders)
+{
+    const auto models = one_of_each_kind();
+    PairWorker worker;
+    int colliding = 0, separate = 0;
+    for (std::uint64_t seed = 0; seed < 12; ++seed)
+        for (const auto& a : models)
+            for (const auto& b : models) {
+                SCOPED_TRACE(testing::Message() << int(a->kind()) << " " << int(b->kind()) << " at " << seed);
+                const Eigen::Isometry3d pose_a = random_pose(2 * seed, 0.5), pose_b = random_pose(2 * seed + 1, 2.5);
+                const PairTask task{0, a.get(), b.get(), &pose_a, &pose_b}, back{0, b.get(), a.get(), &pose_b, &pose_a};
+                const Finding found = tests_for(task).decide(worker, task, {}, nullptr);
+                EXPECT_EQ(found.verdict, tests_for(back).decide(worker, back, {}, nullptr).verdict);
+                ++(found.verdict == Verdict::colliding ? colliding : separate);
+
+                constexpr double far = std::numeric_limits<double>::infinity();
+                const Distance there = tests_for(task).distance(worker, task, 0, far, false),
+                               again = tests_for(back).distance(worker, back, 0, far, false);
+                EXPECT_NEAR(there.upper, again.upper, 1e-9);
+                EXPECT_EQ(there.lower > 0, found.verdict == Verdict::separate);
+                if (there.lower > 0) EXPECT_NEAR((there.point_a - there.point_b).norm(), there.upper, 1e-9);
+                std::vector<Contact> contacts, of_back;
+                tests_for(task).contacts(worker, task, contacts), tests_for(back).contacts(worker, back, of_back);
+                EXPECT_EQ(contacts.size(), of_back.size());
+                for (const Contact& c : contacts)
+                    EXPECT_TRUE(std::ranges::any_of(
+                        of_back, [&](const Contact& d) { return std::pair(d.b, d.a) == std::pair(c.a, c.b); }));
+            }
+    EXPECT_GT(colliding, 40);
+    EXPECT_GT(separate, 40);
+}
+
+} // namespace
+} // namespace oncollide
