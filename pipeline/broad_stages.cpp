@@ -91,11 +91,37 @@ public:
     }
 
 private:
-    static void leave(const Bodies& bodies, Frame& frame)
+    void leave(const Bodies& bodies, Frame& frame)
     {
         if (bodies.any_excluded())
             std::erase_if(frame.pairs, [&](BodyPair pair) { return bodies.excluded(pair.a, pair.b); });
-        if (frame.choose) frame.choose(bodies, frame.pairs);
+        if (frame.filter) filter(bodies, frame);
+    }
+
+    /// Applies the caller's filter, run by run.
+    void filter(const Bodies& bodies, Frame& frame)
+    {
+        constexpr std::size_t run = 1024;
+        std::size_t kept = 0;
+        bool swapped = false;
+        for (std::size_t begin = 0; begin < frame.pairs.size(); begin += run) {
+            const std::span<BodyPair> pairs =
+                std::span(frame.pairs).subspan(begin).first(std::min(run, frame.pairs.size() - begin));
+            candidates_.clear();
+            for (const BodyPair pair : pairs)
+                candidates_.push_back(
+                    {bodies.id(pair.a), bodies.id(pair.b), bodies.boxes()[pair.a], bodies.boxes()[pair.b]});
+            choices_.assign(pairs.size(), PairChoice::refine);
+            frame.filter(candidates_, choices_);
+            for (std::size_t i = 0; i < pairs.size(); ++i) {
+                if (choices_[i] == PairChoice::drop) continue;
+                const bool swap = choices_[i] == PairChoice::refine_swapped;
+                frame.pairs[kept++] = swap ? BodyPair{pairs[i].b, pairs[i].a} : pairs[i];
+                swapped |= swap;
+            }
+        }
+        frame.pairs.resize(kept);
+        if (swapped) std::ranges::sort(frame.pairs);
     }
 
     /// stats.in is the number of pairs of `left` bodies that are not both static, if they include all dynamic bodies.
@@ -109,6 +135,8 @@ private:
 
     BroadPhase& broad_;
     std::vector<std::uint32_t> survivors_;
+    std::vector<CandidatePair> candidates_;
+    std::vector<PairChoice> choices_;
 };
 
 } // namespace

@@ -1,20 +1,20 @@
 #pragma once
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include <oncollide/pipeline/bodies.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 #include <oncollide/pipeline/results.hpp>
 #include <oncollide/pipeline/settings.hpp>
+#include <oncollide/pipeline/world.hpp>
 
 namespace oncollide {
 
 /// Data that stages pass on: columns, kept between frames so that a warm frame allocates no memory.
 /// Column: written by -> read by
 ///   whole: World -> broad
-///   pairs: broad -> ocst
-///   results: ocst, exact -> the caller
+///   pairs: broad -> refine
+///   results: refine, exact -> the caller
 struct Frame {
     explicit Frame(const Settings& s) : settings(s), context{.settings = s, .trees = {}, .rounds = {}, .began = {}} {}
 
@@ -29,11 +29,9 @@ struct Frame {
     bool whole = false;                          ///< delimitation is skipped by request: search all bodies
     std::vector<DelimitationLevel> delimitation; ///< by level; empty when skipped
     std::vector<BodyPair> pairs;                 ///< candidates, sorted
-    /// Reduces the candidates to the pairs that this World decides, and may swap their bodies; null: keep all. Set by
-    /// RankWorld.
-    std::function<void(const Bodies&, std::vector<BodyPair>&)> choose;
-    PairCache cache;                 ///< of the candidates
-    std::vector<PairResult> results; ///< one per pair, in the same order
+    PairFilter filter;                           ///< empty: all candidates are refined
+    PairCache cache;                             ///< of the candidates
+    std::vector<PairResult> results;             ///< one per pair, in the same order
     RefineContext context;
 };
 

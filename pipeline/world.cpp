@@ -431,6 +431,14 @@ const Settings& World::settings() const
 {
     return impl().settings;
 }
+Aabb World::bounds(ModelId model, const Eigen::Isometry3d& pose)
+{
+    PoseBounds& bounds = impl().model_of(model).bounds();
+    Impl::check_pose("", pose);
+    if (!impl_->runs(StageId::bounds)) return bounds.sphere_box(pose);
+    bounds.expect(pose);
+    return bounds.box(pose);
+}
 double World::max_error(BodyId a, BodyId b) const
 {
     const Bodies& bodies = impl().bodies;

@@ -9,11 +9,6 @@ World WorldAccess::make(const Settings& settings, std::unique_ptr<OcclusionBacke
     return World(World::Impl::make(settings, std::move(backend)));
 }
 
-Pipeline WorldAccess::make(const Scene& scene, const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
-{
-    return {scene, make(settings, std::move(backend))};
-}
-
 std::string WorldAccess::backend(const World& world)
 {
     return world.impl().models.backend().name();
@@ -30,11 +25,6 @@ std::string WorldAccess::backend_note(const World& world)
 const Ocst* WorldAccess::tree(const World& world, ModelId model)
 {
     return world.impl().model_of(model).spheres.get();
-}
-
-const Ocst* WorldAccess::tree(const Pipeline& pipeline, GeometryId geometry)
-{
-    return tree(pipeline.world(), pipeline.model(geometry));
 }
 
 } // namespace oncollide

@@ -2,21 +2,19 @@
 #pragma once
 #include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
 #include <oncollide/narrowphase/spheres/ocst.hpp>
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/pipeline/world.hpp>
 
 namespace oncollide {
 
 struct WorldAccess {
     /// A World with this backend in place of settings.backend.
     static World make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
-    static Pipeline make(const Scene& scene, const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
     // As in WorldInfo, without the cost of the rest. Not beside queries.
     static std::string backend(const World& world);
     static std::string renderer(const World& world);
     static std::string backend_note(const World& world);
     /// The sphere-tree of a model as it is now. Null until a test reaches it. Valid until the next step.
     static const Ocst* tree(const World& world, ModelId model);
-    static const Ocst* tree(const Pipeline& pipeline, GeometryId geometry);
 };
 
 } // namespace oncollide

@@ -125,6 +125,11 @@ void World::Impl::take_in_changes()
     broad->make_static(changes.made_static), broad->make_dynamic(changes.made_dynamic);
 }
 
+void World::set_pair_filter(PairFilter filter)
+{
+    impl().frame.filter = std::move(filter);
+}
+
 FrameView World::step()
 {
     Impl& p = impl();

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/pipeline/model_store.hpp>
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/generators.hpp>
 
 namespace oncollide {

@@ -3,8 +3,8 @@
 
 #include <set>
 
-#include <oncollide/pipeline/report.hpp>
 #include <oncollide/pipeline/settings_table.hpp>
+#include <oncollide/runs/report.hpp>
 
 namespace oncollide {
 namespace {

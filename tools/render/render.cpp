@@ -33,7 +33,7 @@ void play(Scene& scene, const RenderOptions& options, const Settings& settings, 
     GrownTrees whole(scene, plan.deepest, thread_count(settings));
     const TreeOf tree_of = [&](GeometryId id) -> const Ocst* {
         if (!has_spheres(scene.geometries[index(id)].data)) return nullptr;
-        return options.whole ? &whole[id].tree() : WorldAccess::tree(pipeline, id);
+        return options.whole ? &whole[id].tree() : WorldAccess::tree(pipeline.world(), pipeline.model(id));
     };
     Mover mover;
     int next = 0;

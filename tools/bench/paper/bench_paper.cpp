@@ -65,7 +65,7 @@ Played play(Scene scene, const PaperOptions& options, std::unique_ptr<OcclusionB
     Played played;
     played.windows.resize(windows);
     Settings settings{.depth = options.depth, .age_limit = options.age};
-    Pipeline pipeline = WorldAccess::make(scene, settings, std::move(backend));
+    Pipeline pipeline(scene, WorldAccess::make(settings, std::move(backend)));
     Mover mover;
     for (int frame = 0; frame < scene.frames; ++frame) {
         mover.move(scene, frame);
