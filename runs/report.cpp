@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include <oncollide/pipeline/settings_table.hpp>
-#include <oncollide/pipeline/world_access.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 
 namespace oncollide {
 namespace {

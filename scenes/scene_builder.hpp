@@ -3,8 +3,8 @@
 
 namespace oncollide {
 
-/// Receives what reads or generates a scene, one body after the other: stores it as a Scene, or hands the bodies to a
-/// sink. Private to the project.
+/// Builds a scene for its reader or generator, body by body: stores it as a Scene, or hands the bodies to a sink.
+/// Private to the project.
 class SceneBuilder {
 public:
     // Both keep references.

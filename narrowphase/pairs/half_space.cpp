@@ -100,7 +100,7 @@ void with_corners(Model& body, auto work)
             for (const Vector3d& p : heights.points(triangle)) take(p);
         });
     }
-    ObbTree& tree = *body.obb_tree;
+    ObbTree& tree = *body.obb_tree();
     work(tree, [&](std::uint32_t triangle, auto take) {
         for (const Vector3d& p : tree.corners(triangle)) take(p);
     });

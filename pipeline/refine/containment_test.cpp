@@ -42,12 +42,12 @@ bool may_hold(const Model& outer, const Eigen::Isometry3d& pose_outer, const Mod
 /// @param convex  the solid in the box is convex: few triangles in the box are then outside the solid
 void look_in(const Aabb& box, Model& inner, const RelativePose& into_inner, bool convex, auto visit)
 {
-    if (!convex || !inner.is_mesh() || inner.triangles() < many_triangles || !inner.obb_tree) {
+    if (!convex || !inner.is_mesh() || inner.triangles() < many_triangles || !inner.obb_tree()) {
         inner.any_part(box, into_inner, visit);
         return;
     }
-    any_triangle(*inner.obb_tree, box_moved(box, into_inner), [&](std::uint32_t triangle) {
-        const auto [p, q, r] = inner.obb_tree->corners(triangle);
+    any_triangle(*inner.obb_tree(), box_moved(box, into_inner), [&](std::uint32_t triangle) {
+        const auto [p, q, r] = inner.obb_tree()->corners(triangle);
         return visit(PartPoints{p, q, r, p, q, r});
     });
 }
@@ -100,7 +100,7 @@ void ContainmentTest::find(const RefineContext& context, std::span<const PairTas
         const auto lock = context.changing();
         for (Query& query : queries_) {
             Model& outer = query.outer_is_a ? *tasks[query.task].a : *tasks[query.task].b;
-            query.tree = models_.admit_obb_tree(outer, context.frame) ? outer.obb_tree.get() : nullptr;
+            query.tree = models_.admit_obb_tree(outer, context.frame) ? outer.obb_tree() : nullptr;
         }
     }
     locators_.resize(static_cast<std::size_t>(std::max(context.threads, 1)));

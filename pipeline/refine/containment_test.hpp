@@ -6,7 +6,7 @@
 #include <oncollide/base/function_ref.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/narrowphase/inside/point_location.hpp>
-#include <oncollide/pipeline/model_store.hpp>
+#include <oncollide/pipeline/models/model_store.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 
 namespace oncollide {

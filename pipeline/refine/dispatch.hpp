@@ -1,7 +1,7 @@
 #pragma once
 #include <cstdint>
 
-#include <oncollide/pipeline/model_store.hpp>
+#include <oncollide/pipeline/models/model_store.hpp>
 #include <oncollide/pipeline/refine/non_mesh_pairs.hpp>
 #include <oncollide/pipeline/settings.hpp>
 
@@ -49,7 +49,7 @@ public:
         if (level == Level::refine) {
             const bool no_spheres = !has_spheres(a) || !has_spheres(b);
             if ((obb_ || no_spheres) && room()) return left_to_exact_ ? Refiner::none : Refiner::obbs;
-            if (no_spheres || !a.unreadable.empty() || !b.unreadable.empty()) return Refiner::no_room;
+            if (no_spheres || !a.unreadable().empty() || !b.unreadable().empty()) return Refiner::no_room;
             const double error = models.max_error(a, b);
             models.spheres(a, error), models.spheres(b, error);
             return Refiner::spheres;
@@ -65,7 +65,7 @@ public:
             const double error = models.max_error(a, b);
             return models.has_spheres(a, error) && models.has_spheres(b, error);
         }
-        const auto has_obb_tree = [](const Model& model) { return model.obb_tree || !model.has_triangles(); };
+        const auto has_obb_tree = [](const Model& model) { return model.obb_tree() || !model.has_triangles(); };
         return !needs_trees(a, b, kinds_) || (has_obb_tree(a) && has_obb_tree(b));
     }
 

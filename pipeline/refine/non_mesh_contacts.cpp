@@ -90,12 +90,12 @@ void find_under(const PairTask& task, bool swapped, std::vector<Contact>& contac
     const auto normal_of = [&](const BodyPart& part, const Vector3d& point) {
         if (body.map()) return PartSolid(body.cells(), part.cell).normal(point);
         if (body.terrain()) return PartSolid(body.heights(), part.triangle).normal(point);
-        return PartSolid(*body.obb_tree, part.triangle).normal(point);
+        return PartSolid(*body.obb_tree(), part.triangle).normal(point);
     };
     HalfSpacePair(body, placed.b_to_a, placed.slack).each_meeting([&](const BodyPart& part, const Vector3d& lowest) {
         const Vector3d point = plane * lowest;
         Contact c{{},
-                  body.is_mesh() ? BodyPart(source_of(*body.obb_tree, part.triangle)) : part,
+                  body.is_mesh() ? BodyPart(source_of(*body.obb_tree(), part.triangle)) : part,
                   ContactKind::unknown,
                   {point, point},
                   plane.linear().col(2),
@@ -130,11 +130,11 @@ void NonMeshContacts::find(const PairTask& task, std::vector<Contact>& contacts)
     else if (a.map() && b.shape())
         find(map_shape_, a.cells(), b.shape_tree());
     else if (a.map())
-        find(map_mesh_, a.cells(), *b.obb_tree);
+        find(map_mesh_, a.cells(), *b.obb_tree());
     else if (b.terrain())
         find(shape_terrain_, a.shape_tree(), b.heights());
     else
-        find(shape_mesh_, a.shape_tree(), *b.obb_tree);
+        find(shape_mesh_, a.shape_tree(), *b.obb_tree());
     std::sort(contacts.begin() + begin, contacts.end(),
               [](const Contact& x, const Contact& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); });
 }

@@ -221,7 +221,7 @@ bool NonMeshPairs::shape_holds(const PairTask& task)
     if (shape_apart_from_large(task)) return false;
     return one_holds_the_other(task, locator_,
                                [](const Model& model) -> ObbTree* {
-                                   return model.shape() && model.has_inside() ? model.obb_tree.get() : nullptr;
+                                   return model.shape() && model.has_inside() ? model.obb_tree() : nullptr;
                                })
         .has_value();
 }
@@ -232,7 +232,7 @@ bool NonMeshPairs::shape_apart_from_large(const PairTask& task)
 {
     const bool swapped = task.b->shape();
     Model &shape = swapped ? *task.b : *task.a, &other = swapped ? *task.a : *task.b;
-    if (!shape.shape() || !other.is_mesh() || other.triangles() < many_triangles || !other.obb_tree ||
+    if (!shape.shape() || !other.is_mesh() || other.triangles() < many_triangles || !other.obb_tree() ||
         shape.convex().count > most_points)
         return false;
     const PlacedPair placed(swapped ? *task.pose_b : *task.pose_a, swapped ? *task.pose_a : *task.pose_b);
@@ -240,7 +240,7 @@ bool NonMeshPairs::shape_apart_from_large(const PairTask& task)
     using Pair = ShapeMeshWalk::Pair;
     bool apart = true;
     shape_mesh_.meetings(
-        shape.shape_tree(), *other.obb_tree, placed.b_to_a, {}, [&](const Pair&) { return apart = false; },
+        shape.shape_tree(), *other.obb_tree(), placed.b_to_a, {}, [&](const Pair&) { return apart = false; },
         [](const Pair&) { return false; });
     return apart;
 }
@@ -256,12 +256,12 @@ auto NonMeshPairs::with_walk(const PairTask& task, auto work)
     if (a.map() && b.terrain()) return work(map_terrain_, a.cells(), b.heights(), placed, never);
     if (a.map() && !b.has_triangles()) return work(map_shape_, a.cells(), b.shape_tree(), placed, never);
     if (a.map())
-        return work(map_mesh_, a.cells(), *b.obb_tree, placed, [&](MapTree& cells, ObbTree& surface) {
+        return work(map_mesh_, a.cells(), *b.obb_tree(), placed, [&](MapTree& cells, ObbTree& surface) {
             return b.shape() && !map_mesh_.far_from_all() && holds_cell(locator_, surface, placed.b_to_a, cells);
         });
     if (a.shape() && !a.has_triangles())
         return b.terrain() ? work(shape_terrain_, a.shape_tree(), b.heights(), placed, never)
-                           : work(shape_mesh_, a.shape_tree(), *b.obb_tree, placed, never);
+                           : work(shape_mesh_, a.shape_tree(), *b.obb_tree(), placed, never);
     return triangles_.with(a, b, [&](auto& walk, auto& of_a, auto& of_b) {
         return work(walk.walk(), of_a, of_b, placed, [&](const auto&, const auto&) { return shape_holds(task); });
     });
@@ -318,7 +318,7 @@ std::optional<Distance> NonMeshPairs::solid_distance(const PairTask& task, doubl
         const auto found = walk.distance(shape.shape_tree(), tree, placed.b_to_a, placed.slack, tolerance, seen);
         return in_world(placed_distance(shape.shape_tree(), tree, placed, off, found), task, swapped);
     };
-    return other.terrain() ? by(terrain_distance_, other.heights()) : by(mesh_distance_, *other.obb_tree);
+    return other.terrain() ? by(terrain_distance_, other.heights()) : by(mesh_distance_, *other.obb_tree());
 }
 
 NonMeshPairs::Counts NonMeshPairs::counts()

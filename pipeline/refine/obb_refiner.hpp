@@ -2,7 +2,7 @@
 #include <vector>
 
 #include <oncollide/narrowphase/inside/shared_inside.hpp>
-#include <oncollide/pipeline/model_store.hpp>
+#include <oncollide/pipeline/models/model_store.hpp>
 #include <oncollide/pipeline/refine/non_mesh_pairs.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 #include <oncollide/pipeline/refine/triangle_walks.hpp>

@@ -12,7 +12,7 @@ Distance PairDistance::find(const PairTask& task, Mode mode, double tolerance, d
                                : solids_.distance(task, tolerance, farthest);
     if (found.lower == 0 || without_walk(*task.a, *task.b)) return found; // which already treats shapes as solid
     const auto around = [&](const Model& model) {
-        return model.shape() || (mode == Mode::solid && model.closed()) ? model.obb_tree.get() : nullptr;
+        return model.shape() || (mode == Mode::solid && model.closed()) ? model.obb_tree() : nullptr;
     };
     if (const auto inside = one_holds_the_other(task, locator_, around))
         return {.lower = 0, .upper = 0, .point_a = *inside, .point_b = *inside};

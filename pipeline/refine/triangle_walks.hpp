@@ -17,9 +17,9 @@ public:
     auto with(Model& a, Model& b, Work work)
     {
         if (a.terrain() && b.terrain()) return work(terrains_, a.heights(), b.heights());
-        if (a.terrain()) return work(terrain_first_, a.heights(), *b.obb_tree);
-        if (b.terrain()) return work(terrain_second_, *a.obb_tree, b.heights());
-        return work(meshes_, *a.obb_tree, *b.obb_tree);
+        if (a.terrain()) return work(terrain_first_, a.heights(), *b.obb_tree());
+        if (b.terrain()) return work(terrain_second_, *a.obb_tree(), b.heights());
+        return work(meshes_, *a.obb_tree(), *b.obb_tree());
     }
 
     Traversal::Counts counts() const

@@ -1,11 +1,10 @@
 // Ranks as threads of this process.
-#include <condition_variable>
 #include <exception>
 #include <map>
-#include <mutex>
 #include <queue>
 #include <thread>
 
+#include <oncollide/base/lock_order.hpp>
 #include <oncollide/runs/ranks/ranks.hpp>
 
 namespace oncollide {
@@ -37,8 +36,8 @@ struct Shared {
     }
 
     const int size;
-    std::mutex mutex;
-    std::condition_variable wake;
+    OrderedMutex<LockRank::ranks> mutex;
+    OrderedCondition wake;
     int here = 0;
     std::uint64_t meetings = 0;
     bool broken = false;
@@ -122,7 +121,7 @@ private:
 void run_ranks_on_threads(int size, const std::function<void(Ranks&)>& work)
 {
     Shared shared(size);
-    std::mutex mutex;
+    OrderedMutex<LockRank::rank_failures> mutex;
     std::exception_ptr first;
     const auto play = [&](int rank) {
         try {

@@ -2,7 +2,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
-#include <oncollide/pipeline/world_access.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 #include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/catalogue.hpp>
 

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include <oncollide/base/error.hpp>
@@ -37,6 +38,21 @@ Scene two_knots(double apart)
     scene.add_body({.name = "b", .geometry = knot, .motion = Drift{}});
     scene.set_position(SceneBodyId{1}, {apart, 0, 0});
     return scene;
+}
+
+TEST(Pipeline, PlaysInAWorldThatItIsGivenIfThatIsNew)
+{
+    const Scene scene = two_knots(2);
+    World world;
+    world.set_pair_filter([](std::span<const CandidatePair>, std::span<PairChoice> choices) {
+        std::ranges::fill(choices, PairChoice::drop);
+    });
+    Pipeline pipeline(scene, std::move(world));
+    EXPECT_EQ(Pipeline(scene).step(scene).pairs.size(), 1u);
+    EXPECT_EQ(pipeline.step(scene).pairs.size(), 0u) << "the filter of the World";
+    World used;
+    used.add(Sphere{1});
+    EXPECT_THROW(Pipeline(scene, std::move(used)), Error);
 }
 
 TEST(Pipeline, GivesTheSameHashForAnyThreadCountBroadPhaseAndCoherence)

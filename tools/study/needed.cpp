@@ -4,7 +4,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/obb/obb_tree.hpp>
-#include <oncollide/pipeline/world_access.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 
 #include "cli/progress.hpp"
 #include "spheres/grown_tree.hpp"

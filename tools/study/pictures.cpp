@@ -7,7 +7,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
-#include <oncollide/pipeline/world_access.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 
 #include "cli/progress.hpp"
 #include "render/framing.hpp"

@@ -9,7 +9,7 @@
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
-#include <oncollide/pipeline/world_impl.hpp>
+#include <oncollide/pipeline/world/world_impl.hpp>
 
 namespace oncollide {
 

@@ -2,8 +2,8 @@
 #include <memory>
 #include <string_view>
 
-#include <oncollide/pipeline/frame.hpp>
-#include <oncollide/pipeline/model_store.hpp>
+#include <oncollide/pipeline/models/model_store.hpp>
+#include <oncollide/pipeline/world/frame.hpp>
 
 namespace oncollide {
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/pipeline/stage.hpp>
+#include <oncollide/pipeline/world/stage.hpp>
 
 namespace oncollide {
 

@@ -1,4 +1,4 @@
-#include <oncollide/pipeline/bodies.hpp>
+#include <oncollide/pipeline/world/bodies.hpp>
 
 #include <oncollide/base/large_vector.hpp>
 #include <oncollide/base/parallel.hpp>

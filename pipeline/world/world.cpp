@@ -1,5 +1,5 @@
 // World: models and bodies.
-#include <oncollide/pipeline/world_impl.hpp>
+#include <oncollide/pipeline/world/world_impl.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -8,7 +8,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/pipeline/query_worker.hpp> // for the destructor of Impl
+#include <oncollide/pipeline/world/query_worker.hpp> // for the destructor of Impl
 
 namespace oncollide {
 

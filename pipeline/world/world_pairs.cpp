@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/pipeline/query_worker.hpp>
 #include <oncollide/pipeline/refine/placed_pair.hpp>
+#include <oncollide/pipeline/world/query_worker.hpp>
 
 namespace oncollide {
 
@@ -206,8 +206,8 @@ void World::decide(const ModelPairColumns& pairs, std::span<Verdict> verdicts, s
 void World::Impl::need_trees(std::span<const PairTask> tasks)
 {
     const auto there = [&](Model& model) {
-        if (model.obb_tree_used.load(std::memory_order_relaxed) != frame.number) model.obb_tree_used = frame.number;
-        return !model.has_triangles() || model.obb_tree;
+        model.need_obb_tree(frame.number);
+        return !model.has_triangles() || model.obb_tree();
     };
     {
         const std::shared_lock lock(guard);
@@ -350,7 +350,7 @@ void World::Impl::check_penetration(const PairTask& task) const
 Penetration World::Impl::penetration(QueryWorker& worker, const PairTask& task)
 {
     worker.meetings.clear();
-    worker.contacts.find(*task.a->obb_tree, *task.pose_a, *task.b->obb_tree, *task.pose_b, worker.meetings);
+    worker.contacts.find(*task.a->obb_tree(), *task.pose_a, *task.b->obb_tree(), *task.pose_b, worker.meetings);
     return worker.penetration.measure(task, worker.meetings);
 }
 

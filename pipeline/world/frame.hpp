@@ -2,11 +2,11 @@
 #include <cstdint>
 #include <vector>
 
-#include <oncollide/pipeline/bodies.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 #include <oncollide/pipeline/results.hpp>
 #include <oncollide/pipeline/settings.hpp>
 #include <oncollide/pipeline/world.hpp>
+#include <oncollide/pipeline/world/bodies.hpp>
 
 namespace oncollide {
 

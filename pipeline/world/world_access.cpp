@@ -1,6 +1,6 @@
-#include <oncollide/pipeline/world_access.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 
-#include <oncollide/pipeline/world_impl.hpp>
+#include <oncollide/pipeline/world/world_impl.hpp>
 
 namespace oncollide {
 
@@ -24,7 +24,7 @@ std::string WorldAccess::backend_note(const World& world)
 
 const Ocst* WorldAccess::tree(const World& world, ModelId model)
 {
-    return world.impl().model_of(model).spheres.get();
+    return world.impl().model_of(model).spheres();
 }
 
 } // namespace oncollide

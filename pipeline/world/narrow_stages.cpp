@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include <oncollide/pipeline/refine/narrowing.hpp>
-#include <oncollide/pipeline/stage.hpp>
+#include <oncollide/pipeline/world/stage.hpp>
 
 namespace oncollide {
 

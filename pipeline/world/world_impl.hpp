@@ -1,14 +1,13 @@
 #pragma once
 #include <atomic>
-#include <mutex>
-#include <shared_mutex>
 
 #include <oncollide/pipeline/refine/narrowing.hpp>
 #include <oncollide/pipeline/refine/non_mesh_contacts.hpp>
 #include <oncollide/pipeline/refine/pair_distance.hpp>
 #include <oncollide/pipeline/refine/penetration_depth.hpp>
-#include <oncollide/pipeline/stage.hpp>
 #include <oncollide/pipeline/world.hpp>
+#include <oncollide/pipeline/world/motion_forecast.hpp>
+#include <oncollide/pipeline/world/stage.hpp>
 
 namespace oncollide {
 
@@ -31,10 +30,10 @@ struct World::Impl {
     std::string backend_note;
     std::uint64_t hash = 0;
 
-    struct QueryWorker;                // query_worker.hpp
-    std::shared_mutex guard;           ///< for const calls: of the models' trees
-    std::mutex idle_guard;             ///< of idle_workers
-    std::atomic<bool> taken_in{false}; ///< are all changes in the boxes and the broad phase?
+    struct QueryWorker;                               // query_worker.hpp
+    WorldMutex guard;                                 ///< for const calls: of the models' trees
+    OrderedMutex<LockRank::query_workers> idle_guard; ///< of idle_workers
+    std::atomic<bool> taken_in{false};                ///< are all changes in the boxes and the broad phase?
     std::vector<std::unique_ptr<QueryWorker>> idle_workers;
 
     Impl(const Settings& settings, std::unique_ptr<OcclusionBackend> backend, std::string note);

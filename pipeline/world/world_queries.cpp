@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/pipeline/query_worker.hpp>
+#include <oncollide/pipeline/world/query_worker.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
 
 namespace oncollide {
@@ -30,7 +30,7 @@ bool has_point_in(const Bodies& bodies, std::uint32_t slot, const Aabb& box)
 /// A model that lives as long as one query.
 class TransientModel {
 public:
-    TransientModel(ModelStore& models, std::shared_mutex& guard, Mesh mesh) : models_(models), guard_(guard)
+    TransientModel(ModelStore& models, WorldMutex& guard, Mesh mesh) : models_(models), guard_(guard)
     {
         auto geometry = std::make_shared<const Geometry>(Geometry{{}, std::move(mesh), {}});
         const std::lock_guard lock(guard);
@@ -47,7 +47,7 @@ public:
 
 private:
     ModelStore& models_;
-    std::shared_mutex& guard_;
+    WorldMutex& guard_;
     Model* model_;
 };
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/pipeline/world_impl.hpp>
+#include <oncollide/pipeline/world/world_impl.hpp>
 
 namespace oncollide {
 
