@@ -1,12 +1,11 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <system_error>
 #include <thread>
 
+#include <oncollide/base/lock_order.hpp>
 #include <oncollide/base/parallel.hpp>
 
 #if defined(__linux__)
@@ -159,8 +158,8 @@ private:
     static constexpr int most_workers = 1023;
     const int spin_limit_ = hardware_threads();
 
-    std::mutex mutex_;
-    std::condition_variable opened_, finished_;
+    OrderedMutex<LockRank::pool> mutex_;
+    OrderedCondition opened_, finished_;
     Job* first_ = nullptr; ///< jobs with tasks left, oldest first
     int workers_ = 0, sleeping_ = 0;
     std::atomic<bool> any_open_{false};      ///< whether first_ is set, readable without the lock
@@ -172,7 +171,7 @@ std::atomic<ThreadPool*> pool{nullptr};
 /// Never destroyed, because its threads outlive static objects.
 ThreadPool& make_pool()
 {
-    static std::mutex making;
+    static OrderedMutex<LockRank::pool_making> making;
     std::lock_guard lock(making);
     if (ThreadPool* there = pool.load(std::memory_order_acquire)) return *there;
 #if __has_include(<pthread.h>)

@@ -3,7 +3,7 @@ include(CMakePackageConfigHelpers)
 
 add_library(oncollide INTERFACE)
 add_library(oncollide::oncollide ALIAS oncollide)
-target_link_libraries(oncollide INTERFACE oncollide_pipeline oncollide_files)
+target_link_libraries(oncollide INTERFACE oncollide_runs oncollide_files)
 target_include_directories(oncollide INTERFACE $<BUILD_INTERFACE:${CMAKE_CURRENT_LIST_DIR}/include/all>)
 install(FILES ${CMAKE_CURRENT_LIST_DIR}/include/all/oncollide/oncollide.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/oncollide)
 

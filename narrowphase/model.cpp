@@ -18,8 +18,8 @@ const CookedFile* file_of(const GeometryData& data)
 
 } // namespace
 
-Model::Model(std::shared_ptr<const Geometry> geometry)
-    : geometry_(std::move(geometry)), kind_(kind_of(geometry_->data)),
+Model::Model(std::shared_ptr<const Geometry> geometry, std::uint32_t number)
+    : number_(number), geometry_(std::move(geometry)), kind_(kind_of(geometry_->data)),
       index_(static_cast<std::uint8_t>(geometry_->data.index())),
       data_(std::visit([](const auto& data) -> const void* { return &data; }, geometry_->data)),
       file_(file_of(geometry_->data)), bounds_(geometry_->data)
@@ -79,8 +79,8 @@ const Mesh& Model::whole() const
 void Model::make_obb_tree(ChunkBudget* budget, BoxTotals& totals)
 {
     const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry_->data);
-    obb_tree = cooked && budget ? std::make_unique<ObbTree>(*cooked, *budget)
-                                : std::make_unique<ObbTree>(*surface_mesh(), &totals);
+    obb_tree_ = cooked && budget ? std::make_unique<ObbTree>(*cooked, *budget)
+                                 : std::make_unique<ObbTree>(*surface_mesh(), &totals);
 }
 
 /// Reads all of a cooked mesh, and keeps none of it.

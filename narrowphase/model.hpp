@@ -33,13 +33,14 @@ namespace oncollide {
 /// Owns all data derived from a geometry. Each item is computed once, when it is first needed, and stays at its
 /// address, shared by all bodies, queries and threads.
 ///
-/// Const members may be called from many threads at once. Traversals grow the trees; the owner of the budgets
-/// (ModelStore) makes and drops them, never while a traversal runs.
+/// Const members may be called from many threads at once. Traversals grow the trees; the owners of the budgets
+/// (SphereForest, ObbResidency) make and drop them, never while a traversal runs.
 class Model {
 public:
     /// Shares the geometry. Cost: computing its bounds only.
-    explicit Model(std::shared_ptr<const Geometry> geometry);
-    ~Model() { obb_tree.reset(); } // it refers to members that are destroyed before it
+    /// @param number  identifies the model and its sphere-tree to backends
+    explicit Model(std::shared_ptr<const Geometry> geometry, std::uint32_t number = 0);
+    ~Model() { obb_tree_.reset(); } // it refers to members that are destroyed before it
     Model(const Model&) = delete;
     Model& operator=(const Model&) = delete;
 
@@ -79,7 +80,7 @@ public:
     /// True for a mesh, a box or a hull: exact triangle tests decide it.
     bool has_triangles() const { return kind_ == Kind::mesh || kind_ == Kind::polytope; }
     /// True if the OBB tree exists, or the model needs none.
-    bool has_obb_tree() const { return obb_tree || !has_triangles(); }
+    bool has_obb_tree() const { return obb_tree_ || !has_triangles(); }
     /// True if a sphere-tree can represent the model.
     bool has_sphere_tree() const { return kind_ != Kind::terrain && kind_ != Kind::half_space; }
     /// Distance of the farthest point from the origin of the geometry's frame; 0 for a half-space.
@@ -92,9 +93,6 @@ public:
     const Mesh* surface_mesh() const { return !has_triangles() ? nullptr : shape() ? &polytope() : mesh(); }
     std::size_t triangles() const { return cooked() ? cooked()->triangles() : surface_mesh()->triangles.size(); }
     std::size_t vertices() const { return cooked() ? cooked()->vertices() : surface_mesh()->vertices.size(); }
-    /// Makes the OBB tree. It counts in the totals unless it has a budget.
-    /// @param budget  null: a cooked mesh is read as a whole
-    void make_obb_tree(ChunkBudget* budget, BoxTotals& totals);
     /// The octree of a map. The model must be a map.
     MapTree& cells() const;
     /// The quadtree of a terrain. The model must be a terrain.
@@ -131,17 +129,30 @@ public:
     /// The spheres inside a mesh; null: not built.
     const InnerSpheres* balls() const { return balls_.get(); }
 
-    std::uint32_t number = 0; ///< identifies the sphere-tree to backends
+    std::uint32_t number() const { return number_; }
+    Ocst* spheres() const { return spheres_.get(); }      ///< the sphere-tree; null until a test reaches it
+    ObbTree* obb_tree() const { return obb_tree_.get(); } ///< of surface_mesh(); null until a test reaches it
+    const std::string& unreadable() const
+    {
+        return unreadable_;
+    } ///< why a cooked mesh can have no OBB tree; empty: it can
+    /// Records that a pair needs the OBB tree in this frame.
+    void need_obb_tree(std::uint32_t frame)
+    {
+        if (obb_tree_needed() != frame) obb_tree_needed_.store(frame, std::memory_order_relaxed);
+    }
     /// The last frame in which a pair needed the OBB tree.
-    std::atomic<std::uint32_t> obb_tree_used = 0;
-    std::unique_ptr<Ocst> spheres;     ///< the sphere-tree; null until a test reaches it
-    std::unique_ptr<ObbTree> obb_tree; ///< the OBB tree of surface_mesh(); null until a test reaches it
-    std::string unreadable;            ///< why a cooked mesh can have no OBB tree; empty: it can
+    std::uint32_t obb_tree_needed() const { return obb_tree_needed_.load(std::memory_order_relaxed); }
 
     /// Prefetches the members that a pair reads first.
     void prefetch() const { oncollide::prefetch(this, 192); }
 
 private:
+    friend class SphereForest; // sets spheres_
+    friend class ObbResidency; // sets obb_tree_ and unreadable_
+    /// Makes the OBB tree. It counts in the totals unless it has a budget.
+    /// @param budget  null: a cooked mesh is read as a whole
+    void make_obb_tree(ChunkBudget* budget, BoxTotals& totals);
     /// Does not read the geometry itself: in a large world the geometries lie scattered in memory.
     template <class Data>
     const Data* as() const
@@ -158,6 +169,12 @@ private:
     const Mesh& polytope() const;
     const Mesh& whole() const;
 
+    // Read first: prefetch().
+    const std::uint32_t number_;
+    std::atomic<std::uint32_t> obb_tree_needed_ = 0;
+    std::unique_ptr<Ocst> spheres_;
+    std::unique_ptr<ObbTree> obb_tree_;
+    std::string unreadable_;
     std::shared_ptr<const Geometry> geometry_;
     const Kind kind_;
     const std::uint8_t index_; ///< of the data in the geometry

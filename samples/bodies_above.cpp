@@ -31,7 +31,7 @@ std::vector<Vector3d> surface_points(const GeometryData& geometry)
     return some;
 }
 
-std::vector<GeometryId> add_meshes_of_a_metre(Scene& scene)
+std::vector<GeometryId> add_meshes_of_a_metre(SceneInfo& scene)
 {
     const auto mesh = [&](const char* name, Json generator) {
         return add_geometry(scene, name, {{"mesh", {{"generate", std::move(generator)}}}});
@@ -47,7 +47,7 @@ std::vector<GeometryId> add_meshes_of_a_metre(Scene& scene)
             mesh("ball", {{"kind", "sphere"}, {"radius", 0.6}, {"triangles", 13'000}})};
 }
 
-void add_bodies_above(Scene& scene, const std::vector<Vector3d>& points, const Aabb& bounds,
+void add_bodies_above(SceneBuilder scene, const std::vector<Vector3d>& points, const Aabb& bounds,
                       const std::vector<GeometryId>& of, int count, std::uint64_t seed)
 {
     for (int i = 0; i < count; ++i) {

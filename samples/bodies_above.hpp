@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/scenes/scene.hpp>
+#include <oncollide/scenes/scene_builder.hpp>
 
 namespace oncollide {
 
@@ -13,11 +13,11 @@ namespace oncollide {
 std::vector<Eigen::Vector3d> surface_points(const GeometryData& geometry);
 
 /// A knot, a ring and a sphere: meshes of about a metre, of 6,000 to 13,000 triangles.
-std::vector<GeometryId> add_meshes_of_a_metre(Scene& scene);
+std::vector<GeometryId> add_meshes_of_a_metre(SceneInfo& scene);
 
 /// Adds `count` bodies that cycle through these geometries, at some of the points and slightly above them. They drift
 /// and rotate slowly and stay within 2 m of `bounds`.
-void add_bodies_above(Scene& scene, const std::vector<Eigen::Vector3d>& points, const Aabb& bounds,
+void add_bodies_above(SceneBuilder scene, const std::vector<Eigen::Vector3d>& points, const Aabb& bounds,
                       const std::vector<GeometryId>& of, int count, std::uint64_t seed);
 
 } // namespace oncollide

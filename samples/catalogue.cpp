@@ -19,7 +19,7 @@ struct Maker {
     int default_bodies; ///< 0: constant for the scene
     int most_bodies;
     int frames;
-    Scene (*make)(const CatalogueOptions&);
+    void (*make)(SceneBuilder&, const CatalogueOptions&);
     /// The number of bodies is limited only by the range of body numbers if a sink takes the bodies: each body follows
     /// from its index, and their geometries are few.
     bool endless = false;
@@ -66,6 +66,26 @@ const Maker& find_maker(const std::string& name)
     refuse(fmt::format("no scene named '{}' in the catalogue{}", name, valid_names(name, names, "it has")));
 }
 
+void make(const std::string& name, const CatalogueOptions& options, SceneInfo& info, SceneBuilder scene)
+{
+    constexpr int most_frames = 1'000'000'000;
+    const Maker& maker = find_maker(name);
+    if (options.bodies && maker.default_bodies == 0)
+        refuse(fmt::format("scene {}: its number of bodies is fixed, {} is not possible", name, *options.bodies));
+    const int most_bodies = scene.has_sink() && maker.endless ? 2'000'000'000 : maker.most_bodies;
+    if (options.bodies && (*options.bodies < 1 || *options.bodies > most_bodies))
+        refuse(fmt::format("scene {}: {} bodies, must be from 1 to {}", name, *options.bodies, most_bodies));
+    if (options.frames && (*options.frames < 1 || *options.frames > most_frames))
+        refuse(fmt::format("scene {}: {} frames, must be from 1 to {}", name, *options.frames, most_frames));
+
+    CatalogueOptions complete = options;
+    if (maker.default_bodies) complete.bodies = options.bodies.value_or(maker.default_bodies);
+    complete.frames = options.frames.value_or(maker.frames);
+    maker.make(scene, complete);
+    info.name = name;
+    info.frames = *complete.frames;
+}
+
 } // namespace
 
 const std::vector<CatalogueEntry>& catalogue()
@@ -80,24 +100,16 @@ const std::vector<CatalogueEntry>& catalogue()
 
 Scene make_scene(const std::string& name, const CatalogueOptions& options)
 {
-    constexpr int most_frames = 1'000'000'000;
-    const Maker& maker = find_maker(name);
-    if (options.bodies && maker.default_bodies == 0)
-        refuse(fmt::format("scene {}: its number of bodies is fixed, {} is not possible", name, *options.bodies));
-    const int most_bodies = options.sink && maker.endless ? 2'000'000'000 : maker.most_bodies;
-    if (options.bodies && (*options.bodies < 1 || *options.bodies > most_bodies))
-        refuse(fmt::format("scene {}: {} bodies, must be from 1 to {}", name, *options.bodies, most_bodies));
-    if (options.frames && (*options.frames < 1 || *options.frames > most_frames))
-        refuse(fmt::format("scene {}: {} frames, must be from 1 to {}", name, *options.frames, most_frames));
-
-    CatalogueOptions complete = options;
-    if (maker.default_bodies) complete.bodies = options.bodies.value_or(maker.default_bodies);
-    complete.frames = options.frames.value_or(maker.frames);
-    Scene scene = maker.make(complete);
-    if (options.sink && scene.holds_bodies()) pass_bodies(scene, *options.sink);
-    scene.name = name;
-    scene.frames = *complete.frames;
+    Scene scene;
+    make(name, options, scene, scene);
     return scene;
+}
+
+SceneInfo make_scene(const std::string& name, BodySink& sink, const CatalogueOptions& options)
+{
+    SceneInfo info;
+    make(name, options, info, {info, sink});
+    return info;
 }
 
 Eigen::Vector3d Dice::within(const Eigen::Vector3d& half)
@@ -130,7 +142,7 @@ Eigen::Isometry3d placed(const Eigen::Vector3d& position, const Eigen::Quaternio
     return pose;
 }
 
-GeometryId add_knot(Scene& scene, const std::string& name, double diagonal, int triangles)
+GeometryId add_knot(SceneBuilder& scene, const std::string& name, double diagonal, int triangles)
 {
     return add_geometry(scene, name,
                         {{"mesh",
@@ -146,13 +158,13 @@ GeometryId add_knot(Scene& scene, const std::string& name, double diagonal, int 
                            {"centre", true}}}});
 }
 
-GeometryId add_drone(Scene& scene)
+GeometryId add_drone(SceneBuilder& scene)
 {
     return add_knot(scene, "drone", 3, 1200);
 }
 
-GeometryId add_model(Scene& scene, const CatalogueOptions& options, const std::string& name, const std::string& file,
-                     const Json& generator)
+GeometryId add_model(SceneBuilder& scene, const CatalogueOptions& options, const std::string& name,
+                     const std::string& file, const Json& generator)
 {
     Json mesh = {{"fit_diagonal", 2}, {"centre", true}};
     const std::filesystem::path path = options.data / "meshes" / "paper" / file;
@@ -161,7 +173,7 @@ GeometryId add_model(Scene& scene, const CatalogueOptions& options, const std::s
         mesh["file"] = path.string();
     } else {
         mesh["generate"] = generator;
-        scene.warnings.push_back(
+        scene.warnings().push_back(
             fmt::format("{}: no data folder with meshes/paper/{}; uses a generated mesh instead", name, file));
     }
     return add_geometry(scene, name, {{"mesh", std::move(mesh)}});

@@ -22,7 +22,6 @@ struct CatalogueOptions {
     std::optional<int> frames{};
     std::uint64_t seed = 12345;
     std::filesystem::path data{}; ///< folder with meshes/ and octomap/; empty or missing: generated stand-ins
-    BodySink* sink = nullptr;     ///< takes the bodies; null: the scene holds them
     KeepTiles tiles{};            ///< null: the scene `tiles` holds its ground as meshes
 };
 
@@ -38,5 +37,7 @@ const Generators& sample_generators();
 
 /// Makes a scene by name. Throws Error{usage} for an unknown name (lists the known ones) or options out of range.
 Scene make_scene(const std::string& name, const CatalogueOptions& options = {});
+/// The same for a scene too large to store: hands its bodies to `sink` and returns the rest.
+SceneInfo make_scene(const std::string& name, BodySink& sink, const CatalogueOptions& options = {});
 
 } // namespace oncollide

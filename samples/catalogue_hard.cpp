@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 
 class HardScene {
 public:
-    explicit HardScene(std::uint64_t seed) : seed_(seed) {}
+    HardScene(SceneBuilder& scene, std::uint64_t seed) : scene_(scene), seed_(seed) {}
 
     /// Moves the origin of the next groups.
     void next_group() { origin_.x() += 20; }
@@ -21,17 +21,17 @@ public:
     void put(const std::string& name, GeometryId geometry, const Vector3d& offset,
              const Eigen::Quaterniond& rotation = Eigen::Quaterniond::Identity())
     {
-        scene.add_body({.name = name, .geometry = geometry, .pose = placed(origin_ + offset, rotation)});
+        scene_.add_body({.name = name, .geometry = geometry, .pose = placed(origin_ + offset, rotation)});
     }
 
     GeometryId generated(const char* name, Json generator)
     {
-        return add_geometry(scene, name, {{"mesh", {{"generate", std::move(generator)}}}});
+        return add_geometry(scene_, name, {{"mesh", {{"generate", std::move(generator)}}}});
     }
 
     GeometryId listed(const char* name, Json vertices, Json triangles)
     {
-        return add_geometry(scene, name,
+        return add_geometry(scene_, name,
                             {{"mesh", {{"vertices", std::move(vertices)}, {"triangles", std::move(triangles)}}}});
     }
 
@@ -47,9 +47,8 @@ public:
     void far_away();
     void slider();
 
-    Scene scene;
-
 private:
+    SceneBuilder& scene_;
     std::uint64_t seed_;
     Vector3d origin_ = Vector3d::Zero();
     GeometryId cube_{}, ring_{};
@@ -59,7 +58,7 @@ private:
 void HardScene::touching_boxes()
 {
     cube_ = generated("cube", {{"kind", "box"}, {"half", {0.5, 0.5, 0.5}}});
-    const GeometryId solid = scene.add("solid-cube", Box{Vector3d::Constant(0.5)});
+    const GeometryId solid = scene_.add("solid-cube", Box{Vector3d::Constant(0.5)});
     for (const auto& [name, geometry] : {std::pair("mesh", cube_), std::pair("shape", solid)}) {
         put(fmt::format("touch-{}", name), geometry, {0, 0, 0});
         put(fmt::format("touch-{}-face", name), geometry, {1, 0, 0});
@@ -136,7 +135,7 @@ void HardScene::nested_spheres()
     const GeometryId core = generated("core", {{"kind", "sphere"}, {"radius", 0.5}, {"triangles", 512}});
     put("shell", shell, {0, 0, 0});
     put("core", core, {0, 0, 0});
-    put("kernel", scene.add("kernel", Sphere{0.125}), {0, 0, 0});
+    put("kernel", scene_.add("kernel", Sphere{0.125}), {0, 0, 0});
     next_group();
 }
 
@@ -158,8 +157,8 @@ void HardScene::terrain_and_soup()
 {
     const GeometryId terrain =
         generated("terrain", {{"kind", "terrain"}, {"size", 16}, {"height", 2}, {"cells", 48}, {"seed", seed_}});
-    const double top = bounds_of(scene.geometries[index(terrain)]).max.z();
-    const auto& vertices = std::get<Mesh>(scene.geometries[index(terrain)].data).vertices;
+    const double top = bounds_of(scene_.geometries()[index(terrain)]).max.z();
+    const auto& vertices = std::get<Mesh>(scene_.geometries()[index(terrain)].data).vertices;
     Vector3d peak = vertices.front();
     for (const Vector3d& v : vertices)
         if (v.z() == top) peak = v;
@@ -191,17 +190,17 @@ void HardScene::far_away()
 void HardScene::slider()
 {
     const Vector3d start(38, 0, 1.5);
-    scene.add_body({.name = "slider",
-                    .geometry = cube_,
-                    .pose = placed(start),
-                    .motion = Drift{.velocity = {0.0625, 0, 0}, .spin = Vector3d::Zero(), .walls = {}}});
+    scene_.add_body({.name = "slider",
+                     .geometry = cube_,
+                     .pose = placed(start),
+                     .motion = Drift{.velocity = {0.0625, 0, 0}, .spin = Vector3d::Zero(), .walls = {}}});
 }
 
 } // namespace
 
-Scene make_hard_scene(const CatalogueOptions& options)
+void make_hard_scene(SceneBuilder& scene, const CatalogueOptions& options)
 {
-    HardScene hard(options.seed);
+    HardScene hard(scene, options.seed);
     hard.touching_boxes(); // x = 0 and 20
     hard.coplanar_walls(); // x = 40
     hard.same_place();
@@ -213,7 +212,6 @@ Scene make_hard_scene(const CatalogueOptions& options)
     hard.terrain_and_soup();
     hard.far_away();
     hard.slider();
-    return std::move(hard.scene);
 }
 
 } // namespace oncollide

@@ -7,11 +7,10 @@
 
 namespace oncollide {
 
-Scene make_hills_scene(const CatalogueOptions& options)
+void make_hills_scene(SceneBuilder& scene, const CatalogueOptions& options)
 {
     constexpr std::uint32_t cells = 400;
     constexpr double spacing = 0.5;
-    Scene scene(options.sink);
     const GeometryId land = add_geometry(
         scene, "land",
         {{"terrain", {{"hills", {{"cells", cells}, {"spacing", spacing}, {"height", 20}, {"seed", options.seed}}}}}});
@@ -32,8 +31,8 @@ Scene make_hills_scene(const CatalogueOptions& options)
         mesh("ring", {{"kind", "torus"}, {"major", 0.6}, {"minor", 0.2}, {"triangles", 2000}}),
         scene.add("rod", Capsule{.radius = 0.2, .length = 1.2}),
     };
-    const auto& heights = std::get<Terrain>(scene.geometries[index(land)].data);
-    Aabb walls = bounds_of(scene.geometries[index(land)]);
+    const auto& heights = std::get<Terrain>(scene.geometries()[index(land)].data);
+    Aabb walls = bounds_of(scene.geometries()[index(land)]);
     walls.max.z() += 2;
     for (int i = 0; i < *options.bodies; ++i) {
         if (scene.skip_body()) continue;
@@ -45,12 +44,11 @@ Scene make_hills_scene(const CatalogueOptions& options)
         const Eigen::Vector3d position(x, y, ground + dice.between(-0.5, 1.5));
         const Eigen::Quaterniond rotation = dice.rotation();
         Drift drift{.velocity = dice.within({0.1, 0.1, 0.01}), .spin = 0.03 * dice.direction(), .walls = walls};
-        scene.add_body({.name = fmt::format("{}-{}", scene.geometries[index(kind)].name, i),
+        scene.add_body({.name = fmt::format("{}-{}", scene.geometries()[index(kind)].name, i),
                         .geometry = kind,
                         .pose = placed(position, rotation),
                         .motion = drift});
     }
-    return scene;
 }
 
 } // namespace oncollide

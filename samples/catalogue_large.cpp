@@ -12,15 +12,15 @@ namespace oncollide {
 namespace {
 
 /// The file of the data folder or, if it is missing, a generated environment of the same size, with a warning.
-GeometryId add_environment(Scene& scene, const CatalogueOptions& options, const std::string& name, const char* kind,
-                           const std::string& file, Json stand_in)
+GeometryId add_environment(SceneBuilder& scene, const CatalogueOptions& options, const std::string& name,
+                           const char* kind, const std::string& file, Json stand_in)
 {
     const std::filesystem::path path = options.data / file;
     std::error_code ignored;
     if (!options.data.empty() && std::filesystem::is_regular_file(path, ignored))
         stand_in = {{"file", path.string()}};
     else
-        scene.warnings.push_back(fmt::format("{}: no data folder with {}; uses a generated one instead", name, file));
+        scene.warnings().push_back(fmt::format("{}: no data folder with {}; uses a generated one instead", name, file));
     return add_geometry(scene, name, {{kind, std::move(stand_in)}});
 }
 
@@ -67,9 +67,8 @@ Keyed route(const Terrain& ground, double height, int frames, Dice& dice)
 
 } // namespace
 
-Scene make_campus_scene(const CatalogueOptions& options)
+void make_campus_scene(SceneBuilder& scene, const CatalogueOptions& options)
 {
-    Scene scene(options.sink);
     const GeometryId campus =
         add_environment(scene, options, "campus", "octomap", "octomap/fr_campus.bt",
                         {{"building", {{"rooms", 34}, {"resolution", 0.2}, {"seed", options.seed}}}});
@@ -77,19 +76,17 @@ Scene make_campus_scene(const CatalogueOptions& options)
     std::vector<GeometryId> kinds = add_meshes_of_a_metre(scene);
     kinds.push_back(scene.add("sphere", Sphere{0.5})), kinds.push_back(scene.add("box", Box{{0.4, 0.7, 1}}));
     kinds.push_back(scene.add("capsule", Capsule{0.3, 1.2}));
-    const GeometryData& map = scene.geometries[index(campus)].data;
+    const GeometryData& map = scene.geometries()[index(campus)].data;
     add_bodies_above(scene, surface_points(map), bounds_of(map), kinds, *options.bodies, options.seed);
-    return scene;
 }
 
-Scene make_st_helens_scene(const CatalogueOptions& options)
+void make_st_helens_scene(SceneBuilder& scene, const CatalogueOptions& options)
 {
-    Scene scene(options.sink);
     const GeometryId mountain =
         add_environment(scene, options, "mountain", "terrain", "terrain/SainteHelens.dem",
                         {{"hills", {{"cells", 389}, {"spacing", 30}, {"height", 1861}, {"seed", options.seed}}}});
     scene.add_body({.name = "mountain", .geometry = mountain, .is_static = true});
-    const auto& ground = std::get<Terrain>(scene.geometries[index(mountain)].data);
+    const auto& ground = std::get<Terrain>(scene.geometries()[index(mountain)].data);
     const std::vector<Eigen::Vector3d> points = surface_points(ground);
     const GeometryId car = scene.add("car", Box{{2.2, 0.9, 0.7}}), lorry = scene.add("lorry", Box{{5, 1.2, 1.6}}),
                      drone = add_drone(scene);
@@ -111,19 +108,17 @@ Scene make_st_helens_scene(const CatalogueOptions& options)
             body.pose = placed((at + above).cwiseMax(air.min).cwiseMin(air.max), dice.rotation());
             body.motion = Drift{.velocity = dice.within({1, 1, 0.2}), .spin = 0.05 * dice.direction(), .walls = air};
         }
-        body.name = fmt::format("{}-{}", scene.geometries[index(body.geometry)].name, i);
+        body.name = fmt::format("{}-{}", scene.geometries()[index(body.geometry)].name, i);
         scene.add_body(std::move(body));
     }
-    return scene;
 }
 
-Scene make_chunks_scene(const CatalogueOptions& options)
+void make_chunks_scene(SceneBuilder& scene, const CatalogueOptions& options)
 {
     constexpr int whole = 128 * 128 + 2000; // bodies of the world that the scene imitates
     constexpr double side = 16;             // of a chunk, metres
     const int bodies = *options.bodies, least_balls = static_cast<int>(bodies * std::int64_t{2000} / whole);
     const auto across = static_cast<int>(std::sqrt(double(bodies - least_balls)));
-    Scene scene(options.sink);
     scene.reserve(static_cast<std::size_t>(bodies));
     for (int i = 0; i < across * across; ++i) {
         const std::string name = fmt::format("chunk {} {}", i % across, i / across);
@@ -149,14 +144,12 @@ Scene make_chunks_scene(const CatalogueOptions& options)
              .pose = placed(room.centre() + dice.within(room.half_extent())),
              .motion = Drift{.velocity = dice.within({0.2, 0.2, 0.1}), .spin = {0.05, 0, 0}, .walls = room}});
     }
-    return scene;
 }
 
-Scene make_swarm_scene(const CatalogueOptions& options)
+void make_swarm_scene(SceneBuilder& scene, const CatalogueOptions& options)
 {
     const int bodies = *options.bodies, every = 100; // one in `every` bodies moves
     const double side = 2.5 * std::cbrt(double(bodies));
-    Scene scene(options.sink);
     scene.reserve(static_cast<std::size_t>(bodies));
     const GeometryId ball = scene.add("ball", Sphere{0.5});
     const Aabb room{{0, 0, 0}, {side, side, side}};
@@ -170,7 +163,6 @@ Scene make_swarm_scene(const CatalogueOptions& options)
             body.is_static = true;
         scene.add_body(std::move(body));
     }
-    return scene;
 }
 
 } // namespace oncollide

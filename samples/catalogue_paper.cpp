@@ -48,14 +48,14 @@ struct Models {
     GeometryId bunny, dragon, cow;
 };
 
-Models add_large_models(Scene& scene, const CatalogueOptions& options)
+Models add_large_models(SceneBuilder& scene, const CatalogueOptions& options)
 {
     return {add_model(scene, options, "bunny", "bunny_5110.obj", bunny_like(5110)),
             add_model(scene, options, "dragon", "dragon_5104.obj", knot_like(3, 4, 5082)),
             add_model(scene, options, "cow", "cow_5144.obj", knot_like(2, 3, 5144))};
 }
 
-void fill_paper_scene(Scene& scene, const Models& models, const CatalogueOptions& options)
+void fill_paper_scene(SceneBuilder& scene, const Models& models, const CatalogueOptions& options)
 {
     const GeometryId lamp = add_model(scene, options, "lamp", "lamp.obj", ring_like(600));
     scene.add_body({.name = "dragon", .geometry = models.dragon, .pose = placed({-2.5, 0, 0}), .is_static = true});
@@ -75,27 +75,22 @@ Aabb cube(double side)
 
 } // namespace
 
-Scene make_paper_scene(const CatalogueOptions& options)
+void make_paper_scene(SceneBuilder& scene, const CatalogueOptions& options)
 {
-    Scene scene(options.sink);
     const Models models{add_model(scene, options, "bunny", "bunny.obj", bunny_like(1500)),
                         add_model(scene, options, "dragon", "dragon.obj", knot_like(3, 4, 1496)),
                         add_model(scene, options, "cow", "cow.obj", knot_like(2, 3, 1500))};
     fill_paper_scene(scene, models, options);
-    return scene;
 }
 
-Scene make_paper_5k_scene(const CatalogueOptions& options)
+void make_paper_5k_scene(SceneBuilder& scene, const CatalogueOptions& options)
 {
-    Scene scene(options.sink);
     const Models models = add_large_models(scene, options);
     fill_paper_scene(scene, models, options);
-    return scene;
 }
 
-Scene make_many_scene(const CatalogueOptions& options)
+void make_many_scene(SceneBuilder& scene, const CatalogueOptions& options)
 {
-    Scene scene(options.sink);
     const Models models = add_large_models(scene, options);
     const GeometryId kinds[] = {models.bunny, models.dragon, models.cow};
     const Aabb walls = cube(std::cbrt(3.0 * *options.bodies));
@@ -107,17 +102,15 @@ Scene make_many_scene(const CatalogueOptions& options)
         const Eigen::Quaterniond rotation = dice.rotation();
         const Eigen::Vector3d velocity = dice.within(Eigen::Vector3d::Constant(0.02));
         const double rate = dice.between(-0.05, 0.05);
-        scene.add_body({.name = fmt::format("{}-{}", scene.geometries[index(kind)].name, i),
+        scene.add_body({.name = fmt::format("{}-{}", scene.geometries()[index(kind)].name, i),
                         .geometry = kind,
                         .pose = placed(position, rotation),
                         .motion = Drift{velocity, rate * dice.direction(), walls}});
     }
-    return scene;
 }
 
-Scene make_boxes_scene(const CatalogueOptions& options)
+void make_boxes_scene(SceneBuilder& scene, const CatalogueOptions& options)
 {
-    Scene scene(options.sink);
     const std::uint64_t s = options.seed;
     const Aabb walls = cube(std::cbrt(4.0 * *options.bodies));
     for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(*options.bodies); ++i) {
@@ -133,7 +126,6 @@ Scene make_boxes_scene(const CatalogueOptions& options)
                         .pose = placed(position),
                         .motion = Jitter{.step = 0.2, .seed = s + 1000, .index = i, .walls = walls}});
     }
-    return scene;
 }
 
 } // namespace oncollide

@@ -93,9 +93,9 @@ Shape random_shape(Dice& dice, double size)
     return hull;
 }
 
-GeometryId random_geometry(Scene& scene, Dice& dice, double size, std::uint64_t seed)
+GeometryId random_geometry(SceneBuilder& scene, Dice& dice, double size, std::uint64_t seed)
 {
-    const std::string name = fmt::format("geometry-{}", scene.geometries.size());
+    const std::string name = fmt::format("geometry-{}", scene.geometries().size());
     const double lot = dice.next();
     if (lot < 0.08 && size > 0.2 && size < 20) // a room is 4 m wide, independent of the scene's size
         return add_geometry(
@@ -107,9 +107,8 @@ GeometryId random_geometry(Scene& scene, Dice& dice, double size, std::uint64_t 
 
 } // namespace
 
-Scene make_random_scene(const CatalogueOptions& options)
+void make_random_scene(SceneBuilder& scene, const CatalogueOptions& options)
 {
-    Scene scene(options.sink);
     Dice dice(options.seed, 0);
     const double scale = spread(dice, 0.01, 100);
     const bool layered = dice.next() < 0.4;
@@ -121,7 +120,7 @@ Scene make_random_scene(const CatalogueOptions& options)
     for (int k = 0; k < kinds; ++k) {
         Dice own(options.seed, 1'000'000 + static_cast<std::uint64_t>(k));
         geometries.push_back(random_geometry(scene, own, scale * spread(own, 0.2, 4), options.seed + std::uint64_t(k)));
-        volume += bounds_of(scene.geometries.back()).volume() * *options.bodies / kinds;
+        volume += bounds_of(scene.geometries().back()).volume() * *options.bodies / kinds;
     }
     // Boxes fill the cube about once: most bodies have a neighbour, few have many.
     const double side = std::cbrt(volume * spread(dice, 0.5, 4)) + scale;
@@ -141,7 +140,6 @@ Scene make_random_scene(const CatalogueOptions& options)
         }
         scene.add_body(std::move(body));
     }
-    return scene;
 }
 
 } // namespace oncollide

@@ -62,7 +62,7 @@ struct Ground {
     double height() const { return 0.03 * cells(); }
 };
 
-void add_ground(Scene& scene, const Ground& ground, const CatalogueOptions& options)
+void add_ground(SceneBuilder& scene, const Ground& ground, const CatalogueOptions& options)
 {
     const std::size_t tiles = std::size_t(ground.across) * ground.across;
     if (options.tiles) {
@@ -86,13 +86,12 @@ double folded(double at, double length)
 
 } // namespace
 
-Scene make_tiles_scene(const CatalogueOptions& options)
+void make_tiles_scene(SceneBuilder& scene, const CatalogueOptions& options)
 {
     constexpr std::int64_t whole = 12'000; // tiles and vehicles of the scene at its full size
     const int bodies = *options.bodies, least_vehicles = static_cast<int>(bodies * std::int64_t{2000} / whole);
     const Ground ground{std::max(1u, static_cast<std::uint32_t>(std::sqrt(double(bodies - least_vehicles)))),
                         options.seed};
-    Scene scene;
     scene.reserve(static_cast<std::size_t>(bodies));
     add_ground(scene, ground, options);
     const auto mesh = [&](const char* name, Json generator) {
@@ -134,7 +133,6 @@ Scene make_tiles_scene(const CatalogueOptions& options)
         body.pose = pose_at(body.motion, body.pose, 0);
         scene.add_body(std::move(body));
     }
-    return scene;
 }
 
 } // namespace oncollide

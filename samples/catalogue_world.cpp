@@ -30,7 +30,7 @@ Eigen::Quaterniond facing(int quarters)
 }
 
 /// Ten kinds of buildings; most fit their lot, the last two extend into the street.
-std::vector<GeometryId> add_building_kinds(Scene& scene)
+std::vector<GeometryId> add_building_kinds(SceneBuilder& scene)
 {
     const auto generated = [&](const char* name, Json generator, double diagonal) {
         return add_geometry(
@@ -58,7 +58,7 @@ std::vector<GeometryId> add_building_kinds(Scene& scene)
     };
 }
 
-void add_buildings(Scene& scene, int count, int blocks, std::uint64_t seed)
+void add_buildings(SceneBuilder& scene, int count, int blocks, std::uint64_t seed)
 {
     const std::vector<GeometryId> kinds = add_building_kinds(scene);
     for (int i = 0; i < count; ++i) {
@@ -70,8 +70,8 @@ void add_buildings(Scene& scene, int count, int blocks, std::uint64_t seed)
         const Eigen::Vector3d shift = dice.within({1, 1, 0});
         const double x = block % blocks * pitch + street / 2 + (corner % 2 + 0.5) * lot;
         const double y = block / blocks * pitch + street / 2 + (corner / 2 + 0.5) * lot;
-        const Aabb bounds = bounds_of(scene.geometries[index(kind)]);
-        scene.add_body({.name = fmt::format("{}-{}", scene.geometries[index(kind)].name, i),
+        const Aabb bounds = bounds_of(scene.geometries()[index(kind)]);
+        scene.add_body({.name = fmt::format("{}-{}", scene.geometries()[index(kind)].name, i),
                         .geometry = kind,
                         .pose = placed(Eigen::Vector3d(x, y, -bounds.min.z()) + shift, facing(quarters)),
                         .is_static = true,
@@ -113,7 +113,7 @@ struct MoverKinds {
     GeometryId car, bus, roller, drone;
 };
 
-MoverKinds add_mover_kinds(Scene& scene)
+MoverKinds add_mover_kinds(SceneBuilder& scene)
 {
     return {
         add_geometry(scene, "car", {{"mesh", {{"generate", {{"kind", "box"}, {"half", {2.2, 0.9, 0.7}}}}}}}),
@@ -142,7 +142,7 @@ Drift shuttle(int blocks, int street_number, bool along_x, double height, double
     return drift;
 }
 
-void add_movers(Scene& scene, int count, int blocks, const CatalogueOptions& options)
+void add_movers(SceneBuilder& scene, int count, int blocks, const CatalogueOptions& options)
 {
     const MoverKinds kinds = add_mover_kinds(scene);
     const double end = blocks * pitch;
@@ -176,16 +176,15 @@ void add_movers(Scene& scene, int count, int blocks, const CatalogueOptions& opt
             body.pose = placed({dice.between(0, end), dice.between(0, end), dice.between(4, 40)}, dice.rotation());
             body.motion = drift;
         }
-        body.name = fmt::format("{}-{}", scene.geometries[index(body.geometry)].name, i);
+        body.name = fmt::format("{}-{}", scene.geometries()[index(body.geometry)].name, i);
         scene.add_body(std::move(body));
     }
 }
 
 } // namespace
 
-Scene make_city_scene(const CatalogueOptions& options)
+void make_city_scene(SceneBuilder& scene, const CatalogueOptions& options)
 {
-    Scene scene(options.sink);
     const int bodies = *options.bodies, movers = std::min(20, bodies - bodies / 2);
     const int buildings = std::max(0, bodies - movers - 1);
     int blocks = 1;
@@ -206,19 +205,18 @@ Scene make_city_scene(const CatalogueOptions& options)
     }
     add_buildings(scene, buildings, blocks, options.seed);
     add_movers(scene, movers, blocks, options);
-    return scene;
 }
 
-Scene make_octomap_scene(const CatalogueOptions& options)
+void make_octomap_scene(SceneBuilder& scene, const CatalogueOptions& options)
 {
-    Scene scene(options.sink);
     const std::filesystem::path file = options.data / "octomap" / "geb079.bt";
     std::error_code ignored;
     Json map = {{"building", {{"rooms", 4}, {"resolution", 0.1}, {"seed", options.seed}}}};
     if (!options.data.empty() && std::filesystem::is_regular_file(file, ignored))
         map = {{"file", file.string()}};
     else
-        scene.warnings.push_back("building: no data folder with octomap/geb079.bt; uses a generated building instead");
+        scene.warnings().push_back(
+            "building: no data folder with octomap/geb079.bt; uses a generated building instead");
     const GeometryId building = add_geometry(scene, "building", {{"octomap", std::move(map)}});
     scene.add_body({.name = "building", .geometry = building, .is_static = true});
 
@@ -230,7 +228,7 @@ Scene make_octomap_scene(const CatalogueOptions& options)
             scene, "ring",
             {{"mesh", {{"generate", {{"kind", "torus"}, {"major", 0.4}, {"minor", 0.1}, {"triangles", 600}}}}}}),
     };
-    const Aabb walls = bounds_of(scene.geometries[index(building)]);
+    const Aabb walls = bounds_of(scene.geometries()[index(building)]);
     for (int i = 0; i < *options.bodies; ++i) {
         if (scene.skip_body()) continue;
         Dice dice(options.seed, static_cast<std::uint64_t>(i));
@@ -238,12 +236,11 @@ Scene make_octomap_scene(const CatalogueOptions& options)
         const Eigen::Vector3d position = walls.centre() + dice.within(walls.half_extent());
         const Eigen::Quaterniond rotation = dice.rotation();
         Drift drift{.velocity = dice.within({0.08, 0.08, 0.02}), .spin = 0.03 * dice.direction(), .walls = walls};
-        scene.add_body({.name = fmt::format("{}-{}", scene.geometries[index(kind)].name, i),
+        scene.add_body({.name = fmt::format("{}-{}", scene.geometries()[index(kind)].name, i),
                         .geometry = kind,
                         .pose = placed(position, rotation),
                         .motion = drift});
     }
-    return scene;
 }
 
 } // namespace oncollide

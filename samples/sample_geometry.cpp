@@ -109,7 +109,7 @@ const Generators& sample_generators()
     return generators;
 }
 
-GeometryId add_geometry(Scene& scene, const std::string& name, const Json& entry)
+GeometryId add_geometry(SceneInfo& scene, const std::string& name, const Json& entry)
 {
     const std::string text = entry.dump();
     JsonTape tape({name});

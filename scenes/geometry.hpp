@@ -74,7 +74,7 @@ public:
     const std::shared_ptr<const Geometry>& share(std::size_t i) const { return items_[i]; }
 
 private:
-    friend struct Scene; // only Scene adds geometries: it checks names and shapes
+    friend struct SceneInfo; // which checks names and shapes of the geometries that it adds
     std::vector<std::shared_ptr<const Geometry>> items_;
 };
 

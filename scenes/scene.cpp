@@ -43,7 +43,7 @@ auto body_names(const Scene& scene)
     return [&](std::uint32_t i) -> std::string_view { return scene.names[i]; };
 }
 
-auto geometry_names(const Scene& scene)
+auto geometry_names(const SceneInfo& scene)
 {
     return [&](std::uint32_t i) -> std::string_view { return scene.geometries[i].name; };
 }
@@ -131,7 +131,7 @@ void NameIndex::grow()
     slots_ = std::move(larger);
 }
 
-GeometryId Scene::add(std::string geometry_name, GeometryData data, std::string recipe)
+GeometryId SceneInfo::add(std::string geometry_name, GeometryData data, std::string recipe)
 {
     if (const Shape* shape = std::get_if<Shape>(&data)) check_shape(geometry_name, *shape);
     const auto number = static_cast<std::uint32_t>(geometries.size());
@@ -142,7 +142,7 @@ GeometryId Scene::add(std::string geometry_name, GeometryData data, std::string 
     return GeometryId{number};
 }
 
-SceneBodyId Scene::add_body(BodyInit body)
+void SceneInfo::check_body(const BodyInit& body) const
 {
     const auto fail = [&](const std::string& what) { refuse(who_is(body.name, size()), what); };
     if (index(body.geometry) >= geometries.size())
@@ -152,14 +152,14 @@ SceneBodyId Scene::add_body(BodyInit body)
         if (body.is_static) fail("is static, so it cannot have a motion");
         check_motion(who_is(body.name, size()), body.motion);
     }
+}
+
+SceneBodyId Scene::add_body(BodyInit body)
+{
+    check_body(body);
     const auto number = static_cast<std::uint32_t>(size());
-    if (sink_) {
-        if (wants(number)) sink_->take(number, std::move(body));
-        ++passed_;
-        return SceneBodyId{number};
-    }
     if (!body.name.empty() && !body_index_.add(body.name, number, body_names(*this)))
-        fail("the scene has another body of this name");
+        refuse(who_is(body.name, number), "the scene has another body of this name");
 
     names.push_back(body.name);
     geometry.values_.push_back(body.geometry);
@@ -172,6 +172,7 @@ SceneBodyId Scene::add_body(BodyInit body)
     layers.values_.push_back(body.layer);
     masks.values_.push_back(body.mask);
     groups.values_.push_back(body.group);
+    ++size_;
     return SceneBodyId{number};
 }
 
@@ -191,7 +192,6 @@ void pass_bodies(const Scene& scene, BodySink& sink)
 
 void Scene::reserve(std::size_t bodies)
 {
-    if (sink_) return;
     poses.reserve(bodies);
     is_static.values_.reserve(bodies), reserve_large(geometry.values_, bodies);
     for (BodyColumn<std::uint32_t>* column : {&layers, &masks, &groups}) reserve_large(column->values_, bodies);
@@ -257,7 +257,7 @@ void Scene::set_group(SceneBodyId body, std::uint32_t group)
     note(body);
 }
 
-void Scene::exclude(SceneBodyId a, SceneBodyId b)
+void SceneInfo::exclude_pair(SceneBodyId a, SceneBodyId b, const NameColumn& names)
 {
     for (const SceneBodyId body : {a, b}) {
         if (index(body) >= size())
@@ -267,13 +267,18 @@ void Scene::exclude(SceneBodyId a, SceneBodyId b)
     excluded.push_back({std::min(index(a), index(b)), std::max(index(a), index(b))});
 }
 
+void Scene::exclude(SceneBodyId a, SceneBodyId b)
+{
+    exclude_pair(a, b, names);
+}
+
 std::optional<SceneBodyId> Scene::find(std::string_view body) const
 {
     const std::optional<std::uint32_t> found = body_index_.find(body, body_names(*this));
     return found ? std::optional(SceneBodyId{*found}) : std::nullopt;
 }
 
-std::optional<GeometryId> Scene::find_geometry(std::string_view geometry_name) const
+std::optional<GeometryId> SceneInfo::find_geometry(std::string_view geometry_name) const
 {
     const std::optional<std::uint32_t> found = geometry_index_.find(geometry_name, geometry_names(*this));
     return found ? std::optional(GeometryId{*found}) : std::nullopt;
@@ -285,17 +290,22 @@ std::string Scene::label(SceneBodyId body) const
     return own.empty() ? fmt::format("body {}", index(body)) : std::string(own);
 }
 
+void SceneInfo::check_bodies_of(const Recording& source) const
+{
+    if (source.first > size() || source.bodies > size() - source.first)
+        refuse(source.file, fmt::format("holds poses of {} bodies, from body {} on; the scene has {} bodies",
+                                        source.bodies, source.first, size()));
+}
+
 void Scene::record(std::shared_ptr<Recording> source)
 {
-    if (source->first > size() || source->bodies > size() - source->first)
-        refuse(source->file, fmt::format("holds poses of {} bodies, from body {} on; the scene has {} bodies",
-                                         source->bodies, source->first, size()));
-    for (std::uint32_t i = source->first; holds_bodies() && i < source->first + source->bodies; ++i)
+    check_bodies_of(*source);
+    for (std::uint32_t i = source->first; i < source->first + source->bodies; ++i)
         if (is_static[i] || !std::holds_alternative<Still>(motions[i]))
             refuse(source->file, fmt::format("moves {}, which {}", who_is(names[i], i),
                                              is_static[i] ? "is static" : "has a motion of its own"));
     recording = std::move(source);
-    if (holds_bodies()) play_recording(0, true);
+    play_recording(0, true);
 }
 
 void Scene::play_recording(int frame, bool as_start)

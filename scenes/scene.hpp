@@ -44,15 +44,14 @@ struct BodyInit {
     std::uint32_t group = 0;          ///< bodies of one group never collide with each other; 0: in no group
 };
 
-/// Receives the bodies of a scene that does not store them: see Scene(BodySink*).
+/// Receives the bodies of a scene that is read or generated without being stored.
 class BodySink {
 public:
     virtual ~BodySink() = default;
-    /// Whether the sink wants the body of this index. The scene only counts the other bodies; most are not even
-    /// constructed.
+    /// Whether the sink wants the body of this index. Other bodies are only counted; most are not even constructed.
     virtual bool wants(std::uint32_t body) const = 0;
-    /// Called for the bodies that the sink wants, in ascending order, after the checks of add_body except the check for
-    /// duplicate names.
+    /// Called for the bodies that the sink wants, in ascending order, after the checks of Scene::add_body except the
+    /// check for duplicate names.
     virtual void take(std::uint32_t body, BodyInit init) = 0;
 };
 
@@ -219,31 +218,12 @@ private:
     std::size_t used_ = 0;
 };
 
-/// A scene: geometries, and bodies as columns indexed by index(BodyId).
-///
-/// Move a body by set_pose between frames. Bodies a and b may collide if (layer a & mask b) and (layer b & mask a) are
-/// not 0, not both are static, they are not in one group, and the pair is not excluded. add and add_body keep all
-/// columns at one length. Geometries and bodies cannot be renamed or removed. A body takes 45 bytes, 72 more if it is
-/// rotated, and the memory of its name and motion.
-struct Scene {
-    Scene() = default;
-    /// For a scene too large to store: its bodies go to `sink` as they are added, and its columns stay empty. Null: the
-    /// scene stores its bodies.
-    explicit Scene(BodySink* sink) : sink_(sink) {}
-
+/// Everything of a scene but its bodies, which are only counted.
+struct SceneInfo {
     std::string name;
     int frames = 1;  ///< number of frames of the scene's motion
     double pace = 1; ///< motion per frame, as a fraction: at 0.1 bodies move a tenth as far
     GeometryList geometries;
-
-    NameColumn names; ///< empty: a body without a name
-    BodyColumn<GeometryId> geometry;
-    PoseColumn poses; ///< current; rigid (rotation and translation), body frame to world
-    MotionColumn motions;
-    BodyColumn<std::uint8_t> is_static;
-    BodyColumn<std::uint32_t> layers, masks;
-    BodyColumn<std::uint32_t> groups; ///< 0: in no group
-    ChangeLog changes;                ///< of all columns, by body
 
     std::vector<ExcludedPair> excluded; ///< in the order of the calls of exclude; may contain a pair twice
 
@@ -253,14 +233,41 @@ struct Scene {
 
     std::vector<std::string> warnings; ///< corrections made while loading (normalised quaternions, zero-area triangles)
 
-    std::size_t size() const { return sink_ ? passed_ : names.size(); }
-    bool holds_bodies() const { return !sink_; }
-    /// True if the sink does not want the next body. That body then counts as added, and need not be constructed.
-    bool skip_body() { return !wants(size()) && ++passed_; }
-    bool wants(std::size_t body) const { return !sink_ || sink_->wants(static_cast<std::uint32_t>(body)); }
+    std::size_t size() const { return size_; } ///< number of bodies
 
     /// Throws Error{bad_data} if the name exists, and for a shape that check_shape refuses.
     GeometryId add(std::string geometry_name, GeometryData data, std::string recipe = {});
+    /// The geometry of that name, if it exists.
+    std::optional<GeometryId> find_geometry(std::string_view geometry_name) const;
+
+private:
+    friend struct Scene;
+    friend class SceneBuilder;
+    void check_body(const BodyInit& body) const;
+    void check_bodies_of(const Recording& source) const;
+    /// @param names  of the bodies, for messages
+    void exclude_pair(SceneBodyId a, SceneBodyId b, const NameColumn& names);
+
+    std::size_t size_ = 0;
+    NameIndex geometry_index_;
+};
+
+/// A scene: geometries, and bodies as columns indexed by index(SceneBodyId).
+///
+/// Move a body by set_pose between frames. Bodies a and b may collide if (layer a & mask b) and (layer b & mask a) are
+/// not 0, not both are static, they are not in one group, and the pair is not excluded. add and add_body keep all
+/// columns at one length. Geometries and bodies cannot be renamed or removed. A body takes 45 bytes, 72 more if it is
+/// rotated, and the memory of its name and motion.
+struct Scene : SceneInfo {
+    NameColumn names; ///< empty: a body without a name
+    BodyColumn<GeometryId> geometry;
+    PoseColumn poses; ///< current; rigid (rotation and translation), body frame to world
+    MotionColumn motions;
+    BodyColumn<std::uint8_t> is_static;
+    BodyColumn<std::uint32_t> layers, masks;
+    BodyColumn<std::uint32_t> groups; ///< 0: in no group
+    ChangeLog changes;                ///< of all columns, by body
+
     /// Throws Error{bad_data} for a name that exists, an unknown geometry, a pose that is not finite or not rigid, a
     /// static body with a motion, or a motion that check_motion refuses.
     SceneBodyId add_body(BodyInit body);
@@ -274,8 +281,7 @@ struct Scene {
     void set_layers(SceneBodyId body, std::uint32_t layer, std::uint32_t mask);
     void set_group(SceneBodyId body, std::uint32_t group);
     /// Moves the bodies of the recording to their poses at frame 0, which become their start poses. Throws
-    /// Error{bad_data} for bodies that do not exist, are static or have a motion, and the errors of Recording::read. A
-    /// scene that does not store its bodies checks only their number.
+    /// Error{bad_data} for bodies that do not exist, are static or have a motion, and the errors of Recording::read.
     void record(std::shared_ptr<Recording> poses);
     /// Makes room for `bodies` bodies in all.
     void reserve(std::size_t bodies);
@@ -283,8 +289,6 @@ struct Scene {
     void exclude(SceneBodyId a, SceneBodyId b);
     /// The body of that name, if it exists.
     std::optional<SceneBodyId> find(std::string_view body) const;
-    /// The geometry of that name, if it exists.
-    std::optional<GeometryId> find_geometry(std::string_view geometry_name) const;
     /// The body's label in messages: its name, or "body 17" by its index.
     std::string label(SceneBodyId body) const;
 
@@ -298,15 +302,13 @@ private:
     void expect_motion(); ///< makes room for the start poses and changes of the bodies with motions
     friend class Mover;
 
-    BodySink* sink_ = nullptr;
-    std::size_t passed_ = 0; ///< number of bodies added to a scene with a sink
-    NameIndex geometry_index_, body_index_;
+    NameIndex body_index_;
     PoseColumn starts_;                   ///< of the bodies that have moved
     std::vector<std::uint32_t> start_of_; ///< one more than the index in starts_, 0 for bodies that have not moved; may
                                           ///< be shorter than the bodies
 };
 
-/// Hands the bodies of a scene that stores them to a sink, with their poses at frame 0.
+/// Hands the bodies of a scene to a sink, with their poses at frame 0.
 void pass_bodies(const Scene& scene, BodySink& sink);
 
 /// Returns why `pose` is not a rigid motion, or an empty text: entries that are not finite, a linear part R whose R^T R

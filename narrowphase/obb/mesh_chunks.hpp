@@ -2,11 +2,11 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <vector>
 
 #include <oncollide/base/lazy_memory.hpp>
+#include <oncollide/base/lock_order.hpp>
 #include <oncollide/narrowphase/obb/node_lines.hpp>
 #include <oncollide/scenes/cooked/chunk_budget.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
@@ -108,7 +108,7 @@ private:
     std::vector<std::uint32_t> free_blocks_;
     std::atomic<std::uint32_t> nodes_ = 0;
     std::atomic<std::size_t> held_ = 0;
-    std::mutex reading_;
+    OrderedMutex<LockRank::chunks> reading_;
     CookedMesh::Chunk read_;
 };
 

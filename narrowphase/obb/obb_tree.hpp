@@ -2,11 +2,11 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <vector>
 
 #include <oncollide/base/large_vector.hpp>
+#include <oncollide/base/lock_order.hpp>
 #include <oncollide/base/prefetch.hpp>
 #include <oncollide/narrowphase/obb/fits/grid_split.hpp>
 #include <oncollide/narrowphase/obb/hierarchy.hpp>
@@ -184,7 +184,7 @@ private:
     LargeVector<std::uint32_t> own_order_; ///< storage of order_ and blocks_, unless the mesh is cooked
     std::vector<NodeLine*> own_blocks_;
     std::atomic<std::uint32_t> lines_ = 0, nodes_ = 0; ///< in use, in these blocks
-    std::mutex growing_;
+    OrderedMutex<LockRank::obb_tree> growing_;
     std::uint32_t grows_in_ = 0; ///< the chunk of a cooked mesh that is growing
 };
 

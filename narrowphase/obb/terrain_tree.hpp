@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
+#include <oncollide/base/lock_order.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 #include <oncollide/narrowphase/obb/hierarchy.hpp>
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
@@ -216,7 +216,7 @@ private:
     std::uint32_t parts_across_ = 0;
     mutable std::vector<std::atomic<Part*>> parts_; ///< of a cooked terrain, instead of squares_ and level 3
     mutable std::atomic<std::size_t> held_ = 0;     ///< bytes held by parts_
-    mutable std::mutex making_;
+    mutable OrderedMutex<LockRank::terrain_tree> making_;
 };
 
 } // namespace oncollide

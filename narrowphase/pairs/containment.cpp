@@ -38,12 +38,12 @@ bool may_hold(const Aabb& box, const PartPoints& part, const RelativePose& into)
 /// @param convex  the solid in the box is convex: few triangles in the box are then outside the solid
 void look_in(const Aabb& box, Model& inner, const RelativePose& into_inner, bool convex, auto visit)
 {
-    if (!convex || !inner.is_mesh() || inner.triangles() < many_triangles || !inner.obb_tree) {
+    if (!convex || !inner.is_mesh() || inner.triangles() < many_triangles || !inner.obb_tree()) {
         inner.any_part(box, into_inner, visit);
         return;
     }
-    any_triangle(*inner.obb_tree, box_moved(box, into_inner), [&](std::uint32_t triangle) {
-        const auto [p, q, r] = inner.obb_tree->corners(triangle);
+    any_triangle(*inner.obb_tree(), box_moved(box, into_inner), [&](std::uint32_t triangle) {
+        const auto [p, q, r] = inner.obb_tree()->corners(triangle);
         return visit(PartPoints{p, q, r, p, q, r});
     });
 }
@@ -54,17 +54,17 @@ bool apart_from_large(PairWorker& worker, const PairTask& task)
 {
     const bool swapped = task.b->kind() == Kind::polytope;
     Model &solid = swapped ? *task.b : *task.a, &other = swapped ? *task.a : *task.b;
-    if (other.kind() != Kind::mesh || other.triangles() < many_triangles || !other.obb_tree ||
+    if (other.kind() != Kind::mesh || other.triangles() < many_triangles || !other.obb_tree() ||
         solid.convex().count > operand::most_points)
         return false;
     const OrderedPair pair(task, swapped);
     const ShapeTree& tree = solid.shape_tree();
-    ShapeMeshWalk& walk = worker.walk(tree, *other.obb_tree);
+    ShapeMeshWalk& walk = worker.walk(tree, *other.obb_tree());
     walk.leaves().prepare(pair.placed.slack, true);
     using Pair = ShapeMeshWalk::Pair;
     bool apart = true;
     walk.meetings(
-        tree, *other.obb_tree, pair.placed.b_to_a, {}, [&](const Pair&) { return apart = false; },
+        tree, *other.obb_tree(), pair.placed.b_to_a, {}, [&](const Pair&) { return apart = false; },
         [](const Pair&) { return false; });
     return apart;
 }
@@ -119,7 +119,7 @@ bool polytope_holds(PairWorker& worker, const PairTask& task)
     if (apart_from_large(worker, task)) return false;
     return one_holds_the_other(
                task, worker.locator,
-               [](const Model& model) { return model.kind() == Kind::polytope ? model.obb_tree.get() : nullptr; })
+               [](const Model& model) { return model.kind() == Kind::polytope ? model.obb_tree() : nullptr; })
         .has_value();
 }
 

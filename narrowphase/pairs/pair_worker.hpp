@@ -28,7 +28,7 @@ struct Heights {
 };
 /// The triangles of a mesh. Its OBB tree must exist.
 struct Triangles {
-    static ObbTree& tree(Model& model) { return *model.obb_tree; }
+    static ObbTree& tree(Model& model) { return *model.obb_tree(); }
     static double error(const Model&) { return 0; }
 };
 /// The surface of a box or a hull. Its OBB tree must exist.

@@ -86,7 +86,7 @@ void PenetrationDepth::find_inside(const Side& inner, const Side& outer, std::sp
         if (here == outside) continue;
         const Eigen::Vector3d point = inner.to_a(mesh.vertices[v]);
         if (here == unknown)
-            here = locator_->place(point, around, outer.model->obb_tree.get(), outer.to_a) == PointLocation::inside
+            here = locator_->place(point, around, outer.model->obb_tree(), outer.to_a) == PointLocation::inside
                        ? inside
                        : outside;
         if (here == inside) inside_.push_back(v), points_.push_back(point);
@@ -98,7 +98,7 @@ Distance PenetrationDepth::to_surface(const Side& outer, const Eigen::Vector3d& 
     Mesh mesh{.vertices = {point}, .triangles = {{0, 0, 0}}, .bounds = {}, .zero_area = 1};
     mesh.bounds.add(point);
     ObbTree tree(mesh);
-    const auto found = walk_->distance(tree, *outer.model->obb_tree, outer.to_a, 0);
+    const auto found = walk_->distance(tree, *outer.model->obb_tree(), outer.to_a, 0);
     return {.lower = found.lower, .upper = found.upper};
 }
 

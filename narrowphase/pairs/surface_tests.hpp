@@ -133,7 +133,7 @@ inline Penetration penetration(PairWorker& worker, const PairTask& task)
     worker.meetings.clear();
     contacts<operand::Triangles, operand::Triangles>(worker, task, worker.meetings);
     return worker.penetration.measure(task, worker.meetings, worker.locator,
-                                      worker.traversal(*task.a->obb_tree, *task.b->obb_tree));
+                                      worker.traversal(*task.a->obb_tree(), *task.b->obb_tree()));
 }
 
 } // namespace oncollide::surface_tests

@@ -257,7 +257,7 @@ inline Distance with_insides(const Distance& found, PairWorker& worker, const Pa
     if (found.lower == 0) return found;
     const auto around = [&](const Model& model) {
         const bool bounds_inside = model.kind() == Kind::polytope || (solid && model.closed());
-        return bounds_inside ? model.obb_tree.get() : nullptr;
+        return bounds_inside ? model.obb_tree() : nullptr;
     };
     if (const auto inside = one_holds_the_other(task, worker.locator, around))
         return {.lower = 0, .upper = 0, .point_a = *inside, .point_b = *inside};

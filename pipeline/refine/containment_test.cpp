@@ -17,7 +17,7 @@ void ContainmentTest::find(const RefineContext& context, std::span<const PairTas
         const auto lock = context.changing();
         for (Query& query : queries_) {
             Model& outer = query.outer_is_a ? *tasks[query.task].a : *tasks[query.task].b;
-            query.tree = models_.admit_obb_tree(outer, context.frame) ? outer.obb_tree.get() : nullptr;
+            query.tree = models_.admit_obb_tree(outer, context.frame) ? outer.obb_tree() : nullptr;
         }
     }
     locators_.resize(static_cast<std::size_t>(std::max(context.threads, 1)));

@@ -2,7 +2,7 @@
 #include <cstdint>
 
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
-#include <oncollide/pipeline/model_store.hpp>
+#include <oncollide/pipeline/models/model_store.hpp>
 #include <oncollide/pipeline/settings.hpp>
 
 namespace oncollide {
@@ -49,7 +49,7 @@ public:
         if (level == Level::refine) {
             const bool no_spheres = !a.has_sphere_tree() || !b.has_sphere_tree();
             if ((obb_ || no_spheres) && room()) return left_to_exact_ ? Refiner::none : Refiner::obbs;
-            if (no_spheres || !a.unreadable.empty() || !b.unreadable.empty()) return Refiner::no_room;
+            if (no_spheres || !a.unreadable().empty() || !b.unreadable().empty()) return Refiner::no_room;
             const double error = models.max_error(a, b);
             models.spheres(a, error), models.spheres(b, error);
             return Refiner::spheres;

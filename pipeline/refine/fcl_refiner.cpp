@@ -1,6 +1,7 @@
 #include <oncollide/pipeline/refine/fcl_refiner.hpp>
 
 #include <oncollide/base/parallel.hpp>
+#include <oncollide/narrowphase/model.hpp>
 
 namespace oncollide {
 

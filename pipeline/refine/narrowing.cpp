@@ -50,8 +50,8 @@ void Narrowing::tell_unreadable(const Settings& settings, const PairTask& task, 
 {
     constexpr double beyond_all = 1e16; // coordinates and poses are within 1e15 m
     for (const Model* model : {task.a, task.b}) {
-        if (model->unreadable.empty()) continue;
-        if (level_ == Level::exact || !exact_runs(settings)) models_.note(model->unreadable);
+        if (model->unreadable().empty()) continue;
+        if (level_ == Level::exact || !exact_runs(settings)) models_.note(model->unreadable());
         if (model->cooked()->contradicts_outline()) result.bound = beyond_all;
     }
 }

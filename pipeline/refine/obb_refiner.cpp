@@ -93,14 +93,14 @@ void prepare_solids(std::span<const PairTask> tasks, PairCache& cache)
 const MeetingHint<ObbTree, ObbTree>* place_of(const PairTask& task, const PairMemory& memory)
 {
     const auto* place = std::get_if<MeetingHint<ObbTree, ObbTree>>(&memory.place);
-    const bool stored = place && task.a->obb_tree && task.b->obb_tree && !task.a->file() && !task.b->file();
-    return stored && place->holds_in(*task.a->obb_tree, *task.b->obb_tree) ? place : nullptr;
+    const bool stored = place && task.a->obb_tree() && task.b->obb_tree() && !task.a->file() && !task.b->file();
+    return stored && place->holds_in(*task.a->obb_tree(), *task.b->obb_tree()) ? place : nullptr;
 }
 
 /// Calls visit(tree, triangle) for the triangles at which the traversal of a pair that met will start.
 void each_hint(const PairTask& task, const PairMemory& memory, auto visit)
 {
-    const ObbTree *const a = task.a->obb_tree.get(), *const b = task.b->obb_tree.get();
+    const ObbTree *const a = task.a->obb_tree(), *const b = task.b->obb_tree();
     if (a && b) {
         if (place_of(task, memory)) visit(*a, memory.triangles.a), visit(*b, memory.triangles.b);
     } else if (const ObbTree* one = a ? a : b; one && one->is_large()) {
@@ -124,7 +124,7 @@ void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t 
     };
     const auto trees = [](const PairTask& task, auto visit) {
         for (const Model* model : {task.a, task.b})
-            if (model->obb_tree) visit(*model->obb_tree);
+            if (model->obb_tree()) visit(*model->obb_tree());
     };
     after(4, [](const PairTask& task, const PairMemory*) {
         task.a->prefetch(), task.b->prefetch();
@@ -142,7 +142,7 @@ void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t 
         const bool met = memory && memory->met;
         const auto* const place = met ? place_of(task, *memory) : nullptr;
         if (place)
-            task.a->obb_tree->prefetch_node(place->a), task.b->obb_tree->prefetch_node(place->b);
+            task.a->obb_tree()->prefetch_node(place->a), task.b->obb_tree()->prefetch_node(place->b);
         else
             trees(task, [](const ObbTree& tree) { tree.prefetch_root(); });
         if (!met) return;

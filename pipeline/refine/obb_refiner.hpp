@@ -2,7 +2,7 @@
 #include <vector>
 
 #include <oncollide/narrowphase/pairs/pair_worker.hpp>
-#include <oncollide/pipeline/model_store.hpp>
+#include <oncollide/pipeline/models/model_store.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 
 namespace oncollide {

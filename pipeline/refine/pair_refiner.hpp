@@ -1,10 +1,10 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
-#include <shared_mutex>
 #include <span>
 #include <vector>
 
+#include <oncollide/base/lock_order.hpp>
 #include <oncollide/narrowphase/finding.hpp>
 #include <oncollide/narrowphase/pairs/pair_task.hpp>
 #include <oncollide/pipeline/refine/pair_cache.hpp>
@@ -12,6 +12,8 @@
 #include <oncollide/pipeline/settings.hpp>
 
 namespace oncollide {
+
+using WorldMutex = OrderedMutex<LockRank::world, std::shared_mutex>;
 
 /// Data that refiners share with their caller.
 struct RefineContext {
@@ -21,20 +23,20 @@ struct RefineContext {
     TreeStats trees;           ///< incremented
     std::vector<Round> rounds; ///< appended to
     std::chrono::steady_clock::time_point began;
-    std::shared_mutex* guard = nullptr; ///< guards the models' trees; null: no other thread uses them
+    WorldMutex* guard = nullptr; ///< guards the models' trees; null: no other thread uses them
 
     /// True if the remaining pairs should stay unrefined.
     bool stopped() const { return settings.stop && settings.stop(); }
 
     /// Hold it while traversing sphere-trees.
-    std::shared_lock<std::shared_mutex> walking() const
+    std::shared_lock<WorldMutex> walking() const
     {
-        return guard ? std::shared_lock(*guard) : std::shared_lock<std::shared_mutex>();
+        return guard ? std::shared_lock(*guard) : std::shared_lock<WorldMutex>();
     }
     /// Hold it while making trees and while sphere-trees grow.
-    std::unique_lock<std::shared_mutex> changing() const
+    std::unique_lock<WorldMutex> changing() const
     {
-        return guard ? std::unique_lock(*guard) : std::unique_lock<std::shared_mutex>();
+        return guard ? std::unique_lock(*guard) : std::unique_lock<WorldMutex>();
     }
 
     /// Milliseconds since the frame began.

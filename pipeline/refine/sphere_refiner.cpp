@@ -9,10 +9,10 @@ namespace oncollide {
 WalkPair SphereRefiner::pair_of(std::uint32_t pair) const
 {
     const PairTask& task = tasks_[pair];
-    return {task.a->spheres.get(),
-            task.b->spheres.get(),
-            task.a->number,
-            task.b->number,
+    return {task.a->spheres(),
+            task.b->spheres(),
+            task.a->number(),
+            task.b->number(),
             depths_[pair][0],
             depths_[pair][1],
             task.pose_a,
@@ -41,7 +41,7 @@ void SphereRefiner::refine(RefineContext& context, std::span<const PairTask> tas
         const auto lock = context.walking();
         for (const PairTask& task : tasks) {
             const double error = models_.max_error(*task.a, *task.b);
-            const auto depth = [&](const Model& m) { return std::min(models_.depth(m, error), m.spheres->depth()); };
+            const auto depth = [&](const Model& m) { return std::min(models_.depth(m, error), m.spheres()->depth()); };
             depths_.push_back({depth(*task.a), depth(*task.b)});
         }
     }

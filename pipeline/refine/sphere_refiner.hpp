@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include <oncollide/pipeline/model_store.hpp>
+#include <oncollide/pipeline/models/model_store.hpp>
 #include <oncollide/pipeline/refine/pair_refiner.hpp>
 
 namespace oncollide {

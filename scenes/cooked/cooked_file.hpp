@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,6 +14,7 @@
 
 #include <oncollide/base/aabb.hpp>
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/lock_order.hpp>
 #include <oncollide/scenes/cooked/chunk_fault.hpp>
 #include <oncollide/scenes/cooked/cooked_format.hpp>
 
@@ -83,7 +83,7 @@ public:
 private:
     std::string name_;
     std::filesystem::path path_; ///< absolute
-    mutable std::mutex mutex_;
+    mutable OrderedMutex<LockRank::cooked_file> mutex_;
     mutable std::map<std::size_t, std::string> faults_; ///< by chunk
 };
 

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include <oncollide/base/lazy_memory.hpp>
+#include <oncollide/base/lock_order.hpp>
 #include <oncollide/scenes/cooked/chunk_budget.hpp>
 #include <oncollide/scenes/cooked/cooked_file.hpp>
 #include <oncollide/scenes/model/map_access.hpp>
@@ -119,7 +119,7 @@ private:
     std::vector<std::uint32_t> chunk_of_; ///< by page: the chunk's number + 1; 0: the top
     mutable std::vector<Chunk> chunks_;
     mutable std::atomic<std::size_t> held_ = 0;
-    mutable std::mutex reading_;
+    mutable OrderedMutex<LockRank::chunks> reading_;
 };
 
 /// Writes a map, except its probabilities, to a file.

@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include <oncollide/base/lock_order.hpp>
 #include <oncollide/scenes/cooked/cooked_file.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
@@ -114,7 +114,7 @@ private:
     std::shared_ptr<const Top> kept_;       ///< null: a tile
     mutable std::weak_ptr<const Top> open_; ///< of a tile
     mutable std::atomic<bool> contradicts_ = false;
-    mutable std::mutex mutex_;
+    mutable OrderedMutex<LockRank::cooked_mesh> mutex_;
 };
 
 /// Whether the name ends in `.cooked`.

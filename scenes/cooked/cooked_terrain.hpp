@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <oncollide/base/lock_order.hpp>
 #include <oncollide/scenes/cooked/chunk_budget.hpp>
 #include <oncollide/scenes/cooked/cooked_file.hpp>
 #include <oncollide/scenes/model/terrain_access.hpp>
@@ -136,7 +136,7 @@ private:
     mutable std::vector<std::atomic<CookedTerrain::Chunk*>> chunks_;
     mutable std::vector<std::atomic<std::uint64_t>> needed_;
     mutable std::atomic<std::size_t> held_ = 0;
-    mutable std::mutex reading_;
+    mutable OrderedMutex<LockRank::chunks> reading_;
 };
 
 } // namespace oncollide

@@ -261,7 +261,7 @@ std::string recipe_of(const Node& entry, const fs::path& folder)
 
 } // namespace
 
-GeometryId add_geometry(Scene& scene, std::string_view given_name, const Node& entry, const fs::path& folder,
+GeometryId add_geometry(SceneInfo& scene, std::string_view given_name, const Node& entry, const fs::path& folder,
                         const SceneReading& reading)
 {
     const std::string name(given_name);

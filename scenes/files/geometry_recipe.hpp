@@ -22,7 +22,7 @@ using Json = nlohmann::json;
 /// Adds the geometry that `entry` describes; its recipe is the entry with absolute paths. Zero-area triangles add a
 /// line to scene.warnings. Throws Error like load_scene.
 /// @param folder  the base of relative paths in the entry
-GeometryId add_geometry(Scene& scene, std::string_view name, const Node& entry, const std::filesystem::path& folder,
+GeometryId add_geometry(SceneInfo& scene, std::string_view name, const Node& entry, const std::filesystem::path& folder,
                         const SceneReading& reading = {});
 
 /// The entry that makes `geometry` again: its recipe with paths relative to `folder`, or its data. A map or terrain

@@ -94,38 +94,38 @@ std::uint32_t read_u32(const std::optional<Node>& node, std::uint32_t otherwise)
     return node ? static_cast<std::uint32_t>(node->integer(0, 0xffffffff)) : otherwise;
 }
 
-std::vector<std::string_view> names_of(const Scene& scene)
+std::vector<std::string_view> names_of(const GeometryList& geometries)
 {
     std::vector<std::string_view> names;
-    for (const auto& geometry : scene.geometries) names.push_back(geometry.name);
+    for (const auto& geometry : geometries) names.push_back(geometry.name);
     return names;
 }
 
-GeometryId read_reference(const Node& node, const Scene& scene)
+GeometryId read_reference(const Node& node, const SceneBuilder& scene)
 {
+    const GeometryList& geometries = scene.geometries();
     const std::string_view name = node.text();
     if (const std::optional<GeometryId> found = scene.find_geometry(name)) return *found;
     constexpr std::size_t most = 20;
     std::string names;
-    for (std::size_t i = 0; i < std::min(most, scene.geometries.size()); ++i)
-        names += (i ? ", " : "") + scene.geometries[i].name;
-    if (scene.geometries.size() > most) names += fmt::format(" and {} more", scene.geometries.size() - most);
-    const std::string hint = did_you_mean(name, names_of(scene));
+    for (std::size_t i = 0; i < std::min(most, geometries.size()); ++i) names += (i ? ", " : "") + geometries[i].name;
+    if (geometries.size() > most) names += fmt::format(" and {} more", geometries.size() - most);
+    const std::string hint = did_you_mean(name, names_of(geometries));
     node.fail(fmt::format("no geometry named '{}'{} this scene has: {}", name, hint.empty() ? ";" : hint,
                           names.empty() ? "none" : names));
 }
 
-void read_body(Scene& scene, const Node& node, const fs::path& folder)
+void read_body(SceneBuilder& scene, const Node& node, const fs::path& folder)
 {
     const auto [name, geometry, position, rotation, layer, mask, is_static, motion, group] =
         node.members("name", "geometry", "position", "rotation", "layer", "mask", "static", "motion", "group");
     BodyInit body;
     if (name) body.name = name->text();
     body.geometry = read_reference(geometry ? *geometry : node["geometry"], scene);
-    if (motion) body.motion = read_motion(*motion, folder, scene.warnings);
+    if (motion) body.motion = read_motion(*motion, folder, scene.warnings());
     body.pose = default_pose(body.motion);
     if (position) body.pose.translation() = position->vector3();
-    if (rotation) body.pose.linear() = read_rotation(*rotation, scene.warnings);
+    if (rotation) body.pose.linear() = read_rotation(*rotation, scene.warnings());
     body.is_static = is_static && is_static->boolean();
     body.layer = read_u32(layer, body.layer);
     body.mask = read_u32(mask, body.mask);
@@ -133,7 +133,7 @@ void read_body(Scene& scene, const Node& node, const fs::path& folder)
     at(node, [&] { scene.add_body(std::move(body)); });
 }
 
-SceneBodyId read_body_reference(const Node& node, const Scene& scene)
+SceneBodyId read_body_reference(const Node& node, const SceneBuilder& scene)
 {
     if (node.is_text()) {
         const std::string_view name = node.text();
@@ -146,9 +146,8 @@ SceneBodyId read_body_reference(const Node& node, const Scene& scene)
     return SceneBodyId{static_cast<std::uint32_t>(node.integer(0, static_cast<std::int64_t>(scene.size()) - 1))};
 }
 
-void read_excluded(Scene& scene, const Node& list)
+void read_excluded(SceneBuilder& scene, const Node& list)
 {
-    scene.excluded.reserve(list.size());
     for (const Node& pair : list) {
         if (pair.size() != 2) pair.fail(fmt::format("has {} bodies, must have two", pair.size()));
         const SceneBodyId a = read_body_reference(pair[0], scene), b = read_body_reference(pair[1], scene);
@@ -186,7 +185,7 @@ private:
     JsonTape rest_, body_;
 };
 
-void reserve(Scene& scene, const Node& bodies)
+void reserve(SceneBuilder& scene, const Node& bodies)
 {
     if (bodies.size() > most_bodies)
         bodies.fail(fmt::format("{} bodies, at most {} are allowed", bodies.size(), most_bodies));
@@ -194,13 +193,13 @@ void reserve(Scene& scene, const Node& bodies)
     scene.reserve(std::min(bodies.size(), bodies.source().size() / least_bytes));
 }
 
-void read_tables(Scene& scene, const Node& tables, const fs::path& folder)
+void read_tables(SceneBuilder& scene, const Node& tables, const fs::path& folder)
 {
     if (!tables.is_array()) tables.fail("must be an array of objects with the keys: file, path, geometry");
     for (const Node& table : tables) at(table, [&] { read_body_table(scene, table, folder); });
 }
 
-void read_tiles(Scene& scene, const Node& sets, const fs::path& folder, const SceneReading& reading)
+void read_tiles(SceneBuilder& scene, const Node& sets, const fs::path& folder, const SceneReading& reading)
 {
     if (!sets.is_array()) sets.fail("must be an array of objects with the key: file");
     for (const Node& node : sets) {
@@ -208,7 +207,7 @@ void read_tiles(Scene& scene, const Node& sets, const fs::path& folder, const Sc
             node.members("file", "name", "position", "rotation", "layer", "mask", "group");
         BodyInit like;
         if (position) like.pose.translation() = position->vector3();
-        if (rotation) like.pose.linear() = read_rotation(*rotation, scene.warnings);
+        if (rotation) like.pose.linear() = read_rotation(*rotation, scene.warnings());
         like.layer = read_u32(layer, like.layer);
         like.mask = read_u32(mask, like.mask);
         like.group = read_u32(group, like.group);
@@ -227,21 +226,17 @@ bool excludes_names(const Node& root)
     return false;
 }
 
-Scene read_scene(SceneText& text, const fs::path& path, const SceneReading& reading, BodySink* sink)
+void read_scene(SceneText& text, const fs::path& path, const SceneReading& reading, SceneInfo& info, SceneBuilder scene)
 {
     const Node root = text.root();
-    root.only({"name", "frames", "geometries", "bodies", "tables", "tiles", "recording", "exclude"});
-
-    const bool whole = !sink || excludes_names(root);
-    Scene scene(whole ? nullptr : sink);
-    scene.name = root.has("name") ? std::string(root["name"].text()) : path.stem().string();
-    if (root.has("frames")) scene.frames = static_cast<int>(root["frames"].integer(1, 1'000'000'000));
+    info.name = root.has("name") ? std::string(root["name"].text()) : path.stem().string();
+    if (root.has("frames")) info.frames = static_cast<int>(root["frames"].integer(1, 1'000'000'000));
     const fs::path folder = path.parent_path();
     const Node geometries = root["geometries"];
     if (!geometries.is_object()) geometries.fail("must be an object: a name and a geometry for each");
     Expansion expansion;
     for (const Node& geometry : geometries)
-        expansion.count(scene.geometries[index(add_geometry(scene, geometry.key(), geometry, folder, reading))],
+        expansion.count(info.geometries[index(add_geometry(info, geometry.key(), geometry, folder, reading))],
                         geometry);
     if (root.has("bodies") || !(root.has("tables") || root.has("tiles"))) reserve(scene, root["bodies"]);
     text.each_body([&](const Node& body) {
@@ -253,16 +248,14 @@ Scene read_scene(SceneText& text, const fs::path& path, const SceneReading& read
         const Node entry = root["recording"];
         at(entry, [&] { scene.record(open_recording(entry, folder)); });
         if (!root.has("frames"))
-            scene.frames = static_cast<int>(std::min<std::uint64_t>(scene.recording->frames, 1'000'000'000));
+            info.frames = static_cast<int>(std::min<std::uint64_t>(info.recording->frames, 1'000'000'000));
     }
     if (root.has("exclude")) read_excluded(scene, root["exclude"]);
-    if (sink && whole) pass_bodies(scene, *sink);
-    return scene;
 }
 
-} // namespace
-
-Scene load_scene(const fs::path& path, const SceneReading& reading, BodySink* sink)
+/// Opens the file and calls read(text).
+template <class Read>
+void read_scene_file(const fs::path& path, Read read)
 {
     const std::string file = path == "-" ? "standard input" : path.string();
     std::error_code ignored;
@@ -272,7 +265,8 @@ Scene load_scene(const fs::path& path, const SceneReading& reading, BodySink* si
     try {
         SceneText text(file, json);
         try {
-            return read_scene(text, path, reading, sink);
+            text.root().only({"name", "frames", "geometries", "bodies", "tables", "tiles", "recording", "exclude"});
+            read(text);
         } catch (const Error&) {
             text.each_body([](const Node&) {}); // reports JSON errors before other errors
             throw;
@@ -280,6 +274,28 @@ Scene load_scene(const fs::path& path, const SceneReading& reading, BodySink* si
     } catch (const JsonFault& fault) {
         explain_json(file, bytes, fault.where);
     }
+}
+
+} // namespace
+
+Scene load_scene(const fs::path& path, const SceneReading& reading)
+{
+    Scene scene;
+    read_scene_file(path, [&](SceneText& text) { read_scene(text, path, reading, scene, scene); });
+    return scene;
+}
+
+SceneInfo load_scene(const fs::path& path, BodySink& sink, const SceneReading& reading)
+{
+    SceneInfo info;
+    read_scene_file(path, [&](SceneText& text) {
+        if (!excludes_names(text.root())) return read_scene(text, path, reading, info, {info, sink});
+        Scene scene;
+        read_scene(text, path, reading, scene, scene);
+        pass_bodies(scene, sink);
+        info = std::move(scene);
+    });
+    return info;
 }
 
 } // namespace oncollide

@@ -30,9 +30,10 @@ struct SceneReading {
 /// Reads a scene file (JSON; schema in docs/scene-format.md). Paths in it are relative to the file's own folder. "-" is
 /// standard input, whose folder is the current one. Throws Error{no_input} or Error{bad_data}; messages begin with the
 /// path and the place in it (`bodies[3].mesh`), and for an unknown key or name list the valid ones.
-/// @param sink  receives the bodies; null: the scene stores them. A scene whose "exclude" names bodies, not numbers,
-///   stores its bodies in any case.
-Scene load_scene(const std::filesystem::path& path, const SceneReading& reading = {}, BodySink* sink = nullptr);
+Scene load_scene(const std::filesystem::path& path, const SceneReading& reading = {});
+/// The same for a scene too large to store: hands its bodies to `sink` and returns the rest. Names of bodies may be
+/// equal. A scene whose "exclude" names bodies, not numbers, is stored meanwhile.
+SceneInfo load_scene(const std::filesystem::path& path, BodySink& sink, const SceneReading& reading = {});
 
 /// Writes `scene` with its poses at frame 0 (start_poses), so that load_scene restores it bit for bit: every number is
 /// written in a form that reads back exactly. Paths of files that the scene uses are relative to `path`'s folder.

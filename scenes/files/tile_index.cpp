@@ -101,7 +101,7 @@ IndexedTile index_tile(const fs::path& folder, const std::string& file)
     return {file, CookedMesh(folder / file).outline()};
 }
 
-void add_tiles(Scene& scene, const std::string& name, const fs::path& index, const BodyInit& like,
+void add_tiles(SceneBuilder& scene, const std::string& name, const fs::path& index, const BodyInit& like,
                const SceneReading& reading)
 {
     const std::vector<IndexedTile> tiles = load_tile_index(index);
@@ -120,7 +120,7 @@ void add_tiles(Scene& scene, const std::string& name, const fs::path& index, con
         flat += tile.outline.zero_area;
     }
     if (flat)
-        scene.warnings.push_back(
+        scene.warnings().push_back(
             fmt::format("{}: {} triangle{} without area (kept)", name, flat, flat == 1 ? "" : "s"));
 }
 

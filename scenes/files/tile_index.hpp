@@ -5,7 +5,7 @@
 
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
-#include <oncollide/scenes/scene.hpp>
+#include <oncollide/scenes/scene_builder.hpp>
 
 namespace oncollide {
 
@@ -29,7 +29,7 @@ IndexedTile index_tile(const std::filesystem::path& folder, const std::string& f
 /// tile's file name.
 /// @param like  the other properties of these bodies; its name and geometry are ignored
 /// @param reading  on demand: the tiles stay in their files; else all are read
-void add_tiles(Scene& scene, const std::string& name, const std::filesystem::path& index, const BodyInit& like,
+void add_tiles(SceneBuilder& scene, const std::string& name, const std::filesystem::path& index, const BodyInit& like,
                const SceneReading& reading);
 
 } // namespace oncollide

@@ -9,7 +9,7 @@
 #include "load_with_samples.hpp"
 #include "scenes/test_files.hpp"
 #include <oncollide/base/error.hpp>
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/runs/pipeline.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 

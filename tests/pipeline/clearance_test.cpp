@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/generators.hpp>
 
 #include "hard/body_case.hpp"

@@ -8,7 +8,7 @@
 #include <oncollide/narrowphase/exact/relative_pose.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 

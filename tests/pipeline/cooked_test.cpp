@@ -10,7 +10,7 @@
 #include <oncollide/broadphase/bounds/pose_bounds.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/cooked/cooked_map.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>

@@ -2,8 +2,8 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
-#include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/pipeline/world_access.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
+#include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/catalogue.hpp>
 
 namespace oncollide::gpu_test {
@@ -52,7 +52,7 @@ struct Played {
 Played play(Scene scene, const Settings& settings, int frames, std::unique_ptr<OcclusionBackend> backend = nullptr)
 {
     Played played;
-    Pipeline pipeline = WorldAccess::make(scene, settings, std::move(backend));
+    Pipeline pipeline(scene, WorldAccess::make(settings, std::move(backend)));
     Mover mover;
     try {
         for (int frame = 0; frame < frames; ++frame) {

@@ -1,8 +1,8 @@
 // OBB trees are built if the memory budget allows, and their memory is returned.
 #include <gtest/gtest.h>
 
-#include <oncollide/pipeline/model_store.hpp>
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/pipeline/models/model_store.hpp>
+#include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/generators.hpp>
 
 namespace oncollide {
@@ -37,7 +37,7 @@ TEST(ObbTrees, ReserveRoomUntilTheyAreDropped)
     EXPECT_TRUE(models.admit_obb_tree(*balls_of[0], 1)) << "it exists already";
     EXPECT_TRUE(models.admit_obb_tree(*balls_of[1], 3));
     EXPECT_EQ(models.age(3), 1u) << "the root of one";
-    EXPECT_FALSE(balls_of[0]->obb_tree);
+    EXPECT_FALSE(balls_of[0]->obb_tree());
     EXPECT_TRUE(models.admit_obb_tree(*balls_of[2], 3));
 }
 

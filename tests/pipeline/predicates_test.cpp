@@ -8,8 +8,8 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/walks/traversal.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
-#include <oncollide/pipeline/pipeline.hpp>
 #include <oncollide/pipeline/results.hpp>
+#include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 

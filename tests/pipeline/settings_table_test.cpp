@@ -5,8 +5,8 @@
 #include <utility>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/pipeline/report.hpp>
 #include <oncollide/pipeline/settings_table.hpp>
+#include <oncollide/runs/report.hpp>
 
 namespace oncollide {
 namespace {

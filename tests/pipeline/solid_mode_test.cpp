@@ -7,7 +7,7 @@
 #include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/exact/relative_pose.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/model/mesh_topology.hpp>
 #include <oncollide/scenes/motion.hpp>

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/motion.hpp>
 

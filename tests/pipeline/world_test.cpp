@@ -52,6 +52,63 @@ struct Described {
     BodyId id;
 };
 
+TEST(World, RefinesThePairsThatItsFilterChoosesInTheOrderThatItChooses)
+{
+    World world({.exact = ExactLevel::predicates, .clearance = 0.25});
+    const ModelId ball = world.add(Sphere{1}), knots = world.add(knot());
+    std::vector<BodyId> bodies;
+    for (std::uint64_t i = 0; i < 60;
+         ++i) // a row in which each overlaps four others; more candidates than one call has
+        for (int copies = 0; copies < 6; ++copies)
+            bodies.push_back(world.add_body({.model = i % 3 ? ball : knots, .pose = at(0.75 * double(i)), .user = i}));
+    const FrameView all = world.step();
+    std::map<std::pair<BodyId, BodyId>, PairResult> results;
+    for (const PairResult& pair : all.pairs) results[{pair.a, pair.b}] = pair;
+    ASSERT_GT(results.size(), 4096u);
+
+    std::vector<Aabb> boxes;
+    for (const BodyId body : bodies) boxes.push_back(world.bounds(world.model(body), world.pose(body)));
+    std::size_t offered = 0;
+    world.set_pair_filter([&](std::span<const CandidatePair> pairs, std::span<PairChoice> choices) {
+        ASSERT_EQ(pairs.size(), choices.size());
+        offered += pairs.size();
+        for (std::size_t i = 0; i < pairs.size(); ++i) {
+            const auto& [a, b, box_a, box_b] = pairs[i];
+            ASSERT_EQ(choices[i], PairChoice::refine);
+            ASSERT_LT(a.slot, b.slot);
+            ASSERT_EQ(box_a.min, boxes[a.slot].min);
+            ASSERT_EQ(box_b.max, boxes[b.slot].max);
+            choices[i] = a.slot % 5 == 0 ? PairChoice::drop
+                         : b.slot % 2    ? PairChoice::refine_swapped
+                                         : PairChoice::refine;
+        }
+    });
+    std::size_t expected = 0;
+    for (const auto& [pair, result] : results) expected += pair.first.slot % 5 != 0;
+    for (int frame = 0; frame < 2; ++frame) {
+        offered = 0;
+        const FrameView some = world.step();
+        EXPECT_EQ(offered, results.size());
+        EXPECT_EQ(some.pairs.size(), expected);
+        EXPECT_TRUE(std::ranges::is_sorted(some.pairs, {}, [](const PairResult& p) { return std::pair(p.a, p.b); }));
+        for (const PairResult& pair : some.pairs) {
+            const bool swapped = pair.b < pair.a;
+            const PairResult& whole = results.at(swapped ? std::pair(pair.b, pair.a) : std::pair(pair.a, pair.b));
+            EXPECT_EQ(swapped, std::max(pair.a, pair.b).slot % 2 == 1);
+            EXPECT_NE(std::min(pair.a, pair.b).slot % 5, 0u);
+            EXPECT_EQ(pair.verdict, whole.verdict);
+            EXPECT_NEAR(pair.bound, whole.bound, 1e-12);
+        }
+        if (frame == 1) {
+            EXPECT_TRUE(some.began.empty() && some.ended.empty());
+        }
+    }
+    const std::size_t hits = world.query(ball, at(0)).size();
+    world.set_pair_filter({});
+    EXPECT_EQ(world.query(ball, at(0)).size(), hits) << "a query depends on the filter";
+    EXPECT_EQ(world.step().pairs.size(), results.size());
+}
+
 TEST(World, GivesAfterAnyChangesWhatAFreshOneGives)
 {
     for (const BroadPhaseKind broad : {BroadPhaseKind::kd_tree, BroadPhaseKind::octree, BroadPhaseKind::brute_force})

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/random.hpp>
-#include <oncollide/pipeline/ranks/ranked_run.hpp>
-#include <oncollide/pipeline/report.hpp>
+#include <oncollide/runs/ranks/ranked_run.hpp>
+#include <oncollide/runs/report.hpp>
 #include <oncollide/samples/catalogue.hpp>
 #include <oncollide/samples/generators.hpp>
 

@@ -3,7 +3,7 @@
 
 #include <oncollide/base/random.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
-#include <oncollide/pipeline/ranks/ranked_run.hpp>
+#include <oncollide/runs/ranks/ranked_run.hpp>
 #include <oncollide/samples/catalogue.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
@@ -15,7 +15,11 @@
 namespace oncollide {
 namespace {
 
-using MakeScene = std::function<Scene(BodySink*)>;
+/// With a sink, makes the scene without its bodies, which go to the sink.
+struct MakeScene {
+    std::function<Scene()> whole;
+    std::function<SceneInfo(BodySink&)> passed;
+};
 
 std::vector<Bytes> bytes_of(const SceneSlice& slice)
 {
@@ -27,13 +31,13 @@ std::vector<Bytes> bytes_of(const SceneSlice& slice)
 /// The slices of all ranks must add up to the whole scene, and each rank must receive only its share.
 void expect_slices(const MakeScene& make)
 {
-    const Scene whole = make(nullptr);
+    const Scene whole = make.whole();
     SCOPED_TRACE(whole.name);
     for (const int size : {1, 2, 5}) {
         std::size_t bodies = 0;
         for (int rank = 0; rank < size; ++rank) {
             SliceReader reader(rank, size, true);
-            const SceneSlice slice = reader.finish(make(&reader)), expected = slice_of(whole, rank, size, true);
+            const SceneSlice slice = reader.finish(make.passed(reader)), expected = slice_of(whole, rank, size, true);
             EXPECT_EQ(bytes_of(slice), bytes_of(expected)) << rank << " of " << size;
             EXPECT_EQ(slice.bodies, whole.size());
             EXPECT_EQ(slice.common, expected.common);
@@ -49,15 +53,9 @@ void expect_slices(const MakeScene& make)
 TEST(SceneSlice, OfTheCatalogueIsMadeFromTheIndicesOfItsBodies)
 {
     const auto made = [](const char* name, std::optional<int> bodies) {
-        expect_slices([=](BodySink* sink) {
-            CatalogueOptions options{.bodies = bodies, .frames = 3, .data = {}};
-            options.sink = sink;
-            Scene scene = make_scene(name, options);
-            if (sink) {
-                EXPECT_TRUE(!scene.holds_bodies() || scene.size() < 100) << "all bodies are held";
-            }
-            return scene;
-        });
+        const CatalogueOptions options{.bodies = bodies, .frames = 3, .data = {}};
+        expect_slices({[&] { return make_scene(name, options); },
+                       [&](BodySink& sink) { return make_scene(name, sink, options); }});
     };
     for (const char* name : {"many", "city", "swarm", "boxes", "octomap", "hills", "random", "chunks", "st-helens"})
         made(name, 3000);
@@ -80,11 +78,10 @@ TEST(SceneSlice, OfFilesIsReadFromTheirRows)
     folder.write("numbers.json", begin + R"(, "exclude": [[0, 1], [7, 1500], [1500, 30000]]})");
     folder.write("names.json", begin + R"(, "exclude": [["row \"4\"", 3], ["row \"20000\"", "row \"20001\""]]})");
     for (const char* file : {"numbers.json", "names.json"})
-        expect_slices([&](BodySink* sink) { return load_scene(folder / file, {}, sink); });
+        expect_slices({[&] { return load_scene(folder / file); },
+                       [&](BodySink& sink) { return load_scene(folder / file, sink); }});
     SliceReader reader(0, 2, false);
-    const Scene passed = load_scene(folder / "numbers.json", {}, &reader);
-    EXPECT_EQ(passed.size(), 31'501u);
-    EXPECT_EQ(passed.names.size(), 0u) << "bodies are held";
+    EXPECT_EQ(load_scene(folder / "numbers.json", reader).size(), 31'501u);
 }
 
 std::string refused(const std::function<void(Ranks&)>& work, int size)
@@ -107,7 +104,7 @@ TEST(SceneSlice, ErrorsInRowsAreThoseOfTheRankThatReadsThem)
         SceneSlice slice;
         together(ranks, [&] {
             SliceReader reader(ranks.rank(), ranks.size(), true);
-            slice = reader.finish(load_scene(folder / "s.json", {}, &reader));
+            slice = reader.finish(load_scene(folder / "s.json", reader));
         });
         RankedRun(ranks, make_morton_partitioner(), std::move(slice), {});
     };

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/random.hpp>
-#include <oncollide/pipeline/pipeline.hpp>
 #include <oncollide/pipeline/results.hpp>
+#include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/catalogue.hpp>
 #include <oncollide/samples/generators.hpp>
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/cpu_features.hpp>
-#include <oncollide/pipeline/report.hpp>
+#include <oncollide/runs/report.hpp>
 
 namespace oncollide::tools {
 namespace {

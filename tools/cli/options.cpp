@@ -188,19 +188,6 @@ void add_pace_option(Arguments command, SceneOptions& o)
     command.group("Options");
 }
 
-namespace {
-
-/// Returns `scene` after logging its size.
-Scene said(Scene scene)
-{
-    if (logged(LogLevel::info))
-        log(LogLevel::info, fmt::format("scene '{}': {} bodies, {} geometries, {} frames", scene.name, scene.size(),
-                                        scene.geometries.size(), scene.frames));
-    return scene;
-}
-
-} // namespace
-
 bool is_scene_file(const std::string& text)
 {
     if (text.find('/') != std::string::npos || text.ends_with(".json") || text == "-") return true;
@@ -218,42 +205,63 @@ bool is_scene_file(const std::string& text)
 
 namespace {
 
-Scene make_catalogue_scene(const SceneOptions& o, BodySink* sink)
+/// Checks the options. Returns whether they mean a scene of the catalogue.
+bool from_catalogue(const SceneOptions& o)
 {
-    CatalogueOptions options{.bodies = o.bodies, .frames = o.frames, .data = data_folder(o.data), .sink = sink};
+    check_range("--frames", o.frames.value_or(1), 1);
+    if (!(o.pace > 0 && o.pace <= 1000))
+        usage(fmt::format("--pace is {}; it must be above 0 and at most 1000", o.pace));
+    if (!is_scene_file(o.scene)) return check_range("--bodies", o.bodies.value_or(1), 1), true;
+    if (o.bodies || o.seed)
+        usage(fmt::format("--{} applies only to scenes of the catalogue; '{}' is a file", o.bodies ? "bodies" : "seed",
+                          o.scene));
+    return false;
+}
+
+CatalogueOptions catalogue_options(const SceneOptions& o)
+{
+    CatalogueOptions options{.bodies = o.bodies, .frames = o.frames, .data = data_folder(o.data)};
     if (o.seed) options.seed = *o.seed;
     if (o.on_demand && !o.cache.folder.empty())
         options.tiles = [cache = CookedCache(o.cache.folder, parse_amount("--cache-size", o.cache.bytes))](
                             const std::string& name, std::size_t count, const std::function<Mesh(std::size_t)>& make) {
             return cache.tiles(name, count, make);
         };
-    check_range("--frames", o.frames.value_or(1), 1), check_range("--bodies", o.bodies.value_or(1), 1);
-    Scene scene = make_scene(o.scene, options);
+    return options;
+}
+
+SceneReading reading_of(const SceneOptions& o)
+{
+    return o.on_demand ? reading_with(o.cache) : SceneReading{.generators = &sample_generators()};
+}
+
+/// Applies the options that all scenes have, and logs the size.
+template <class AnyScene>
+AnyScene opened(const SceneOptions& o, AnyScene scene)
+{
+    if (o.frames) scene.frames = *o.frames;
     scene.pace = o.pace;
+    if (logged(LogLevel::info))
+        log(LogLevel::info, fmt::format("scene '{}': {} bodies, {} geometries, {} frames", scene.name, scene.size(),
+                                        scene.geometries.size(), scene.frames));
     return scene;
 }
 
 } // namespace
 
-Scene open_scene(const SceneOptions& o, BodySink* sink)
+Scene open_scene(const SceneOptions& o)
 {
-    check_range("--frames", o.frames.value_or(1), 1);
-    if (!(o.pace > 0 && o.pace <= 1000))
-        usage(fmt::format("--pace is {}; it must be above 0 and at most 1000", o.pace));
-    if (!is_scene_file(o.scene)) return said(make_catalogue_scene(o, sink));
-    if (o.bodies || o.seed)
-        usage(fmt::format("--{} applies only to scenes of the catalogue; '{}' is a file", o.bodies ? "bodies" : "seed",
-                          o.scene));
-    const bool assembly = is_assembly_file(o.scene);
-    const auto load = [&] {
-        const SceneReading whole{.generators = &sample_generators()};
-        return load_scene(o.scene, o.on_demand ? reading_with(o.cache) : whole, sink);
-    };
-    Scene scene = assembly ? load_assembly_scene(o.scene) : load();
-    if (assembly && sink) pass_bodies(scene, *sink);
-    if (o.frames) scene.frames = *o.frames;
-    scene.pace = o.pace;
-    return said(std::move(scene));
+    if (from_catalogue(o)) return opened(o, make_scene(o.scene, catalogue_options(o)));
+    return opened(o, is_assembly_file(o.scene) ? load_assembly_scene(o.scene) : load_scene(o.scene, reading_of(o)));
+}
+
+SceneInfo open_scene(const SceneOptions& o, BodySink& sink)
+{
+    if (from_catalogue(o)) return opened(o, make_scene(o.scene, sink, catalogue_options(o)));
+    if (!is_assembly_file(o.scene)) return opened(o, load_scene(o.scene, sink, reading_of(o)));
+    Scene scene = opened(o, load_assembly_scene(o.scene));
+    pass_bodies(scene, sink);
+    return scene;
 }
 
 fs::path data_folder(const std::string& option)

@@ -70,8 +70,9 @@ void add_catalogue_options(Arguments command, SceneOptions& options); ///< bodie
 void add_pace_option(Arguments command, SceneOptions& options);       ///< for commands that play the scene
 /// Reads or makes the scene. Throws Error{no_input} for a missing file or data folder, Error{usage} for an unknown name
 /// or an option that does not apply to a file.
-/// @param sink  receives the bodies as they are read or made; null: the scene holds them
-Scene open_scene(const SceneOptions& options, BodySink* sink = nullptr);
+Scene open_scene(const SceneOptions& options);
+/// The same, but hands the bodies to `sink` as they are read or made.
+SceneInfo open_scene(const SceneOptions& options, BodySink& sink);
 /// True if `text` names a file rather than a scene of the catalogue: it is "-" (standard input), contains a '/' or ends
 /// in .json, or is an existing file and not a known name. Throws Error{usage} if it could be both.
 bool is_scene_file(const std::string& text);

@@ -6,7 +6,7 @@
 
 #include "cli/arguments.hpp"
 
-#include <oncollide/pipeline/report.hpp>
+#include <oncollide/runs/report.hpp>
 
 namespace oncollide::tools {
 

@@ -6,8 +6,8 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
 #include <oncollide/base/json_writer.hpp>
-#include <oncollide/pipeline/report.hpp>
 #include <oncollide/pipeline/settings_table.hpp>
+#include <oncollide/runs/report.hpp>
 
 namespace oncollide::tools {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 #include <span>
 
-#include <oncollide/pipeline/pipeline.hpp>
-#include <oncollide/pipeline/report.hpp>
+#include <oncollide/runs/pipeline.hpp>
+#include <oncollide/runs/report.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 #include "cli/outputs.hpp"

@@ -11,8 +11,8 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/printable.hpp>
-#include <oncollide/pipeline/ranks/ranked_report.hpp>
-#include <oncollide/pipeline/report_kept.hpp>
+#include <oncollide/runs/ranks/ranked_report.hpp>
+#include <oncollide/runs/report_kept.hpp>
 
 #include "cli/log.hpp"
 #include "cli/progress.hpp"
@@ -137,7 +137,7 @@ private:
     SceneSlice read()
     {
         SliceReader reader(ranks_.rank(), ranks_.size(), !outputs_.csv.empty());
-        return reader.finish(open_scene(scene_, &reader));
+        return reader.finish(open_scene(scene_, reader));
     }
     /// Warnings of reading, without duplicates: each is printed once even if all processes report it.
     void print_warnings_of_all(const std::vector<std::string>& mine)

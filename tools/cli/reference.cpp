@@ -9,8 +9,8 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/near_word.hpp>
 #include <oncollide/base/output_file.hpp>
-#include <oncollide/pipeline/report.hpp>
 #include <oncollide/pipeline/settings_table.hpp>
+#include <oncollide/runs/report.hpp>
 #include <oncollide/samples/catalogue.hpp>
 
 #include "cli/command.hpp"

@@ -11,7 +11,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/runs/pipeline.hpp>
 
 #include "differential/convex_truth.hpp"
 

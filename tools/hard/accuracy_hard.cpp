@@ -13,7 +13,7 @@
 #include <oncollide/base/near_word.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/generators.hpp>
 
 #include "bench/bench.hpp"

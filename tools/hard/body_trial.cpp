@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/generators.hpp>
 
 #include "hard/body_judge.hpp"

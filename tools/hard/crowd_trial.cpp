@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/pipeline/mesh_queries.hpp>
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/runs/pipeline.hpp>
 
 #include "hard/body_truth.hpp"
 #include "hard/solid_truth.hpp"

@@ -13,7 +13,7 @@
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/base/printable.hpp>
-#include <oncollide/pipeline/world_access.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -33,7 +33,7 @@ void play(Scene& scene, const RenderOptions& options, const Settings& settings, 
     GrownTrees whole(scene, plan.deepest, thread_count(settings));
     const TreeOf tree_of = [&](GeometryId id) -> const Ocst* {
         if (!has_spheres(scene.geometries[index(id)].data)) return nullptr;
-        return options.whole ? &whole[id].tree() : WorldAccess::tree(pipeline, id);
+        return options.whole ? &whole[id].tree() : WorldAccess::tree(pipeline.world(), pipeline.model(id));
     };
     Mover mover;
     int next = 0;

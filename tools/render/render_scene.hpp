@@ -8,7 +8,7 @@
 
 #include <oncollide/narrowphase/gl/picture.hpp>
 #include <oncollide/narrowphase/spheres/ocst.hpp>
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/runs/pipeline.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide::tools {

@@ -24,7 +24,7 @@ GrownTree::GrownTree(std::shared_ptr<const Geometry> geometry, const Settings& s
     std::vector<CellRequest> requests;
     for (int l = 0; l < std::min(tree.depth(), levels.value_or(tree.depth())); ++l) {
         requests.clear();
-        for (const CellKey cell : levels_.back()) requests.push_back({model_.number, cell});
+        for (const CellKey cell : levels_.back()) requests.push_back({model_.number(), cell});
         std::sort(requests.begin(), requests.end());
         models_.submit(requests, thread_count(settings_));
         models_.grow(0);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "peers/bounding_volume.hpp"
-#include <oncollide/pipeline/model_store.hpp>
+#include <oncollide/pipeline/models/model_store.hpp>
 
 namespace oncollide::tools {
 
@@ -28,7 +28,7 @@ public:
     /// The cells of a level, 0 to depth(), that the surface intersects.
     const std::vector<CellKey>& level(int l) const { return levels_[std::size_t(l)]; }
     std::vector<CoveringVolume> spheres(int level) const;
-    const Ocst& tree() const { return *model_.spheres; }
+    const Ocst& tree() const { return *model_.spheres(); }
     /// Largest distance of a point of a sphere of that level from the surface.
     double certified_reach(int level) const;
     std::size_t bytes() const { return models_.bytes(); }

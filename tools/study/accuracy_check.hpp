@@ -3,7 +3,7 @@
 #include <string>
 
 #include "peers/fcl_world.hpp"
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/runs/pipeline.hpp>
 
 // Compares a frame of the pipeline with FCL's result for the same frame.
 namespace oncollide::tools {

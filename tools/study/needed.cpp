@@ -4,7 +4,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/obb/obb_tree.hpp>
-#include <oncollide/pipeline/world_access.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 
 #include "cli/progress.hpp"
 #include "spheres/grown_tree.hpp"
@@ -74,9 +74,12 @@ void count(StudyWorkload& workload, StudyRow& row, WholeModel& whole, const std:
         workload.move(frame);
         row.nodes_needed = pipeline.step(workload.scene).trees.nodes;
     }
+    const auto tree_of = [&](std::uint32_t g) {
+        return WorldAccess::tree(pipeline.world(), pipeline.model(GeometryId{g}));
+    };
     int deepest = settings.depth.value_or(1); // max_error: depth for trees that no test reached
     for (std::uint32_t g = 0; g < used.size(); ++g)
-        if (const Ocst* tree = WorldAccess::tree(pipeline, GeometryId{g})) deepest = std::max(deepest, tree->depth());
+        if (const Ocst* tree = tree_of(g)) deepest = std::max(deepest, tree->depth());
     const bool exact = settings.exact == ExactLevel::predicates;
     row.nodes_all = 0;
     for (std::uint32_t g = 0; g < used.size() && row.nodes_all; ++g) {
@@ -84,7 +87,7 @@ void count(StudyWorkload& workload, StudyRow& row, WholeModel& whole, const std:
         const bool mesh = std::holds_alternative<Mesh>(workload.scene.geometries[g].data);
         if (mesh && (exact || wants_obbs(settings))) *row.nodes_all += whole.boxes(g);
         if (mesh && wants_obbs(settings)) continue;
-        const Ocst* tree = WorldAccess::tree(pipeline, GeometryId{g});
+        const Ocst* tree = tree_of(g);
         const std::optional<std::uint64_t> cells = whole.cells(g, tree ? tree->depth() : deepest);
         cells ? void(*row.nodes_all += *cells) : row.nodes_all.reset();
     }

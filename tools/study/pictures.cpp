@@ -7,7 +7,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
-#include <oncollide/pipeline/world_access.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 
 #include "cli/progress.hpp"
 #include "render/framing.hpp"
@@ -92,7 +92,8 @@ StudyPicture draw(StudyWorkload& workload, const Scenario& scenario, Painter& pa
     shown.bodies[pair.a] = shown.bodies[pair.b] = 1;
     ScenePictures pictures(scene, shown);
     ScenePicture picture = pictures.make(
-        pipeline.world(), [&](GeometryId id) { return WorldAccess::tree(pipeline, id); }, pairs, std::nullopt);
+        pipeline.world(), [&](GeometryId id) { return WorldAccess::tree(pipeline.world(), pipeline.model(id)); }, pairs,
+        std::nullopt);
     picture.width = picture.height = side;
     Framing framing;
     framing.add(picture);

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <oncollide/pipeline/report.hpp>
+#include <oncollide/runs/report.hpp>
 
 #include "bench/bench.hpp"
 

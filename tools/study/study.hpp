@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/runs/pipeline.hpp>
 
 // The measurements of a study of time against error. A study plays one workload with many settings, in alternation.
 namespace oncollide::tools {

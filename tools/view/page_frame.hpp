@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/runs/pipeline.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 #include "view/page_blocks.hpp"

@@ -6,7 +6,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
-#include <oncollide/pipeline/stage.hpp>
+#include <oncollide/pipeline/world/stage.hpp>
 
 namespace oncollide::tools {
 namespace {

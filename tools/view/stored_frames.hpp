@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/runs/pipeline.hpp>
 
 #include "cli/pairs_file.hpp"
 

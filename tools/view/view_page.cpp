@@ -10,7 +10,7 @@
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/base/printable.hpp>
 #include <oncollide/base/svg.hpp>
-#include <oncollide/pipeline/report.hpp>
+#include <oncollide/runs/report.hpp>
 
 #include "bench/bench.hpp"
 #include "study/base64.hpp"

@@ -10,7 +10,7 @@ namespace oncollide {
 
 void BodyRows::expect(std::size_t rows)
 {
-    const std::size_t most = scene_.holds_bodies() ? most_bodies : most_passed_bodies;
+    const std::size_t most = scene_.has_sink() ? most_passed_bodies : most_bodies;
     if (rows > most - std::min(most, scene_.size()))
         refuse(file_, fmt::format("{} bodies in addition to {}; a scene has at most {}", rows, scene_.size(), most));
     scene_.reserve(scene_.size() + rows);
@@ -30,7 +30,7 @@ void BodyRows::add(const BodyRow& row, FunctionRef<std::string()> place)
     body.geometry = row.geometry;
     body.pose.translation() = row.position;
     if (row.rotation != Eigen::Vector4d(0, 0, 0, 1))
-        body.pose.linear() = quaternion_of(place, row.rotation, scene_.warnings).normalized().toRotationMatrix();
+        body.pose.linear() = quaternion_of(place, row.rotation, scene_.warnings()).normalized().toRotationMatrix();
     if (!row.velocity.isZero(0))
         body.motion = Drift{.velocity = row.velocity, .spin = Eigen::Vector3d::Zero(), .walls = {}};
     body.layer = row.layer, body.mask = row.mask, body.group = row.group, body.is_static = row.is_static;
@@ -41,7 +41,7 @@ void BodyRows::add(const BodyRow& row, FunctionRef<std::string()> place)
     }
 }
 
-void read_body_table(Scene& scene, const Node& entry, const std::filesystem::path& folder)
+void read_body_table(SceneBuilder& scene, const Node& entry, const std::filesystem::path& folder)
 {
     entry.only({"file", "path", "geometry"});
     const std::filesystem::path path = file_in(folder, entry["file"].text());

@@ -6,7 +6,7 @@
 
 #include <oncollide/base/function_ref.hpp>
 #include <oncollide/scenes/files/json/json_node.hpp>
-#include <oncollide/scenes/scene.hpp>
+#include <oncollide/scenes/scene_builder.hpp>
 
 namespace oncollide {
 
@@ -31,12 +31,12 @@ struct BodyRow {
 class BodyRows {
 public:
     /// @param geometry  of all rows; empty: a column of the table
-    BodyRows(Scene& scene, std::string file, std::optional<GeometryId> geometry)
+    BodyRows(SceneBuilder& scene, std::string file, std::optional<GeometryId> geometry)
         : scene_(scene), file_(std::move(file)), geometry_(geometry)
     {
     }
 
-    const Scene& scene() const { return scene_; }
+    const SceneBuilder& scene() const { return scene_; }
     const std::string& file() const { return file_; }
     const std::optional<GeometryId>& geometry() const { return geometry_; }
     /// Makes room; throws if there are too many.
@@ -49,14 +49,14 @@ public:
     void add(const BodyRow& row, FunctionRef<std::string()> place);
 
 private:
-    Scene& scene_;
+    SceneBuilder& scene_;
     std::string file_;
     std::optional<GeometryId> geometry_;
 };
 
 /// Adds the bodies of an entry of a scene file's "tables". Throws Error{no_input} or Error{bad_data}, which name the
 /// file and the row, and Error{usage} for a kind of file that this build cannot read.
-void read_body_table(Scene& scene, const Node& entry, const std::filesystem::path& folder);
+void read_body_table(SceneBuilder& scene, const Node& entry, const std::filesystem::path& folder);
 
 // One function per format.
 void read_csv_bodies(BodyRows& rows, const std::filesystem::path& path);

@@ -202,7 +202,7 @@ void read_csv_pieces(BodyRows& rows, const std::filesystem::path& path)
 
 void read_csv_bodies(BodyRows& rows, const std::filesystem::path& path)
 {
-    if (!rows.scene().holds_bodies()) return read_csv_pieces(rows, path);
+    if (rows.scene().has_sink()) return read_csv_pieces(rows, path);
     const FileBytes bytes = read_large_file(path, largest_table);
     const std::string_view text = without_byte_order_mark(bytes);
     CsvReader fields(rows.file(), text);

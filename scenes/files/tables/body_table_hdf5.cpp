@@ -88,7 +88,7 @@ private:
                 refuse(place(), fmt::format("{} is {}; it must be from 0 to {}", whole_names[c], value, most));
             return static_cast<std::uint32_t>(value);
         };
-        const std::size_t geometries = rows_.scene().geometries.size();
+        const std::size_t geometries = rows_.scene().geometries().size();
         row.geometry = rows_.geometry() ? *rows_.geometry()
                                         : GeometryId{whole(geometry, 0, static_cast<std::uint32_t>(geometries) - 1)};
         row.layer = whole(layer, row.layer, 0xffffffffu), row.mask = whole(mask, row.mask, 0xffffffffu);
@@ -115,7 +115,7 @@ void read_hdf5_bodies(BodyRows& rows, const std::filesystem::path& path, const s
     constexpr std::uint64_t always = 1'000'000, block = 65'536;
     if (columns.size() > always && columns.size() > std::filesystem::file_size(path))
         refuse(rows.file(), fmt::format("{} rows are announced; the file is too short for them", columns.size()));
-    if (rows.scene().geometries.size() == 0) refuse(rows.file(), "the scene has no geometries");
+    if (rows.scene().geometries().size() == 0) refuse(rows.file(), "the scene has no geometries");
     rows.expect(columns.size());
     const std::uint64_t bytes = std::filesystem::file_size(path);
     ReadingProgress progress(rows.file(), bytes);

@@ -8,7 +8,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/output_file.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
-#include <oncollide/pipeline/world_access.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -65,7 +65,7 @@ Played play(Scene scene, const PaperOptions& options, std::unique_ptr<OcclusionB
     Played played;
     played.windows.resize(windows);
     Settings settings{.depth = options.depth, .age_limit = options.age};
-    Pipeline pipeline = WorldAccess::make(scene, settings, std::move(backend));
+    Pipeline pipeline(scene, WorldAccess::make(settings, std::move(backend)));
     Mover mover;
     for (int frame = 0; frame < scene.frames; ++frame) {
         mover.move(scene, frame);

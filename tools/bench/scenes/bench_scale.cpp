@@ -17,7 +17,7 @@
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/base/random.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
-#include <oncollide/pipeline/ranks/body_record.hpp>
+#include <oncollide/runs/ranks/body_record.hpp>
 
 #include "bench/bench.hpp"
 #include "cli/shard.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/pipeline/pipeline.hpp>
+#include <oncollide/runs/pipeline.hpp>
 
 #include "bench/bench.hpp"
 #include "study/accuracy_check.hpp"

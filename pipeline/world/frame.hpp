@@ -1,0 +1,67 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include <oncollide/pipeline/refine/pair_refiner.hpp>
+#include <oncollide/pipeline/results.hpp>
+#include <oncollide/pipeline/settings.hpp>
+#include <oncollide/pipeline/world.hpp>
+#include <oncollide/pipeline/world/bodies.hpp>
+
+namespace oncollide {
+
+/// Pairs that keep the result of the last frame, by the stages that they passed then.
+struct KeptCounts {
+    std::uint64_t pairs = 0, left_by_refine = 0, exact = 0, left_by_exact = 0;
+    void add(const PairResult& result)
+    {
+        const bool left = result.verdict != Verdict::separate, by_exact = result.stage == StageId::exact;
+        ++pairs, left_by_refine += left || by_exact, exact += by_exact, left_by_exact += left && by_exact;
+    }
+};
+
+/// Data that stages pass on: columns, kept between frames so that a warm frame allocates no memory.
+/// Column: written by -> read by
+///   whole: World -> broad
+///   pairs: broad -> refine
+///   results: refine, exact -> the caller
+struct Frame {
+    explicit Frame(const Settings& s) : settings(s), context{.settings = s, .trees = {}, .rounds = {}, .began = {}} {}
+
+    const Settings& settings;
+    std::uint32_t number = 0; ///< frames since the World was made
+
+    BodyChanges changes;                         ///< as of this frame
+    std::vector<std::uint8_t> fresh;             ///< by slot: true if since the last frame the body is new or its
+                                                 ///< geometry changed
+    std::vector<std::uint32_t> fresh_slots;      ///< the slots with fresh[slot] set
+    std::vector<std::uint8_t> changed;           ///< by slot: true if since the last frame the body is fresh, or its
+                                                 ///< pose or its filter changed
+    std::vector<std::uint32_t> changed_slots;    ///< the slots with changed[slot] set
+    bool same_bodies = false;                    ///< since the last frame no body, filter or exclusion changed
+    std::uint64_t exclusions_version = 0;        ///< as of this frame
+    std::size_t moved = 0;                       ///< bodies that moved since the last frame
+    bool whole = false;                          ///< delimitation is skipped by request: search all bodies
+    std::vector<DelimitationLevel> delimitation; ///< by level; empty when skipped
+    std::vector<BodyPair> pairs;                 ///< candidates, sorted
+    PairFilter filter;                           ///< empty: all candidates are refined
+    PairCache cache;                             ///< of the candidates
+    std::vector<PairResult> results;             ///< one per pair, in the same order
+    std::vector<PairResult> last_results;
+    std::vector<std::uint32_t> open; ///< pairs to be decided: the others keep their result of the last frame
+    KeptCounts kept;                 ///< of the others
+    bool keeps = false;              ///< the last frame ended, and no budget lets results depend on other pairs
+
+    /// The result of pair `i` in the last frame if nothing changed since; null: something did, or it was undecided.
+    const PairResult* last_result(std::size_t i) const
+    {
+        const std::uint32_t earlier = keeps ? cache.earlier(i) : PairCache::none;
+        if (earlier == PairCache::none || changed[pairs[i].a] || changed[pairs[i].b]) return nullptr;
+        const PairResult& last = last_results[earlier];
+        return last.verdict == Verdict::undecided ? nullptr : &last;
+    }
+
+    RefineContext context;
+};
+
+} // namespace oncollide

@@ -1,0 +1,171 @@
+// The stages that decide pairs: ocst, exact.
+#include <algorithm>
+
+#include <oncollide/pipeline/refine/narrowing.hpp>
+#include <oncollide/pipeline/world/stage.hpp>
+
+namespace oncollide {
+
+namespace {
+
+/// The result of a pair of which only the boxes are known.
+PairResult undecided(const Bodies& bodies, BodyPair pair)
+{
+    return {{Verdict::undecided, ContactKind::unknown, farthest_apart(bodies.boxes()[pair.a], bodies.boxes()[pair.b])},
+            StageId::refine,
+            bodies.id(pair.a),
+            bodies.id(pair.b)};
+}
+
+/// Runs one level on some of the frame's results and updates them.
+class LevelRun {
+public:
+    LevelRun(const Settings& settings, ModelStore& models, Level level, StageId stage)
+        : level_(settings, models, level), stage_(stage)
+    {
+    }
+
+    /// Removes all tasks and reserves room for `room`.
+    void clear(std::size_t room)
+    {
+        tasks_.clear(), refined_.clear();
+        tasks_.reserve(room), refined_.reserve(room);
+    }
+    void add(const Bodies& bodies, const PairResult& result, std::uint32_t number)
+    {
+        const std::uint32_t a = result.a.slot, b = result.b.slot;
+        tasks_.push_back({number, &bodies.model(a), &bodies.model(b), &bodies.pose(a), &bodies.pose(b),
+                          bodies.travel(a) + bodies.travel(b)});
+        refined_.push_back(result);
+    }
+    void run(Frame& frame, StageStats& stats)
+    {
+        level_.run(frame.context, tasks_, &frame.cache, refined_);
+        stats.in = tasks_.size();
+        for (std::size_t i = 0; i < tasks_.size(); ++i) {
+            PairResult& result = frame.results[tasks_[i].number];
+            const Finding& refined = refined_[i];
+            static_cast<Finding&>(result) = refined;
+            if (level_.decided(i)) {
+                result.stage = stage_;
+                stats.undecided += refined.verdict == Verdict::undecided;
+            }
+            stats.out += refined.verdict != Verdict::separate;
+        }
+    }
+
+private:
+    Narrowing level_;
+    StageId stage_;
+    std::vector<PairTask> tasks_;
+    std::vector<Finding> refined_;
+};
+
+/// Refines down to the requested error, with sphere-trees or the OBB trees of meshes. OBB trees lead on to triangles,
+/// so if predicates decide, this stage passes such pairs on to the exact level.
+class RefineStage final : public Stage {
+public:
+    RefineStage(const Settings& settings, ModelStore& models) : level_(settings, models, Level::refine, StageId::refine)
+    {
+    }
+    StageId id() const override { return StageId::refine; }
+    std::string_view unit() const override { return "pairs"; }
+    std::string_view reason_to_skip(const Bodies&, const Frame& frame) const override
+    {
+        return frame.pairs.empty() ? no_candidates : std::string_view{};
+    }
+
+    void run(Bodies& bodies, Frame& frame, StageStats& stats) override
+    {
+        begin(bodies, frame);
+        level_.clear(frame.open.size());
+        for (const std::uint32_t i : frame.open) level_.add(bodies, frame.results[i], i);
+        level_.run(frame, stats);
+        stats.in += frame.kept.pairs, stats.out += frame.kept.left_by_refine;
+        for (const Round& round : frame.context.rounds) stats.gpu_ms += round.gpu_ms, stats.wait_ms += round.wait_ms;
+    }
+
+    void skip(Bodies& bodies, Frame& frame, StageStats& stats) override
+    {
+        begin(bodies, frame);
+        stats.in = stats.out = stats.undecided = frame.pairs.size();
+    }
+
+private:
+    /// Fills the results: of a pair of which nothing changed with its last result, of all others with a bound from the
+    /// boxes. An undecided pair is tried again.
+    static void begin(const Bodies& bodies, Frame& frame)
+    {
+        const std::span<const std::uint8_t> none, fresh = frame.fresh;
+        frame.cache.begin_frame(frame.pairs, frame.fresh_slots.empty() ? none : fresh);
+        frame.results.swap(frame.last_results);
+        frame.results.clear(), frame.results.reserve(frame.pairs.size());
+        frame.open.clear(), frame.kept = {};
+        constexpr std::size_t ahead = 8;
+        for (std::size_t i = 0; i < frame.pairs.size(); ++i) {
+            if (i + ahead < frame.pairs.size()) {
+                const BodyPair later = frame.pairs[i + ahead];
+                bodies.prefetch(later.b);
+                if (later.a != frame.pairs[i + ahead - 1].a) bodies.prefetch(later.a);
+            }
+            const BodyPair pair = frame.pairs[i];
+            if (const PairResult* last = frame.settings.coherence ? frame.last_result(i) : nullptr) {
+                frame.results.push_back(*last);
+                frame.kept.add(*last);
+            } else {
+                frame.results.push_back(undecided(bodies, pair));
+                frame.open.push_back(static_cast<std::uint32_t>(i));
+            }
+        }
+        frame.context.trees.kept = frame.kept.pairs;
+    }
+
+    LevelRun level_;
+};
+
+/// Decides the remaining pairs: by predicates, or by FCL where FCL confirms the result.
+class ExactStage final : public Stage {
+public:
+    ExactStage(const Settings& settings, ModelStore& models) : level_(settings, models, Level::exact, StageId::exact) {}
+    StageId id() const override { return StageId::exact; }
+    std::string_view unit() const override { return "pairs"; }
+    std::string_view reason_to_skip(const Bodies&, const Frame& frame) const override
+    {
+        return frame.settings.exact == ExactLevel::off ? "off" : std::string_view{};
+    }
+
+    void run(Bodies& bodies, Frame& frame, StageStats& stats) override
+    {
+        const auto open = [&](std::uint32_t i) { return is_open(frame.results[i].verdict); };
+        level_.clear(static_cast<std::size_t>(std::ranges::count_if(frame.open, open)));
+        for (const std::uint32_t i : frame.open)
+            if (open(i)) level_.add(bodies, frame.results[i], i);
+        level_.run(frame, stats);
+        stats.in += frame.kept.exact, stats.out += frame.kept.left_by_exact;
+    }
+
+    void skip(Bodies&, Frame& frame, StageStats& stats) override
+    {
+        for (const PairResult& result : frame.results) {
+            stats.in += result.verdict != Verdict::separate;
+            stats.undecided += result.verdict == Verdict::undecided;
+        }
+        stats.out = stats.in;
+    }
+
+private:
+    LevelRun level_;
+};
+
+} // namespace
+
+std::unique_ptr<Stage> make_refine_stage(const Settings& settings, ModelStore& models)
+{
+    return std::make_unique<RefineStage>(settings, models);
+}
+std::unique_ptr<Stage> make_exact_stage(const Settings& settings, ModelStore& models)
+{
+    return std::make_unique<ExactStage>(settings, models);
+}
+
+} // namespace oncollide

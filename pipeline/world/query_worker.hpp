@@ -1,0 +1,98 @@
+// Working memory of const queries, and the loop that runs batches of them on the World's threads.
+#pragma once
+#include <algorithm>
+
+#include <oncollide/base/parallel.hpp>
+#include <oncollide/narrowphase/pairs/pair_tests.hpp>
+#include <oncollide/pipeline/world/world_impl.hpp>
+
+namespace oncollide {
+
+/// One query thread's working memory.
+struct World::Impl::QueryWorker {
+    explicit QueryWorker(Impl& impl);
+    BothLevels levels;
+    RefineContext context;
+    PairWorker pairs; ///< for distances, contacts and penetrations
+    std::vector<Aabb> boxes;
+    std::vector<AabbHit> hits;
+    std::vector<Eigen::Isometry3d> poses; ///< of pairs given as columns
+    std::vector<PairTask> tasks;
+    std::vector<Finding> refined;
+};
+
+/// A worker for the time of one call.
+class World::Impl::Lease {
+public:
+    explicit Lease(Impl& impl) : impl_(impl)
+    {
+        {
+            const std::lock_guard lock(impl.idle_guard);
+            if (!impl.idle_workers.empty()) worker_ = std::move(impl.idle_workers.back()), impl.idle_workers.pop_back();
+        }
+        if (!worker_) worker_ = std::make_unique<QueryWorker>(impl);
+        worker_->context.frame = impl.frame.number;
+        worker_->context.trees = {}, worker_->context.rounds.clear();
+    }
+    ~Lease()
+    {
+        const std::lock_guard lock(impl_.idle_guard);
+        impl_.idle_workers.push_back(std::move(worker_));
+    }
+    Lease(const Lease&) = delete;
+    Lease& operator=(const Lease&) = delete;
+    QueryWorker* operator->() { return worker_.get(); }
+    QueryWorker& operator*() { return *worker_; }
+
+private:
+    Impl& impl_;
+    std::unique_ptr<QueryWorker> worker_;
+};
+
+/// Calls work(worker, i) for each item on the World's threads.
+template <class Work>
+void World::Impl::each(std::size_t items, std::size_t chunk, Work work)
+{
+    const ExecutorScope scope(settings.executor);
+    parallel_chunks(items, chunk, frame.context.threads, [&](std::size_t begin, std::size_t end, int) {
+        Lease worker(*this);
+        for (std::size_t i = begin; i < end; ++i) work(*worker, i);
+    });
+}
+
+/// Calls work(worker, i, found), which appends, for each item i on the World's threads; item i's are found[offsets[i]]
+/// up to found[offsets[i + 1]]. Overwrites both.
+template <class Found, class Work>
+void World::Impl::gather(std::size_t items, std::size_t chunk, std::vector<Found>& found,
+                         std::vector<std::size_t>& offsets, Work work)
+{
+    found.clear(), offsets.assign(1, 0);
+    const ExecutorScope scope(settings.executor);
+    if (frame.context.threads == 1) { // without copies
+        Lease worker(*this);
+        for (std::size_t i = 0; i < items; ++i) {
+            work(*worker, i, found);
+            offsets.push_back(found.size());
+        }
+        return;
+    }
+    struct Part {
+        std::vector<Found> found;
+        std::vector<std::size_t> ends;
+    };
+    std::vector<Part> parts((items + chunk - 1) / chunk);
+    parallel_chunks(parts.size(), 1, frame.context.threads, [&](std::size_t begin, std::size_t end, int) {
+        Lease worker(*this);
+        for (std::size_t k = begin; k < end; ++k)
+            for (std::size_t i = k * chunk; i < std::min(items, (k + 1) * chunk); ++i) {
+                work(*worker, i, parts[k].found);
+                parts[k].ends.push_back(parts[k].found.size());
+            }
+    });
+    for (const Part& part : parts) {
+        for (const std::size_t end : part.ends) offsets.push_back(found.size() + end);
+        found.insert(found.end(), part.found.begin(), part.found.end());
+    }
+}
+
+} // namespace oncollide

@@ -1,0 +1,30 @@
+#include <oncollide/pipeline/world/world_access.hpp>
+
+#include <oncollide/pipeline/world/world_impl.hpp>
+
+namespace oncollide {
+
+World WorldAccess::make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
+{
+    return World(World::Impl::make(settings, std::move(backend)));
+}
+
+std::string WorldAccess::backend(const World& world)
+{
+    return world.impl().models.backend().name();
+}
+std::string WorldAccess::renderer(const World& world)
+{
+    return world.impl().models.backend().renderer();
+}
+std::string WorldAccess::backend_note(const World& world)
+{
+    return world.impl().note_on_backend();
+}
+
+const Ocst* WorldAccess::tree(const World& world, ModelId model)
+{
+    return world.impl().model_of(model).spheres();
+}
+
+} // namespace oncollide

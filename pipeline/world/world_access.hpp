@@ -1,0 +1,20 @@
+// Parts of a World that no installed header can name: for the library's own tools and tests.
+#pragma once
+#include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
+#include <oncollide/narrowphase/spheres/ocst.hpp>
+#include <oncollide/pipeline/world.hpp>
+
+namespace oncollide {
+
+struct WorldAccess {
+    /// A World with this backend in place of settings.backend.
+    static World make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
+    // As in WorldInfo, without the cost of the rest. Not beside queries.
+    static std::string backend(const World& world);
+    static std::string renderer(const World& world);
+    static std::string backend_note(const World& world);
+    /// The sphere-tree of a model as it is now. Null until a test reaches it. Valid until the next step.
+    static const Ocst* tree(const World& world, ModelId model);
+};
+
+} // namespace oncollide

@@ -1,0 +1,96 @@
+#pragma once
+#include <atomic>
+
+#include <oncollide/pipeline/refine/narrowing.hpp>
+#include <oncollide/pipeline/world.hpp>
+#include <oncollide/pipeline/world/motion_forecast.hpp>
+#include <oncollide/pipeline/world/stage.hpp>
+
+namespace oncollide {
+
+/// The data of a World. Implemented in world.cpp (models and bodies), world_step.cpp (frames) and world_queries.cpp
+/// (const queries).
+struct World::Impl {
+    Settings settings;
+    const std::uint16_t tag; ///< in the ids that this World issues
+    ModelStore models;
+    Bodies bodies;
+    std::vector<std::uint32_t> users; ///< by model slot: number of bodies that use it
+    std::unique_ptr<BroadPhase> broad;
+
+    Frame frame;
+    std::vector<std::unique_ptr<Stage>> stages;
+    std::vector<std::uint8_t> skipped;            ///< by stage: skipped by request
+    std::vector<StageStats> stats, totals, blank; ///< blank: initial values of a frame
+    MotionForecast courses;
+    std::vector<PairOfBodies> active, last_active, began, ended; ///< active: not separate in the last frame
+    std::string backend_note;
+    std::uint64_t hash = 0, frame_hash = 0; ///< of all frames; of the last frame
+    std::size_t undecided = 0;              ///< pairs of the last frame
+
+    struct QueryWorker;                               // query_worker.hpp
+    WorldMutex guard;                                 ///< for const calls: of the models' trees
+    OrderedMutex<LockRank::query_workers> idle_guard; ///< of idle_workers
+    std::atomic<bool> taken_in{false};                ///< are all changes in the boxes and the broad phase?
+    std::vector<std::unique_ptr<QueryWorker>> idle_workers;
+
+    Impl(const Settings& settings, std::unique_ptr<OcclusionBackend> backend, std::string note);
+    ~Impl();
+    static std::unique_ptr<Impl> make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
+
+    // Checks of arguments. Each throws before anything changes.
+    std::uint32_t slot_of(BodyId id) const;
+    Model& model_of(ModelId id);
+    static void check_pose(const char* whose, const Eigen::Isometry3d& pose);
+    static void check_pose(std::uint32_t slot, const Eigen::Isometry3d& pose);
+    Model& check_model(ModelId id); ///< for a query: reads all of a cooked mesh if the settings need all
+    void check_body(const BodySpec& body);
+    static std::string label(std::uint32_t slot) { return "body " + std::to_string(slot); }
+
+    BodyId add_checked(const BodySpec& body);
+    void remove_checked(std::uint32_t slot);
+    void replace(ModelId id, std::shared_ptr<const Geometry> geometry);
+    template <class Change>
+    void change_map(ModelId id, Change change);
+    const OccupancyMap& map_of(ModelId id);
+    void changed() { taken_in.store(false, std::memory_order_release); }
+
+    bool runs(StageId stage) const;
+    std::string note_on_backend() const;
+
+    // Pairs of const queries.
+    void check_side(const PairSide& side);                  ///< throws for an id or a pose that is refused
+    PairTask task_of(const PairSide& a, const PairSide& b); ///< of sides that were checked
+    PairTask checked_task(const PairSide& a, const PairSide& b);
+    /// Makes the trees that contacts and distances are found with, where a walk does not make them.
+    void need_trees(std::span<const PairTask> tasks);
+    void decide(QueryWorker& worker);
+    Distance distance(QueryWorker& worker, const PairTask& task, double tolerance, double cutoff);
+    void contacts(QueryWorker& worker, const PairTask& task, std::vector<Contact>& found);
+    void check_penetration(const PairTask& task) const;
+    Penetration penetration(QueryWorker& worker, const PairTask& task);
+    struct Probe; // a model at a pose against all bodies: world_queries.cpp
+    void find_near(QueryWorker& worker, const Probe& probe, double margin);
+    void find_hits(QueryWorker& worker, const Probe& probe, std::vector<QueryHit>& hits);
+    template <class Pairs, class Work>
+    void in_batches(const Pairs& pairs, std::size_t count, Work work);
+    /// Passes the changes to the broad phase and lists the AABBs to update.
+    void take_in_changes();
+    /// True if this frame must have the results of the last one, pair by pair.
+    bool rests() const;
+    void run_stages();
+    void repeat_stages(); ///< the counts of the last frame, as nothing changed
+    void find_events();
+    void look_ahead();
+    /// For const calls: updates AABBs and broad phase if there are changes.
+    void bring_up_to_date();
+
+    class Lease;
+    template <class Work>
+    void each(std::size_t items, std::size_t chunk, Work work);
+    template <class Found, class Work>
+    void gather(std::size_t items, std::size_t chunk, std::vector<Found>& found, std::vector<std::size_t>& offsets,
+                Work work);
+};
+
+} // namespace oncollide

@@ -1,0 +1,194 @@
+// World: const queries of one thing against all bodies, safe from many threads at once.
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/pipeline/check_distance.hpp>
+#include <oncollide/pipeline/world/query_worker.hpp>
+#include <oncollide/scenes/model/box_corners.hpp>
+
+namespace oncollide {
+
+namespace {
+
+bool allows(const QueryFilter& q, const Bodies& bodies, std::uint32_t slot)
+{
+    return (q.layer & bodies.mask(slot)) && (bodies.layer(slot) & q.mask) &&
+           (q.group == 0 || q.group != bodies.group(slot));
+}
+
+/// True if some point of the body lies in the box.
+bool has_point_in(const Bodies& bodies, std::uint32_t slot, const Aabb& box)
+{
+    const RelativePose into(bodies.pose(slot), Eigen::Isometry3d::Identity());
+    return bodies.model(slot).any_part(box, into, [&](const PartPoints& part) {
+        const Eigen::Vector3d point = bodies.pose(slot) * part[0];
+        return (point.array() >= box.min.array()).all() && (point.array() <= box.max.array()).all();
+    });
+}
+
+/// A model that lives as long as one query.
+class TransientModel {
+public:
+    TransientModel(ModelStore& models, WorldMutex& guard, Mesh mesh) : models_(models), guard_(guard)
+    {
+        auto geometry = std::make_shared<const Geometry>(Geometry{{}, std::move(mesh), {}});
+        const std::lock_guard lock(guard);
+        model_ = &models.add_transient(std::move(geometry));
+    }
+    ~TransientModel()
+    {
+        const std::lock_guard lock(guard_);
+        models_.remove_transient(*model_);
+    }
+    TransientModel(const TransientModel&) = delete;
+    TransientModel& operator=(const TransientModel&) = delete;
+    Model& operator*() { return *model_; }
+
+private:
+    ModelStore& models_;
+    WorldMutex& guard_;
+    Model* model_;
+};
+
+Mesh box_mesh(const Aabb& box)
+{
+    std::vector<Eigen::Vector3d> corners;
+    for (unsigned k = 0; k < 8; ++k) corners.push_back(corner_of(box, k));
+    return make_mesh("box", std::move(corners), {box_faces.begin(), box_faces.end()});
+}
+
+} // namespace
+
+/// A model at a pose, as a query tests it.
+struct World::Impl::Probe {
+    Model* model;
+    Eigen::Isometry3d pose;
+    QueryFilter filter;
+    const Aabb* solid_box = nullptr; ///< bodies wholly inside are hits, too
+};
+
+/// Leaves in worker.tasks the bodies that the filter allows and whose AABBs are at most `margin` from the probe's.
+void World::Impl::find_near(QueryWorker& worker, const Probe& probe, double margin)
+{
+    Aabb box = probe.model->bounds().box(probe.pose);
+    const Eigen::Vector3d by = Eigen::Vector3d::Constant(margin);
+    if (margin > 0) box = {box.min - by, box.max + by};
+    worker.boxes.assign(1, box);
+    broad->query(bodies.columns(), worker.boxes, worker.hits);
+    worker.tasks.clear();
+    for (const AabbHit& hit : worker.hits)
+        if (allows(probe.filter, bodies, hit.body))
+            worker.tasks.push_back(
+                {hit.body, probe.model, &bodies.model(hit.body), &probe.pose, &bodies.pose(hit.body)});
+}
+
+/// Appends the hits of `probe`.
+void World::Impl::find_hits(QueryWorker& w, const Probe& probe, std::vector<QueryHit>& hits)
+{
+    find_near(w, probe, 0);
+    const auto farthest = [&](std::uint32_t slot) { return farthest_apart(w.boxes.front(), bodies.boxes()[slot]); };
+    w.refined.clear();
+    for (const PairTask& task : w.tasks)
+        w.refined.push_back({Verdict::undecided, ContactKind::unknown, farthest(task.number)});
+    w.levels.run(w.context, w.tasks, w.refined);
+    for (std::size_t i = 0; i < w.tasks.size(); ++i) {
+        const std::uint32_t slot = w.tasks[i].number;
+        Finding& found = w.refined[i];
+        if (probe.solid_box && found.verdict != Verdict::colliding) // parts of the body whose surface meets no face
+            try {
+                if (models.with_room([&] { return has_point_in(bodies, slot, *probe.solid_box); }))
+                    found = {Verdict::colliding, ContactKind::enclosed, 0};
+            } catch (const ChunkFault& fault) {
+                models.note(fault.what());
+                found = {Verdict::undecided, ContactKind::unknown, farthest(slot)};
+            }
+        if (found.verdict != Verdict::separate) hits.push_back({found, bodies.id(slot)});
+    }
+}
+
+void World::Impl::bring_up_to_date()
+{
+    if (taken_in.load(std::memory_order_acquire)) return;
+    const std::lock_guard lock(guard);
+    if (taken_in.load(std::memory_order_relaxed)) return;
+    const ExecutorScope scope(settings.executor);
+    take_in_changes();
+    update_boxes(bodies, frame.changes, true, frame.context.threads);
+    broad->take_in(bodies.columns());
+    taken_in.store(true, std::memory_order_release);
+}
+
+std::vector<QueryHit> World::query(ModelId model, const Eigen::Isometry3d& pose, const QueryFilter& filter) const
+{
+    Impl& p = impl();
+    Model& mine = p.check_model(model);
+    p.check_pose("", pose);
+    p.bring_up_to_date();
+    std::vector<QueryHit> hits;
+    Impl::Lease worker(p);
+    p.find_hits(*worker, {&mine, pose, filter}, hits);
+    return hits;
+}
+
+void World::query(std::span<const ModelQuery> queries, QueryHits& out) const
+{
+    Impl& p = impl();
+    for (std::size_t i = 0; i < queries.size(); ++i) try {
+            p.check_model(queries[i].model), p.check_pose("", queries[i].pose);
+        } catch (const Error& error) {
+            throw Error(error.kind(), fmt::format("query {}: {}", i, error.what()));
+        }
+    p.bring_up_to_date();
+    p.gather(queries.size(), 64, out.hits, out.offsets, [&](auto& worker, std::size_t i, auto& hits) {
+        const ModelQuery& query = queries[i];
+        p.find_hits(worker, {&p.models[query.model], query.pose, query.filter}, hits);
+    });
+}
+
+std::vector<QueryHit> World::query(const Segment& segment, const QueryFilter& filter) const
+{
+    Impl& p = impl();
+    Mesh mesh = make_mesh("segment", {segment.from, segment.to}, {{0, 1, 1}});
+    p.bring_up_to_date();
+    TransientModel model(p.models, p.guard, std::move(mesh));
+    std::vector<QueryHit> hits;
+    Impl::Lease worker(p);
+    p.find_hits(*worker, {&*model, Eigen::Isometry3d::Identity(), filter}, hits);
+    return hits;
+}
+
+std::vector<QueryHit> World::query(const Aabb& box, const QueryFilter& filter) const
+{
+    Impl& p = impl();
+    if (box.empty()) throw Error(ErrorKind::bad_data, "query: the box is empty (min > max)");
+    Mesh mesh = box_mesh(box);
+    p.bring_up_to_date();
+    TransientModel model(p.models, p.guard, std::move(mesh));
+    std::vector<QueryHit> hits;
+    Impl::Lease worker(p);
+    p.find_hits(*worker, {&*model, Eigen::Isometry3d::Identity(), filter, &box}, hits);
+    return hits;
+}
+
+std::vector<BodyDistance> World::distances(const ModelQuery& query, double cutoff, double tolerance) const
+{
+    Impl& p = impl();
+    check_distance(tolerance, cutoff);
+    if (!std::isfinite(cutoff)) throw Error(ErrorKind::usage, "distances: the cutoff to all bodies must be finite");
+    Model& mine = p.check_model(query.model);
+    p.check_pose("", query.pose);
+    p.bring_up_to_date();
+    Impl::Lease worker(p);
+    p.find_near(*worker, {&mine, query.pose, query.filter}, cutoff * (1 + 0x1p-40));
+    for (PairTask& task : worker->tasks) task.pose_a = &query.pose; // the probe is gone
+    p.need_trees(worker->tasks);
+    std::vector<BodyDistance> found;
+    for (const PairTask& task : worker->tasks)
+        if (const Distance distance = p.distance(*worker, task, tolerance, cutoff); distance.lower <= cutoff)
+            found.push_back({p.bodies.id(task.number), distance});
+    return found;
+}
+
+} // namespace oncollide

@@ -1,0 +1,293 @@
+// World: construction and frames.
+#include <algorithm>
+#include <array>
+#include <chrono>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/parallel.hpp>
+#include <oncollide/narrowphase/gl/gpu.hpp>
+#include <oncollide/pipeline/result_hash.hpp>
+#include <oncollide/pipeline/world/world_impl.hpp>
+
+namespace oncollide {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds(Clock::duration d)
+{
+    return std::chrono::duration<double, std::milli>(d).count();
+}
+
+std::uint64_t hash_of(std::span<const PairResult> results, bool with_kinds)
+{
+    std::uint64_t hash = 0;
+    for (const PairResult& result : results) mix(hash, result, with_kinds);
+    return hash;
+}
+
+void add_to(StageStats& total, const StageStats& s)
+{
+    total.frames += 1, total.in += s.in, total.out += s.out, total.culled += s.culled;
+    total.undecided += s.undecided, total.cpu_ms += s.cpu_ms, total.gpu_ms += s.gpu_ms, total.wait_ms += s.wait_ms;
+    total.skipped &= s.skipped, total.note = total.skipped ? s.note : std::string_view{};
+}
+
+/// For tests of every pair: where nothing changed, bounds are the last ones, as if the pairs had not been tested.
+void keep_bounds(Frame& frame)
+{
+    for (std::size_t i = 0; i < frame.results.size(); ++i)
+        if (const PairResult* last = frame.last_result(i); last && last->verdict == Verdict::separate)
+            if (PairResult& now = frame.results[i]; now.verdict == Verdict::separate) now.bound = last->bound;
+}
+
+/// `auto` uses only hardware GPUs: software renderers are slower than the cpu backend.
+std::unique_ptr<OcclusionBackend> make_automatic_backend(int gpu, std::string& note)
+{
+    try {
+        const std::vector<GpuDevice> devices = gpu_devices();
+        const auto hardware = [](const GpuDevice& d) { return !d.software; };
+        if (gpu < 0 && std::none_of(devices.begin(), devices.end(), hardware)) {
+            note = "auto: the CPU was chosen, because there are only software renderers";
+            return make_cpu_backend();
+        }
+        const GpuInfo info = describe_gpu(gpu);
+        if (!info.software) return make_gl_compute_backend({.gpu = gpu});
+        note = fmt::format("auto: the CPU was chosen, because {} is a software renderer", info.renderer);
+    } catch (const Error& error) {
+        note = fmt::format("auto: the CPU was chosen; {}", error.what());
+    }
+    return make_cpu_backend();
+}
+
+/// @param note  why `auto` did not choose a GPU
+std::unique_ptr<OcclusionBackend> make_backend(const Settings& settings, std::string& note)
+{
+    switch (settings.backend) {
+    case BackendKind::automatic:
+        return make_automatic_backend(settings.gpu, note);
+    case BackendKind::gl_compute:
+        return make_gl_compute_backend({.gpu = settings.gpu});
+    case BackendKind::gl_query:
+        return make_gl_query_backend({.gpu = settings.gpu, .viewport = settings.viewport});
+    default:
+        return make_cpu_backend();
+    }
+}
+
+std::unique_ptr<BroadPhase> make_broad_phase(BroadPhaseKind kind, const BroadPhase::Options& options)
+{
+    switch (kind) {
+    case BroadPhaseKind::octree:
+        return make_octree(options);
+    case BroadPhaseKind::brute_force:
+        return make_brute_force(options);
+    default:
+        return make_kd_tree(options);
+    }
+}
+
+} // namespace
+
+/// @param backend  null: as the settings say
+std::unique_ptr<World::Impl> World::Impl::make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
+{
+    check(settings);
+    std::string note;
+    if (!backend) backend = make_backend(settings, note);
+    auto made = std::make_unique<Impl>(settings, std::move(backend), std::move(note));
+
+    Impl& p = *made;
+    p.broad =
+        make_broad_phase(settings.broad_phase, {.margin = settings.clearance, .threads = p.frame.context.threads});
+    p.stages.push_back(make_bounds_stage());
+    p.stages.push_back(make_delimitation_stage(*p.broad));
+    p.stages.push_back(make_broad_stage(*p.broad));
+    p.stages.push_back(make_refine_stage(p.settings, p.models));
+    p.stages.push_back(make_exact_stage(p.settings, p.models));
+    for (auto* stats : {&p.stats, &p.totals, &p.blank}) stats->resize(p.stages.size());
+    for (std::size_t i = 0; i < p.stages.size(); ++i) {
+        p.skipped.push_back(!p.runs(p.stages[i]->id()));
+        p.blank[i].stage = p.totals[i].stage = name_of(p.stages[i]->id());
+        p.blank[i].unit = p.totals[i].unit = p.stages[i]->unit();
+        p.blank[i].frames = 1, p.totals[i].skipped = true;
+    }
+    p.frame.whole = !p.runs(StageId::delimitation);
+    return made;
+}
+
+World::World(const Settings& settings) : impl_(Impl::make(settings, nullptr)) {}
+
+bool World::Impl::runs(StageId stage) const
+{
+    return !settings.skip.contains(stage);
+}
+
+void World::Impl::take_in_changes()
+{
+    BodyChanges& changes = frame.changes;
+    bodies.take_changes(changes);
+    frame.fresh.resize(bodies.slots());
+    for (std::uint32_t slot : changes.fresh)
+        if (!frame.fresh[slot]) frame.fresh[slot] = 1, frame.fresh_slots.push_back(slot);
+    frame.changed.resize(bodies.slots());
+    for (const auto* slots : {&changes.fresh, &changes.moved})
+        for (std::uint32_t slot : *slots)
+            if (!frame.changed[slot]) frame.changed[slot] = 1, frame.changed_slots.push_back(slot);
+    frame.same_bodies &= changes.empty() && frame.exclusions_version == bodies.exclusions_version();
+    frame.exclusions_version = bodies.exclusions_version();
+    frame.moved += changes.added_dynamic.size() + changes.moved.size();
+    broad->remove(changes.removed);
+    broad->add(changes.added_dynamic), broad->add(changes.added_static, true);
+    broad->move(changes.moved);
+    broad->make_static(changes.made_static), broad->make_dynamic(changes.made_dynamic);
+}
+
+void World::set_pair_filter(PairFilter filter)
+{
+    impl().frame.filter = std::move(filter);
+}
+
+FrameView World::step()
+{
+    Impl& p = impl();
+    const ExecutorScope scope(p.settings.executor);
+    Frame& frame = p.frame;
+    const auto begin = frame.context.began = Clock::now();
+    if (!p.models.lost().empty() && p.settings.backend != BackendKind::automatic)
+        throw Error(ErrorKind::no_gpu, fmt::format("frame {}: the GPU was lost in an earlier frame, which the CPU "
+                                                   "completed: {}; to continue without it, use --backend auto or cpu",
+                                                   frame.number, p.models.lost()));
+    frame.context.trees = {}, frame.context.rounds.clear(), frame.context.frame = frame.number;
+    p.take_in_changes();
+    if (p.rests()) {
+        p.repeat_stages();
+    } else {
+        try {
+            p.run_stages();
+        } catch (...) {
+            frame.keeps = false; // some results are of this frame
+            throw;
+        }
+        if (!p.settings.coherence) keep_bounds(frame);
+        p.find_events();
+        p.look_ahead();
+        p.frame_hash = hash_of(frame.results, wants_kinds(p.settings));
+    }
+    frame.keeps = !p.settings.node_budget && !p.settings.memory_budget && !p.settings.resident_budget;
+    for (std::size_t i = 0; i < p.stages.size(); ++i) add_to(p.totals[i], p.stats[i]);
+    for (std::uint32_t slot : frame.fresh_slots) frame.fresh[slot] = 0;
+    for (std::uint32_t slot : frame.changed_slots) frame.changed[slot] = 0;
+    frame.fresh_slots.clear(), frame.changed_slots.clear(), frame.moved = 0, frame.same_bodies = true;
+
+    TreeStats& trees = frame.context.trees;
+    trees.collapsed = p.models.age(frame.number);
+    trees.nodes = p.models.nodes();
+    trees.bytes = p.models.bytes();
+    mix(p.hash, p.frame_hash);
+    return {frame.number++, milliseconds(Clock::now() - begin),
+            frame.results,  p.began,
+            p.ended,        p.stats,
+            p.totals,       frame.delimitation,
+            trees,          frame.context.rounds,
+            p.frame_hash};
+}
+
+void World::Impl::run_stages()
+{
+    auto from = frame.context.began;
+    for (std::size_t i = 0; i < stages.size(); ++i) {
+        Stage& stage = *stages[i];
+        StageStats& s = stats[i];
+        s = blank[i];
+        s.note = skipped[i] ? by_request : stage.reason_to_skip(bodies, frame);
+        s.skipped = !s.note.empty();
+        if (s.skipped)
+            stage.skip(bodies, frame, s);
+        else
+            stage.run(bodies, frame, s);
+        s.culled = s.in - s.out;
+        // A stage that skips itself costs less than reading the clock, so it is not timed.
+        const auto to = s.skipped && !skipped[i] ? from : Clock::now();
+        s.cpu_ms = milliseconds(to - from);
+        from = to;
+    }
+}
+
+bool World::Impl::rests() const
+{
+    return frame.keeps && frame.same_bodies && settings.coherence && !frame.filter && undecided == 0;
+}
+
+void World::Impl::repeat_stages()
+{
+    frame.delimitation.clear(), began.clear(), ended.clear();
+    for (StageStats& s : stats) s.cpu_ms = s.gpu_ms = s.wait_ms = 0;
+    frame.context.trees.kept = frame.results.size();
+}
+
+/// Lets the prefetcher prepare the parts of cooked meshes that moving bodies will reach next.
+void World::Impl::look_ahead()
+{
+    if (settings.look_ahead == 0 || !reads_on_demand(settings)) return;
+    std::vector<PrefetchPart> parts = courses.find(bodies, frame.changes.moved, *broad, frame.number,
+                                                   static_cast<std::uint32_t>(settings.look_ahead));
+    if (!parts.empty()) models.look_ahead(std::move(parts));
+}
+
+/// Merges the two lists, which are sorted by slots. A reused slot has another generation, so its pairs are new pairs.
+void World::Impl::find_events()
+{
+    active.swap(last_active);
+    active.clear(), began.clear(), ended.clear();
+    undecided = 0;
+    for (const PairResult& result : frame.results) {
+        if (result.verdict != Verdict::separate) active.push_back({result.a, result.b});
+        undecided += result.verdict == Verdict::undecided;
+    }
+    const auto slots = [](const PairOfBodies& pair) { return BodyPair{pair.a.slot, pair.b.slot}; };
+    auto now = active.begin(), before = last_active.begin();
+    while (now != active.end() || before != last_active.end()) {
+        const bool only_before = now == active.end() || (before != last_active.end() && slots(*before) < slots(*now));
+        const bool only_now = !only_before && (before == last_active.end() || slots(*now) < slots(*before));
+        if (!only_before && !only_now && *now == *before) {
+            ++now, ++before;
+            continue;
+        }
+        if (!only_before) began.push_back(*now++);
+        if (!only_now) ended.push_back(*before++);
+    }
+}
+
+std::span<const std::string_view> World::stages()
+{
+    return all_stage_names();
+}
+WorldInfo World::inspect() const
+{
+    Impl& p = impl();
+    const std::lock_guard lock(p.guard); // queries make trees and take in changes meanwhile
+    return {.bodies = p.bodies.size(),
+            .models = p.models.size(),
+            .frames = p.frame.number,
+            .bytes = p.bodies.bytes() + p.broad->bytes() + p.models.bytes() + p.frame.cache.bytes(),
+            .backend = p.models.backend().name(),
+            .renderer = p.models.backend().renderer(),
+            .backend_note = p.note_on_backend(),
+            .totals = p.totals,
+            .regions = p.frame.delimitation.empty() ? std::vector<DelimitedRegion>{} : p.broad->regions(),
+            .file_faults = p.models.faults()};
+}
+std::uint64_t World::hash() const
+{
+    return impl().hash;
+}
+void World::continue_from(std::uint32_t frame, std::uint64_t hash)
+{
+    impl().frame.number = frame, impl_->hash = hash;
+}
+
+} // namespace oncollide

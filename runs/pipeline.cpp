@@ -1,0 +1,101 @@
+#include <oncollide/runs/pipeline.hpp>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+
+namespace oncollide {
+
+struct Pipeline::Played {
+    std::vector<std::shared_ptr<const Geometry>> geometries;
+    std::uint32_t bodies = 0;
+    ChangeLog::Mark changes;  ///< of the scene, already applied to the World
+    std::size_t excluded = 0; ///< number of pairs applied
+};
+
+Pipeline::Pipeline(const Scene& scene, World world) : world_(std::move(world)), played_(std::make_unique<Played>())
+{
+    if (world_.models() || world_.size())
+        throw Error(ErrorKind::usage, "Pipeline: the World has models or bodies; pass a new World");
+    play(scene);
+}
+Pipeline::Pipeline(const Scene& scene, const Settings& settings) : Pipeline(scene, World(settings)) {}
+Pipeline::~Pipeline() = default;
+Pipeline::Pipeline(Pipeline&&) noexcept = default;
+
+FrameView Pipeline::step(const Scene& scene)
+{
+    play(scene);
+    return world_.step();
+}
+
+void Pipeline::play_geometries(const Scene& scene)
+{
+    auto& known = played_->geometries;
+    if (scene.geometries.size() < known.size())
+        throw Error(ErrorKind::usage,
+                    fmt::format("the scene has {} geometries, {} in the last call; pass the same scene",
+                                scene.geometries.size(), known.size()));
+    for (std::uint32_t g = 0; g < scene.geometries.size(); ++g) {
+        const std::shared_ptr<const Geometry>& geometry = scene.geometries.share(g);
+        if (g == known.size())
+            world_.add(geometry), known.push_back(geometry);
+        else if (known[g] != geometry)
+            world_.replace(world_.model_at(g), geometry), known[g] = geometry;
+    }
+}
+
+void Pipeline::add_body(const Scene& scene, std::uint32_t body)
+{
+    world_.add_body({.model = model(scene.geometry[body]),
+                     .pose = scene.poses[body],
+                     .is_static = scene.is_static[body] != 0,
+                     .layer = scene.layers[body],
+                     .mask = scene.masks[body],
+                     .group = scene.groups[body]});
+}
+
+/// The World ignores values that have not changed.
+void Pipeline::change_body(const Scene& scene, std::uint32_t body)
+{
+    const BodyId id = world_.body_at(body);
+    world_.set_pose(id, scene.poses[body]);
+    if (const ModelId of = model(scene.geometry[body]); world_.model(id) != of) world_.set_model(id, of);
+    world_.set_static(id, scene.is_static[body] != 0);
+    world_.set_layers(id, scene.layers[body], scene.masks[body]);
+    world_.set_group(id, scene.groups[body]);
+}
+
+void Pipeline::play(const Scene& scene)
+{
+    Played& p = *played_;
+    if (scene.size() < p.bodies)
+        throw Error(ErrorKind::usage, fmt::format("the scene has {} bodies, {} in the last call; pass the same scene",
+                                                  scene.size(), p.bodies));
+    play_geometries(scene);
+    std::uint32_t body = 0;
+    try {
+        if (scene.changes.reaches(p.changes)) {
+            for (const ChangeLog::Change change : scene.changes.since(p.changes)) {
+                if (body = change.body; body >= p.bodies) continue;
+                change.only_pose ? world_.set_pose(world_.body_at(body), scene.poses[body]) : change_body(scene, body);
+            }
+        } else {
+            for (body = 0; body < p.bodies; ++body) change_body(scene, body);
+        }
+        if (p.bodies == 0) world_.reserve_bodies(scene.size());
+        for (body = p.bodies; body < scene.size(); ++body, ++p.bodies) add_body(scene, body);
+    } catch (const Error& error) { // the World does not know the bodies' names
+        const std::string_view what = error.what();
+        const std::size_t colon = what.find(": ");
+        const bool of_body = what.starts_with("body ") || what.starts_with("new body");
+        const std::string name =
+            scene.names[body].empty() ? fmt::format("body {}", body) : fmt::format("body '{}'", scene.names[body]);
+        throw Error(error.kind(), of_body ? fmt::format("{}{}", name, what.substr(colon)) : std::string(what));
+    }
+    p.changes = scene.changes.now();
+    for (; p.excluded < scene.excluded.size(); ++p.excluded)
+        world_.exclude(world_.body_at(scene.excluded[p.excluded].a), world_.body_at(scene.excluded[p.excluded].b));
+}
+
+} // namespace oncollide

@@ -1,0 +1,53 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include <oncollide/pipeline/world.hpp>
+#include <oncollide/scenes/scene.hpp>
+
+namespace oncollide {
+
+/// Plays a Scene (a description) in a World (the simulation state).
+///
+///     Pipeline pipeline(scene, {.depth = 6});
+///     for (...) { mover.move(scene, frame); for (const PairResult& pair : pipeline.step(scene).pairs) ... }
+///
+/// Body i of the scene is the body in slot i of the World, geometry i the model in slot i; geometries are shared, not
+/// copied.
+class Pipeline {
+public:
+    /// Errors as World's, but bodies have their scene names. Keeps only the geometries of `scene`.
+    explicit Pipeline(const Scene& scene, const Settings& settings = {});
+    /// @param world  a new one. Throws Error{usage} if it has models or bodies.
+    Pipeline(const Scene& scene, World world);
+    ~Pipeline();
+    Pipeline(Pipeline&&) noexcept;
+
+    /// Applies the changes of `scene` since the last call (poses, layers, groups, geometries, new bodies) to the World
+    /// and runs a frame. Cost: proportional to the changes; if `scene` is another object than in the last call, even a
+    /// copy, one comparison per body.
+    FrameView step(const Scene& scene);
+
+    World& world() { return world_; }
+    const World& world() const { return world_; }
+
+    BodyId body(SceneBodyId body) const { return world_.body_at(index(body)); }
+    ModelId model(GeometryId geometry) const { return world_.model_at(index(geometry)); }
+
+    std::span<const std::string_view> stages() const { return World::stages(); }
+    std::uint64_t hash() const { return world_.hash(); }
+    WorldInfo inspect() const { return world_.inspect(); }
+    const Settings& settings() const { return world_.settings(); }
+
+private:
+    struct Played; ///< the parts of the scene that the World already has
+    void play(const Scene& scene);
+    void play_geometries(const Scene& scene);
+    void add_body(const Scene& scene, std::uint32_t body);
+    void change_body(const Scene& scene, std::uint32_t body);
+
+    World world_;
+    std::unique_ptr<Played> played_;
+};
+
+} // namespace oncollide

@@ -1,0 +1,74 @@
+// The order of the library's mutexes is asserted in builds with assertions.
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include <oncollide/base/lock_order.hpp>
+
+namespace oncollide::lock_order_test {
+namespace {
+
+OrderedMutex<LockRank::world, std::shared_mutex> world;
+OrderedMutex<LockRank::chunks> chunks;
+OrderedMutex<LockRank::cooked_file> file;
+
+void skip_without_assertions()
+{
+#ifndef ONCOLLIDE_ASSERTIONS
+    GTEST_SKIP() << "this build has no assertions; the presets debug, asan and tsan have";
+#endif
+}
+
+TEST(LockOrder, AllowsMutexesOfLaterRanksInAnyThread)
+{
+    const std::shared_lock first(world);
+    const std::lock_guard second(chunks);
+    const std::lock_guard third(file);
+    std::thread([] { const std::shared_lock alone(world); }).join();
+}
+
+TEST(LockOrder, AllowsAnyRankOnceAllAreReleased)
+{
+    {
+        std::unique_lock first(chunks);
+        const std::lock_guard second(file);
+        first.unlock();
+    }
+    const std::lock_guard first(world);
+}
+
+TEST(LockOrder, DiesIfAnEarlierMutexIsLockedLast)
+{
+    skip_without_assertions();
+    if (IsSkipped()) return;
+    GTEST_FLAG_SET(death_test_style, "threadsafe");
+    EXPECT_DEATH(
+        {
+            const std::lock_guard first(file);
+            const std::lock_guard second(chunks);
+        },
+        "LockRank");
+    EXPECT_DEATH(
+        {
+            const std::lock_guard first(chunks);
+            const std::shared_lock second(world);
+        },
+        "LockRank");
+}
+
+TEST(LockOrder, DiesIfAThreadHoldsTwoMutexesOfOneRank)
+{
+    skip_without_assertions();
+    if (IsSkipped()) return;
+    GTEST_FLAG_SET(death_test_style, "threadsafe");
+    OrderedMutex<LockRank::chunks> others;
+    EXPECT_DEATH(
+        {
+            const std::lock_guard first(chunks);
+            const std::lock_guard second(others);
+        },
+        "LockRank");
+}
+
+} // namespace
+} // namespace oncollide::lock_order_test
