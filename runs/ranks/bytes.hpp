@@ -18,8 +18,9 @@ template <class Value>
 requires std::is_trivially_copyable_v<Value>
 void put(Bytes& bytes, const Value& value)
 {
-    const auto* from = reinterpret_cast<const std::byte*>(&value);
-    bytes.insert(bytes.end(), from, from + sizeof(Value));
+    const auto* const from = reinterpret_cast<const std::byte*>(&value);
+    bytes.resize(bytes.size() + sizeof(Value));
+    std::memcpy(bytes.data() + bytes.size() - sizeof(Value), from, sizeof(Value));
 }
 /// Appends the length of a string or vector and its elements.
 template <class List>

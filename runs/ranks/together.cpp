@@ -23,7 +23,6 @@ void together(Ranks& ranks, const std::function<void()>& work)
     ranks.sum({&failed, 1});
     if (!failed) return;
     Bytes mine;
-    mine.reserve(sizeof kind + sizeof(std::uint32_t) + what.size());
     put(mine, kind), put_list(mine, what);
     std::vector<Bytes> all;
     ranks.gather(mine, all);

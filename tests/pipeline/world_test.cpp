@@ -54,7 +54,7 @@ struct Described {
 
 TEST(World, RefinesThePairsThatItsFilterChoosesInTheOrderThatItChooses)
 {
-    World world({.exact = ExactLevel::predicates, .clearance = 0.25});
+    World world({.clearance = 0.25, .exact = ExactLevel::predicates});
     const ModelId ball = world.add(Sphere{1}), knots = world.add(knot());
     std::vector<BodyId> bodies;
     for (std::uint64_t i = 0; i < 60;
