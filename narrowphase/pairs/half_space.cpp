@@ -219,7 +219,8 @@ ConvexMeeting HalfSpacePair<Body>::meeting() const
 template <class Body>
 ConvexDistance HalfSpacePair<Body>::distance(double above) const
 {
-    if (const double sure = low() - rounding(); sure > above) return {sure, infinity, {}, {}};
+    if (const double sure = low() - rounding(); sure > above)
+        return {sure, infinity, Vector3d::Zero(), Vector3d::Zero()};
     const double radius = this->radius(), doubt = rounding() + 0x1p-50 * radius;
     const Vector3d p = lowest(radius - doubt);
     ConvexDistance d{0, 0, {p.x(), p.y(), 0}, {p.x(), p.y(), p.z() - radius}};

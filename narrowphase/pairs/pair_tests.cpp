@@ -13,7 +13,7 @@ namespace pair_table {
 
 using direct_tests::OnHalfSpace, direct_tests::TwoShapes;
 using operand::Cells, operand::Heights, operand::Plane, operand::Polytope, operand::Solid, operand::Triangles;
-using walk_tests::WalkPair;
+using walk_tests::WalkPair, walk_tests::walk_pair;
 
 using Contacts = std::vector<Contact>;
 
@@ -43,16 +43,16 @@ constexpr PairTests walked()
     return {.trees = TreesNeeded::always,
             .decide =
                 [](PairWorker& worker, const PairTask& task, const PairOptions& options, PairMemory* memory) {
-                    return walk_tests::decide(WalkPair<A, B>(worker, task, swapped), options.clearance, memory);
+                    return walk_tests::decide(walk_pair<A, B>(worker, task, swapped), options.clearance, memory);
                 },
             .near =
                 [](PairWorker& worker, const PairTask& task, double clearance, double tolerance, PairMemory* memory) {
-                    return walk_tests::near(WalkPair<A, B>(worker, task, swapped), clearance, tolerance, memory);
+                    return walk_tests::near(walk_pair<A, B>(worker, task, swapped), clearance, tolerance, memory);
                 },
             .distance =
                 [](PairWorker& worker, const PairTask& task, double tolerance, double farthest, bool solid) {
                     const Distance found =
-                        walk_tests::distance(WalkPair<A, B>(worker, task, swapped), tolerance, farthest);
+                        walk_tests::distance(walk_pair<A, B>(worker, task, swapped), tolerance, farthest);
                     return walk_tests::with_insides(found, worker, task, solid);
                 },
             .direct_distance = nullptr,
@@ -68,9 +68,9 @@ Distance shape_distance(PairWorker& worker, const PairTask& task, double toleran
     const OrderedPair pair(task, swapped);
     const auto walk = [&] {
         if constexpr (std::same_as<Shape, Polytope> && swapped) // surfaces are not swapped
-            return walk_tests::distance(WalkPair<B, Shape>(worker, task, false), tolerance, farthest);
+            return walk_tests::distance(walk_pair<B, Shape>(worker, task, false), tolerance, farthest);
         else
-            return walk_tests::distance(WalkPair<Shape, B>(worker, task, swapped), tolerance, farthest);
+            return walk_tests::distance(walk_pair<Shape, B>(worker, task, swapped), tolerance, farthest);
     };
     const Distance found = pair.a.convex().count <= operand::most_points
                                ? walk_tests::solid_distance<B>(worker, pair, tolerance, farthest)

@@ -63,7 +63,7 @@ template <class A, class B>
 Finding decide(PairWorker& worker, const PairTask& task, const PairOptions& options, PairMemory* memory)
 {
     if (inexact<A, B>(task))
-        return walk_tests::decide_off(walk_tests::WalkPair<A, B>(worker, task, false), options.clearance);
+        return walk_tests::decide_off(walk_tests::walk_pair<A, B>(worker, task, false), options.clearance);
     auto &a = A::tree(*task.a), &b = B::tree(*task.b);
     auto& walk = worker.traversal(a, b);
     const RelativePose b_to_a(*task.pose_a, *task.pose_b);
@@ -95,14 +95,14 @@ Finding decide(PairWorker& worker, const PairTask& task, const PairOptions& opti
     if constexpr (solid_a && solid_b)
         return direct_tests::by_distance(direct_tests::TwoShapes(task, false), options.clearance);
     else
-        return walk_tests::by_distance(walk_tests::WalkPair<A, B>(worker, task, false), options.clearance);
+        return walk_tests::by_distance(walk_tests::walk_pair<A, B>(worker, task, false), options.clearance);
 }
 
 template <class A, class B>
 Finding near(PairWorker& worker, const PairTask& task, double clearance, double tolerance, PairMemory* memory)
 {
     if (std::same_as<A, Polytope> || std::same_as<B, Polytope> || inexact<A, B>(task))
-        return walk_tests::near(walk_tests::WalkPair<A, B>(worker, task, false), clearance, tolerance, memory);
+        return walk_tests::near(walk_tests::walk_pair<A, B>(worker, task, false), clearance, tolerance, memory);
     auto &a = A::tree(*task.a), &b = B::tree(*task.b);
     RememberedHint<std::remove_reference_t<decltype(a)>, std::remove_reference_t<decltype(b)>> place(memory);
     const auto found = worker.traversal(a, b).near(a, b, RelativePose(*task.pose_a, *task.pose_b), clearance, tolerance,
@@ -116,7 +116,7 @@ template <class A, class B>
 Distance distance(PairWorker& worker, const PairTask& task, double tolerance, double farthest)
 {
     if (inexact<A, B>(task))
-        return walk_tests::distance(walk_tests::WalkPair<A, B>(worker, task, false), tolerance, farthest);
+        return walk_tests::distance(walk_tests::walk_pair<A, B>(worker, task, false), tolerance, farthest);
     auto &a = A::tree(*task.a), &b = B::tree(*task.b);
     return triangle_distance(worker.traversal(a, b), a, *task.pose_a, b, *task.pose_b, tolerance, farthest);
 }

@@ -66,7 +66,8 @@ template <class A, class B>
 Distance triangle_distance(TraversalOf<A, B>& walk, A& a, const Eigen::Isometry3d& pose_a, B& b,
                            const Eigen::Isometry3d& pose_b, double tolerance, double farthest)
 {
-    const auto found = walk.distance(a, b, RelativePose(pose_a, pose_b), tolerance, farthest);
+    const RelativePose b_to_a(pose_a, pose_b); // the leaf tests keep a reference
+    const auto found = walk.distance(a, b, b_to_a, tolerance, farthest);
     Distance d{.lower = found.lower, .upper = found.upper};
     if (!found.nearest) return d;
     const auto& triangles = walk.walk().leaves();

@@ -119,6 +119,14 @@ struct WalkPair : OrderedPair {
     double seen(double farthest) const { return (farthest + off) * (1 + 4 * rigid); }
 };
 
+/// The pair as its decisions and distances take it. Two bodies of one model are taken in the other order: either order
+/// would do, but the bits of the results depend on it.
+template <class A, class B>
+WalkPair<A, B> walk_pair(PairWorker& worker, const PairTask& task, bool swap)
+{
+    return {worker, task, swap || task.a == task.b};
+}
+
 /// For bodies that do not meet: separate beyond the clearance, or near.
 template <class A, class B>
 Finding by_distance(const WalkPair<A, B>& p, double clearance)
