@@ -9,10 +9,10 @@ namespace {
 const CookedFile* file_of(const GeometryData& data)
 {
     if (const auto* mesh = std::get_if<std::shared_ptr<const CookedMesh>>(&data)) return &(*mesh)->file();
-    if (const auto* terrain = std::get_if<Terrain>(&data); terrain && terrain->chunks())
-        return &terrain->chunks()->cooked()->file();
-    if (const auto* map = std::get_if<OccupancyMap>(&data); map && MapAccess::cells(*map).chunks())
-        return &MapAccess::cells(*map).chunks()->cooked()->file();
+    if (const auto* terrain = std::get_if<Terrain>(&data))
+        if (const CookedTerrainChunks* chunks = cooked_chunks(*terrain)) return &chunks->cooked()->file();
+    if (const auto* map = std::get_if<OccupancyMap>(&data))
+        if (const CookedMapChunks* chunks = cooked_chunks(*map)) return &chunks->cooked()->file();
     return nullptr;
 }
 
@@ -29,9 +29,9 @@ void Model::read_on_demand(ChunkBudget& budget)
 {
     if (!file_ || cooked()) return;
     if (terrain())
-        data_ = &own_terrain_.emplace(TerrainChunks::terrain(terrain()->chunks()->cooked(), &budget));
+        data_ = &own_terrain_.emplace(CookedTerrainChunks::terrain(cooked_chunks(*terrain())->cooked(), &budget));
     else
-        data_ = &own_map_.emplace(MapChunks::map(MapAccess::cells(*map()).chunks()->cooked(), &budget));
+        data_ = &own_map_.emplace(CookedMapChunks::map(cooked_chunks(*map())->cooked(), &budget));
 }
 
 void Model::read_all() const
@@ -48,7 +48,7 @@ void Model::read_all() const
 HeldChunks* Model::held_grid() const
 {
     if (!file_ || cooked()) return nullptr;
-    return map() ? static_cast<HeldChunks*>(MapAccess::cells(*map()).chunks()) : heights_.get();
+    return map() ? static_cast<HeldChunks*>(cooked_chunks(*map())) : heights_.get();
 }
 
 std::size_t Model::grid_bytes() const

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include <oncollide/scenes/cooked/cooked_map.hpp>
+#include <oncollide/scenes/model/map_chunks.hpp>
 
 namespace oncollide {
 
