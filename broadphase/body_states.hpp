@@ -52,7 +52,8 @@ public:
     std::uint64_t dynamic_version() const { return dynamic_version_; } ///< grows when a body becomes static or dynamic
     /// Overwrites `bodies` with the bodies present, ascending.
     void list(std::vector<std::uint32_t>& bodies) const;
-    /// The first fault of the whole structure as text; empty if there is none. For assertions and tests. Cost: O(n).
+    /// Returns the first fault of the whole structure as text; empty: it has none. Assertions and tests call it. Cost:
+    /// O(n).
     std::string validate() const;
     std::size_t bytes() const { return states_.capacity() + changes_.capacity() * sizeof(changes_[0]); }
 

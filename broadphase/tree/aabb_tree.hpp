@@ -95,7 +95,8 @@ public:
         for (std::size_t c = 0; c < 6; ++c) prefetch(&corner(place)[16 * c]);
     }
     std::size_t bytes() const;
-    /// The first fault of the whole structure as text; empty if there is none. For assertions and tests. Cost: O(n).
+    /// Returns the first fault of the whole structure as text; empty: it has none. Assertions and tests call it. Cost:
+    /// O(n).
     /// @param columns  as of the last change: each body's box is within the box in its slot
     /// @param states  set_moving() was called with these states and bits since the last build() and append(); null: it
     ///                was not

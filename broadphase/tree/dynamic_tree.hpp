@@ -41,8 +41,8 @@ public:
     void query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<AabbHit>& hits) const override;
 
     std::size_t bytes() const override;
-    /// The first fault of the tree and all that is kept with it, as text, after find_pairs(); empty if there is none.
-    /// Cost: O(n).
+    /// Returns the first fault of the tree, the loose AABBs, the bodies' states or the pairs as text, after
+    /// find_pairs(); empty: they have none. Cost: O(n).
     std::string validate(const BodyColumns& columns) const;
 
 private:

@@ -40,7 +40,8 @@ public:
     void end_frame() { ++frame_; }
     std::uint32_t frame() const { return frame_; }
     std::size_t bytes() const;
-    /// The first fault of the whole structure as text; empty if there is none. For assertions and tests. Cost: O(n).
+    /// Returns the first fault of the whole structure as text; empty: it has none. Assertions and tests call it. Cost:
+    /// O(n).
     /// @param columns  as of the last change: each body's box is within its enlarged box
     std::string validate(const BodyColumns& columns) const;
 

@@ -146,8 +146,8 @@ public:
     static std::uint64_t most_nodes(std::size_t triangles); ///< when fully grown
     static std::size_t most_bytes(std::size_t triangles);
     static double radius_around(const Mesh& mesh); ///< radius() of its tree
-    /// The first fault of the whole tree as text; empty if there is none. For assertions and tests, while no traversal
-    /// runs. Of a cooked mesh nothing is examined: its chunks are when they are read. Cost: O(n log n).
+    /// Returns the first fault of the whole tree as text; empty: it has none. Assertions and tests call it while no
+    /// traversal runs. It examines no cooked mesh, whose chunks are checked when they are read. Cost: O(n log n).
     std::string validate() const;
 
 private:

@@ -105,8 +105,8 @@ public:
     void add_held(std::vector<Held>& to) const override;
     void drop(std::uint32_t chunk) override;
 
-    /// The first fault of the whole tree as text; empty if there is none. For assertions and tests. Cost: O(cells); for
-    /// a cooked terrain, whose chunks are examined when they are read, per block of 64 by 64 cells.
+    /// Returns the first fault of the whole tree as text; empty: it has none. Assertions and tests call it. Cost:
+    /// O(cells); for a cooked terrain, whose chunks are checked when they are read, O(blocks of 64 by 64 cells).
     std::string validate() const;
 
 private:

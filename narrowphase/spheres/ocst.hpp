@@ -64,8 +64,8 @@ public:
     OcstNode* nodes() { return nodes_.data(); }
     std::uint64_t size() const { return stored_; } ///< stored cells
     std::size_t bytes() const;
-    /// The first fault of the whole tree as text; empty if there is none: each cell is reached once, and all others are
-    /// free. For assertions and tests. Cost: O(cells).
+    /// Returns the first fault of the whole tree as text; empty: each cell is reached once, and all others are free.
+    /// Assertions and tests call it. Cost: O(cells).
     std::string validate() const;
 
 private:

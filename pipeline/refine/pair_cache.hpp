@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <variant>
 #include <vector>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/narrowphase/spheres/walk.hpp>
 #include <oncollide/narrowphase/walks/traversal.hpp>
@@ -52,7 +54,14 @@ public:
     /// @param fresh  by slot: true if the memory of the body's pairs is void; empty: false for all
     void begin_frame(std::span<const BodyPair> pairs, std::span<const std::uint8_t> fresh);
     /// The memory of pair `i` of the frame.
-    PairMemory& operator[](std::size_t i) { return memories_[now_[i].row]; }
+    PairMemory& operator[](std::size_t i)
+    {
+        ONCOLLIDE_ASSERT(i < now_.size());
+        return memories_[now_[i].row];
+    }
+    /// Returns the first fault of the whole structure as text; empty: it has none. Assertions and tests call it. Cost:
+    /// O(pairs).
+    std::string validate() const;
     std::size_t bytes() const
     {
         return memories_.capacity() * sizeof(PairMemory) + (now_.capacity() + before_.capacity()) * sizeof(Known) +

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/scenes/model/chunk_clock.hpp>
 
 namespace oncollide {
@@ -20,7 +21,11 @@ public:
     std::size_t held() const { return held_.load(std::memory_order_relaxed); }
     /// Throws NoRoomForChunk, naming `who`, if the limit would be exceeded.
     void take(std::size_t bytes, const std::string& who);
-    void give(std::size_t bytes) { held_.fetch_sub(bytes, std::memory_order_relaxed); }
+    void give(std::size_t bytes)
+    {
+        ONCOLLIDE_ASSERT(bytes <= held());
+        held_.fetch_sub(bytes, std::memory_order_relaxed);
+    }
 
 private:
     const std::size_t limit_;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <limits>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/scenes/cooked/cooked_writer.hpp>
 
 namespace oncollide {
@@ -144,6 +145,7 @@ const char* CookedMap::why_not_node(const Node& node, const MapCell& cube) const
 
 std::vector<CookedMap::Node> CookedMap::read(std::size_t number) const
 {
+    ONCOLLIDE_ASSERT(number < chunks_.size());
     const std::vector<std::byte> bytes = file_.read(*handle_, table_[number], number, table_.size());
     std::vector<Node> nodes(bytes.size() / sizeof(Node));
     std::memcpy(static_cast<void*>(nodes.data()), bytes.data(), bytes.size());
@@ -183,6 +185,7 @@ CookedMapChunks::CookedMapChunks(std::shared_ptr<const CookedMap> cooked, std::u
       memory_(std::max<std::size_t>(cooked_->end(), 1) * sizeof(Node))
 {
     nodes_ = reinterpret_cast<Node*>(memory_.data());
+    ONCOLLIDE_ASSERT(cooked_->top().size() <= cooked_->end() && cooked_->end() <= chunk_of_.size() * step);
     std::ranges::copy(cooked_->top(), nodes_);
     for (std::size_t chunk = 0; chunk < chunks_.size(); ++chunk) {
         const std::uint32_t first = cooked_->first(chunk);
@@ -214,6 +217,7 @@ std::size_t CookedMapChunks::bytes_of(std::uint32_t chunk) const
 
 void CookedMapChunks::need(std::uint32_t number) const
 {
+    ONCOLLIDE_ASSERT(number < chunks_.size());
     const std::lock_guard lock(reading_);
     Chunk& chunk = chunks_[number];
     if (chunk.there.load(std::memory_order_acquire)) return;
@@ -242,6 +246,7 @@ void CookedMapChunks::add_held(std::vector<Held>& to) const
 
 void CookedMapChunks::drop(std::uint32_t chunk)
 {
+    ONCOLLIDE_ASSERT(chunk < chunks_.size());
     if (!chunks_[chunk].there.exchange(false)) return;
     memory_.give_back(cooked_->first(chunk) * sizeof(Node), cooked_->nodes(chunk) * sizeof(Node));
     budget_.give(bytes_of(chunk)), held_ -= bytes_of(chunk);

@@ -1,5 +1,6 @@
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/scenes/cooked/cooked_writer.hpp>
 
 #include <algorithm>
@@ -165,6 +166,7 @@ std::unique_ptr<TerrainChunk> CookedTerrain::read(std::size_t number) const
     std::span<const std::byte> rest(bytes);
     const Terrain& t = *outline_;
     const Extent part = extent(t, number);
+    ONCOLLIDE_ASSERT(number < table_.size() && part.tiles > 0);
     auto chunk = std::make_unique<TerrainChunk>();
     chunk->tiles_x = part.tiles_x;
     const auto each = static_cast<std::size_t>(t.bytes_per_height());
@@ -224,6 +226,7 @@ Terrain CookedTerrainChunks::terrain(std::shared_ptr<const CookedTerrain> cooked
 
 const TerrainChunk& CookedTerrainChunks::need(std::size_t chunk) const
 {
+    ONCOLLIDE_ASSERT(chunk < chunks_.size());
     const std::lock_guard lock(reading_);
     if (const TerrainChunk* there = chunks_[chunk].load(std::memory_order_acquire)) return *there;
     const std::size_t bytes = sizeof(TerrainChunk) + cooked_->chunk_bytes(chunk);
@@ -246,6 +249,7 @@ void CookedTerrainChunks::need_all() const
 
 void CookedTerrainChunks::drop(std::size_t chunk)
 {
+    ONCOLLIDE_ASSERT(chunk < chunks_.size());
     const std::unique_ptr<const TerrainChunk> gone(chunks_[chunk].exchange(nullptr));
     if (!gone) return;
     const std::size_t bytes = sizeof(TerrainChunk) + cooked_->chunk_bytes(chunk);

@@ -14,6 +14,9 @@ namespace oncollide {
 
 void Terrain::find_bounds()
 {
+    ONCOLLIDE_ASSERT(least_.column < greatest_.column && least_.row < greatest_.row && greatest_.column < columns_ &&
+                     greatest_.row < rows_);
+    ONCOLLIDE_ASSERT(low_ <= high_ && error_ >= 0);
     bounds_ = {};
     bounds_.add(Eigen::Vector3d(x(least_.column), y(least_.row), origin_.z() + low_ - error_));
     bounds_.add(Eigen::Vector3d(x(greatest_.column), y(greatest_.row), origin_.z() + high_ + error_));
@@ -71,6 +74,7 @@ std::size_t Terrain::bytes() const
 template <class Number>
 void Terrain::read_row(std::uint32_t row, double zero, Number* out) const
 {
+    ONCOLLIDE_ASSERT(row < rows_);
     if (chunks_) {
         std::vector<double> heights(columns_);
         chunks_->read_row(row, 0, columns_, heights.data());
@@ -113,11 +117,13 @@ void Terrain::read_cells(std::uint32_t y, std::vector<bool>& there) const
 
 bool Terrain::has_cell(std::uint32_t x, std::uint32_t y) const
 {
+    ONCOLLIDE_ASSERT(x < cells_x() && y < cells_y());
     return !holes_ || !std::isnan(height(x, y) + height(x + 1, y) + height(x, y + 1) + height(x + 1, y + 1));
 }
 
 std::array<Terrain::Place, 3> Terrain::corners(std::uint32_t triangle) const
 {
+    ONCOLLIDE_ASSERT(triangle / 2 < std::uint64_t(cells_x()) * cells_y());
     const std::uint32_t x = triangle / 2 % cells_x(), y = triangle / 2 / cells_x();
     const Place least{x, y}, right{x + 1, y}, up{x, y + 1}, greatest{x + 1, y + 1};
     if (TerrainAccess::diagonal(*this, x, y) == CellDiagonal::rising)

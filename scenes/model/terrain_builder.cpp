@@ -314,6 +314,7 @@ void TerrainBuilder::find_cells()
     if (t.cells_ == 0) fail("the terrain has no cell: each touches a hole");
     t.holes_ = t.cells_ < std::uint64_t(nx) * ny;
     t.find_bounds();
+    ONCOLLIDE_ASSERT(!t.bounds_.empty() && t.cells_ <= Terrain::most_cells);
 }
 
 Terrain make_terrain(const std::string& name, const TerrainGrid& grid, std::span<const double> heights)

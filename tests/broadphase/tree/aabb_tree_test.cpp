@@ -37,7 +37,7 @@ protected:
         std::ranges::sort(hits);
         return hits;
     }
-    /// Found bodies include those that overlap, and no body that is farther away than rounding.
+    /// The tree finds each body that overlaps, and no body that is farther away than rounding.
     void expect_all_found()
     {
         for (std::uint32_t k = 0; k < 50; ++k) {

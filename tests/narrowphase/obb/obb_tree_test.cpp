@@ -3,7 +3,7 @@
 #include <oncollide/narrowphase/obb/obb_tree.hpp>
 #include <oncollide/samples/generators.hpp>
 
-namespace oncollide {
+namespace oncollide::obb_tree_test {
 namespace {
 
 /// Grows all nodes.
@@ -53,4 +53,4 @@ TEST(ObbTree, NamesTheFirstFaultOfADamagedTree)
 }
 
 } // namespace
-} // namespace oncollide
+} // namespace oncollide::obb_tree_test

@@ -4,7 +4,7 @@
 
 #include <oncollide/narrowphase/walks/open_nodes.hpp>
 
-namespace oncollide {
+namespace oncollide::open_nodes_test {
 namespace {
 
 /// 512 unit cubes in a row, in a tree of eight boxes per node. Counts how often each node is opened.
@@ -118,4 +118,4 @@ TEST_F(OpenNodesOfARow, BeginANewQueryWithoutOpenNodes)
 }
 
 } // namespace
-} // namespace oncollide
+} // namespace oncollide::open_nodes_test

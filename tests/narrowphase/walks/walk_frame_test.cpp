@@ -4,7 +4,7 @@
 
 #include <oncollide/narrowphase/walks/walk_frame.hpp>
 
-namespace oncollide {
+namespace oncollide::walk_frame_test {
 namespace {
 
 struct Ball {
@@ -96,4 +96,4 @@ TEST_F(WalkFrames, BoundAGapAndItsDistanceOnTheSafeSide)
 }
 
 } // namespace
-} // namespace oncollide
+} // namespace oncollide::walk_frame_test
