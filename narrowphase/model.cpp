@@ -174,4 +174,17 @@ const FclModel& Model::fcl() const
     return *fcl_;
 }
 
+std::string Model::validate(std::size_t most) const
+{
+    std::string fault;
+    const auto look_at = [&](const auto& tree, std::size_t size, const char* name) {
+        if (!fault.empty() || !tree || size > most) return;
+        if (fault = tree->validate(); !fault.empty()) fault = geometry_->name + ": " + name + ": " + fault;
+    };
+    look_at(spheres, spheres ? spheres->size() : 0, "sphere-tree");
+    look_at(obb_tree, obb_tree ? obb_tree->nodes() : 0, "OBB tree");
+    look_at(heights_, terrain() ? terrain()->cells() : 0, "terrain tree");
+    return fault;
+}
+
 } // namespace oncollide

@@ -131,6 +131,9 @@ public:
     std::unique_ptr<ObbTree> obb_tree; ///< the OBB tree of surface_mesh(); null until a test reaches it
     std::string unreadable;            ///< why a cooked mesh can have no OBB tree; empty: it can
 
+    /// Returns the first fault of the trees as text; empty: they have none. Assertions call it while no test runs.
+    /// @param most  leaves out trees of more nodes or cells
+    std::string validate(std::size_t most) const;
     /// Prefetches the members that a pair reads first.
     void prefetch() const { oncollide::prefetch(this, 192); }
 

@@ -80,6 +80,7 @@ struct World::Impl {
     /// Passes the changes to the broad phase and lists the AABBs to update.
     void take_in_changes();
     void find_events();
+    std::string validate() const; ///< the first fault; empty: none
     void look_ahead();
     /// For const calls: updates AABBs and broad phase if there are changes.
     void bring_up_to_date();

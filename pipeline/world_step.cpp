@@ -161,6 +161,7 @@ FrameView World::step()
         total.skipped &= stats.skipped, total.note = total.skipped ? stats.note : std::string_view{};
     }
     p.find_events();
+    ONCOLLIDE_ASSERT_VALID(p.validate());
     p.look_ahead();
     for (std::uint32_t slot : frame.fresh_slots) frame.fresh[slot] = 0;
     frame.fresh_slots.clear(), frame.moved = 0;
@@ -182,6 +183,20 @@ FrameView World::step()
             trees,
             frame.context.rounds,
             hash};
+}
+
+/// Examines the bodies, the memory of pairs, and the trees of one body's model, another one in each frame. Large ones
+/// are examined in every 16th frame.
+std::string World::Impl::validate() const
+{
+    constexpr std::size_t small = 4096;
+    const bool all = frame.number % 16 == 0;
+    if (all || bodies.slots() <= small)
+        if (std::string fault = bodies.validate(); !fault.empty()) return fault;
+    if (all || frame.pairs.size() <= small)
+        if (std::string fault = frame.cache.validate(); !fault.empty()) return fault;
+    const std::uint32_t slot = bodies.slots() ? frame.number % bodies.slots() : 0;
+    return bodies.alive(slot) ? bodies.model(slot).validate(all ? 16 * small : small / 16) : "";
 }
 
 /// Lets the prefetcher prepare the parts of cooked meshes that moving bodies will reach next.
