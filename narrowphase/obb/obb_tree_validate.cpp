@@ -33,21 +33,21 @@ std::string ObbTree::fault_of_node(Node index, std::uint32_t begin, std::uint32_
 std::string ObbTree::validate() const
 {
     if (chunked_) return {};
-    struct Box {
+    struct Range {
         Node index;
         std::uint32_t begin, count;
     };
     const auto all = static_cast<std::uint32_t>(mesh_->triangles.size());
-    std::vector<Box> waiting{{root, 0, all}};
+    std::vector<Range> waiting{{root, 0, all}};
     std::uint32_t found = 0;
     while (!waiting.empty()) {
-        const Box box = waiting.back();
+        const Range range = waiting.back();
         waiting.pop_back();
         if (++found > nodes()) return fmt::format("more nodes are reached than the {} that exist", nodes());
-        if (std::string fault = fault_of_node(box.index, box.begin, box.count); !fault.empty()) return fault;
-        for (unsigned k = 0; k < node(box.index).lanes; ++k)
-            if (is_grown(box.index, k))
-                waiting.push_back({grown(box.index, k), begin_of(box.index, k), count_of(box.index, k)});
+        if (std::string fault = fault_of_node(range.index, range.begin, range.count); !fault.empty()) return fault;
+        for (unsigned k = 0; k < node(range.index).lanes; ++k)
+            if (is_grown(range.index, k))
+                waiting.push_back({grown(range.index, k), begin_of(range.index, k), count_of(range.index, k)});
     }
     if (found != nodes()) return fmt::format("{} of {} nodes are reached", found, nodes());
     if (!order_) return {};
