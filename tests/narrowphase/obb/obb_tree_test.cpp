@@ -45,7 +45,7 @@ TEST(ObbTree, NamesTheFirstFaultOfADamagedTree)
     };
     says(fault_after([](BoxNode& node, InnerNode&) { node.hx[2] /= 2; }), "box 2: does not hold its triangles");
     says(fault_after([](BoxNode& node, InnerNode&) { node.x[0] += 3000; }), "box 0: does not hold its triangles");
-    says(fault_after([](BoxNode& node, InnerNode&) { node.leaves ^= 1; }), "box 0");
+    says(fault_after([](BoxNode& node, InnerNode&) { node.leaves ^= 1; }), "does not continue the triangles");
     says(fault_after([](BoxNode& node, InnerNode&) { node.lanes = 9; }), "is not one of eight boxes");
     says(fault_after([](BoxNode&, InnerNode& node) { ++node.begin[3]; }), "box 3: does not continue");
     says(fault_after([](BoxNode&, InnerNode& node) { node.child[1] = 0; }), "nodes are reached");
