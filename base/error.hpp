@@ -42,6 +42,15 @@ private:
     ((condition)                                                                                                       \
          ? void(0)                                                                                                     \
          : (std::fprintf(stderr, "%s:%d: contract broken: %s\n", __FILE__, __LINE__, #condition), std::abort()))
+/// Asserts that a structure's validate() returns no fault: an empty text.
+#define ONCOLLIDE_ASSERT_VALID(fault)                                                                                  \
+    do {                                                                                                               \
+        if (const std::string text = (fault); !text.empty()) {                                                         \
+            std::fprintf(stderr, "%s:%d: invariant broken: %s\n", __FILE__, __LINE__, text.c_str());                   \
+            std::abort();                                                                                              \
+        }                                                                                                              \
+    } while (false)
 #else
 #define ONCOLLIDE_ASSERT(condition) void(0)
+#define ONCOLLIDE_ASSERT_VALID(fault) void(0)
 #endif

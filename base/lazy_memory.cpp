@@ -6,6 +6,8 @@
 
 #include <sys/mman.h>
 
+#include <oncollide/base/error.hpp>
+
 namespace oncollide {
 
 LazyMemory::LazyMemory(std::size_t bytes) : size_(std::max<std::size_t>((bytes + page - 1) / page * page, page))
@@ -29,6 +31,7 @@ LazyMemory::~LazyMemory()
 
 void LazyMemory::give_back(std::size_t begin, std::size_t size)
 {
+    ONCOLLIDE_ASSERT(begin % page == 0 && begin < size_);
     size = std::min((size + page - 1) / page * page, size_ - begin);
 #if defined(__linux__)
     if (madvise(bytes_ + begin, size, MADV_DONTNEED) == 0) return; // other systems may keep the bytes

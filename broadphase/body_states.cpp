@@ -82,6 +82,7 @@ void BodyStates::mark_changed(std::span<const std::uint32_t> bodies)
             }
         }
         change_count_ = static_cast<std::size_t>(out - changes_.data());
+        ONCOLLIDE_ASSERT(change_count_ <= states_.size());
         return true;
     });
 }
@@ -107,6 +108,7 @@ void BodyStates::add(std::span<const std::uint32_t> bodies, bool is_static)
         set(body, present);
         set_dynamic(body, !is_static);
     }
+    ONCOLLIDE_ASSERT(dynamic_count_ <= size_ + bodies.size() && size_ + bodies.size() <= states_.size());
     size_ += bodies.size();
     came_or_went_ = true;
 }
@@ -119,6 +121,7 @@ void BodyStates::remove(std::span<const std::uint32_t> bodies)
         set_dynamic(body, false);
         clear(body, present);
     }
+    ONCOLLIDE_ASSERT(bodies.size() <= size_ && dynamic_count_ <= size_ - bodies.size());
     size_ -= bodies.size();
     came_or_went_ |= !bodies.empty();
 }
@@ -160,6 +163,20 @@ void BodyStates::list(std::vector<std::uint32_t>& bodies) const
     bodies.clear();
     for (std::uint32_t body = 0; body < rows(); ++body)
         if (states_[body] & present) bodies.push_back(body);
+}
+
+std::string BodyStates::validate() const
+{
+    std::size_t here = 0, moving = 0, marked = 0;
+    for (const std::uint8_t state : states_) {
+        here += bool(state & present), moving += bool(state & dynamic), marked += bool(state & changed);
+        if (state & dynamic && !(state & present)) return "a body that is absent is dynamic";
+    }
+    if (here != size_ || moving != dynamic_count_) return "a wrong number of bodies or of dynamic bodies";
+    if (changes_.size() < change_count_ || marked != change_count_) return "a wrong number of changed bodies";
+    for (std::uint32_t body : changes())
+        if (!is(body, changed)) return the_body(body) + ": is listed as changed, but not marked";
+    return {};
 }
 
 TracksBodies::TracksBodies(const Options& options) : options_(options)

@@ -1,8 +1,10 @@
 #pragma once
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 
 namespace oncollide {
@@ -33,8 +35,16 @@ public:
     void forget_changes();
 
     bool is(std::uint32_t body, State state) const { return body < states_.size() && (states_[body] & state); }
-    void set(std::uint32_t body, State state) { states_[body] |= state; }
-    void clear(std::uint32_t body, State state) { states_[body] &= static_cast<std::uint8_t>(~state); }
+    void set(std::uint32_t body, State state)
+    {
+        ONCOLLIDE_ASSERT(body < rows());
+        states_[body] |= state;
+    }
+    void clear(std::uint32_t body, State state)
+    {
+        ONCOLLIDE_ASSERT(body < rows());
+        states_[body] &= static_cast<std::uint8_t>(~state);
+    }
     const std::uint8_t* data() const { return states_.data(); }                       ///< bits of State by body
     std::uint32_t rows() const { return static_cast<std::uint32_t>(states_.size()); } ///< largest body + 1
     std::size_t size() const { return size_; }                                        ///< bodies present
@@ -42,6 +52,9 @@ public:
     std::uint64_t dynamic_version() const { return dynamic_version_; } ///< grows when a body becomes static or dynamic
     /// Overwrites `bodies` with the bodies present, ascending.
     void list(std::vector<std::uint32_t>& bodies) const;
+    /// Returns the first fault of the whole structure as text; empty: it has none. Assertions and tests call it. Cost:
+    /// O(n).
+    std::string validate() const;
     std::size_t bytes() const { return states_.capacity() + changes_.capacity() * sizeof(changes_[0]); }
 
 private:

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/base/outward.hpp>
 #include <oncollide/broadphase/aabb_checks.hpp>
 #include <oncollide/broadphase/aabb_kernel.hpp>
@@ -33,6 +34,7 @@ public:
         take_in(columns);
         pairs_.clear();
         const auto count = static_cast<std::uint32_t>(list_.size());
+        ONCOLLIDE_ASSERT(columns_[0].size() == list_.size() + 8);
         found_.resize(count + 8);
         const AabbColumnsView view{{columns_[0].data(), columns_[1].data(), columns_[2].data()},
                                    {columns_[3].data(), columns_[4].data(), columns_[5].data()}};

@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
 
 namespace oncollide {
@@ -49,6 +50,8 @@ void sort_bucket(std::span<const BodyPair> from, BodyPair* to, std::size_t low, 
 
 void sort_pairs(std::vector<BodyPair>& pairs, std::vector<BodyPair>& scratch, std::size_t bodies, int threads)
 {
+    ONCOLLIDE_ASSERT(threads >= 1);
+    ONCOLLIDE_ASSERT(std::ranges::all_of(pairs, [&](BodyPair pair) { return pair.a < bodies; }));
     if (pairs.size() < 512) {
         std::sort(pairs.begin(), pairs.end());
         return;
@@ -88,6 +91,7 @@ void sort_pairs(std::vector<BodyPair>& pairs, std::vector<BodyPair>& scratch, st
                 sort_bucket(std::span(scratch).subspan(begins[i], begins[i + 1] - begins[i]), pairs.data() + begins[i],
                             i << shift, std::size_t{1} << shift, ends);
     });
+    ONCOLLIDE_ASSERT(std::ranges::is_sorted(pairs));
 }
 
 } // namespace oncollide

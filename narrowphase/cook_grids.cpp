@@ -17,7 +17,7 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::uint32_t block_side = CookedTerrain::side;
+constexpr std::uint32_t block_side = TerrainChunks::side;
 constexpr std::size_t most_parts = 1 << 16; ///< connected parts that a terrain's file stores; with more, it stores none
 
 /// Calls visit(x, y) for all blocks of block_side by block_side cells.
@@ -60,7 +60,7 @@ CookedSize cook_map(const OccupancyMap& map, const std::filesystem::path& path, 
 std::size_t check_cooked_terrain(const std::filesystem::path& path)
 {
     const auto cooked = std::make_shared<const CookedTerrain>(path);
-    const Terrain terrain = TerrainChunks::terrain(cooked);
+    const Terrain terrain = CookedTerrainChunks::terrain(cooked);
     const TerrainTree tree(terrain);
     std::uint64_t cells = 0;
     each_block(terrain, [&](std::uint32_t x, std::uint32_t y) { tree.range_of_chunk(x, y); });
@@ -76,7 +76,7 @@ std::size_t check_cooked_terrain(const std::filesystem::path& path)
 std::size_t check_cooked_map(const std::filesystem::path& path)
 {
     const auto cooked = std::make_shared<const CookedMap>(path);
-    const OccupancyMap map = MapChunks::map(cooked);
+    const OccupancyMap map = CookedMapChunks::map(cooked);
     MapAccess::cells(map).chunks()->need_all();
     const CellBox bounds = MapAccess::cells(map).bounds();
     if (bounds.low != MapAccess::cell_bounds(map).low || bounds.high != MapAccess::cell_bounds(map).high)

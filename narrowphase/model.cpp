@@ -9,10 +9,10 @@ namespace {
 const CookedFile* file_of(const GeometryData& data)
 {
     if (const auto* mesh = std::get_if<std::shared_ptr<const CookedMesh>>(&data)) return &(*mesh)->file();
-    if (const auto* terrain = std::get_if<Terrain>(&data); terrain && terrain->chunks())
-        return &terrain->chunks()->cooked()->file();
-    if (const auto* map = std::get_if<OccupancyMap>(&data); map && MapAccess::cells(*map).chunks())
-        return &MapAccess::cells(*map).chunks()->cooked()->file();
+    if (const auto* terrain = std::get_if<Terrain>(&data))
+        if (const CookedTerrainChunks* chunks = cooked_chunks(*terrain)) return &chunks->cooked()->file();
+    if (const auto* map = std::get_if<OccupancyMap>(&data))
+        if (const CookedMapChunks* chunks = cooked_chunks(*map)) return &chunks->cooked()->file();
     return nullptr;
 }
 
@@ -30,9 +30,9 @@ void Model::read_on_demand(ChunkBudget& budget)
 {
     if (!file_ || cooked()) return;
     if (terrain())
-        data_ = &own_terrain_.emplace(TerrainChunks::terrain(terrain()->chunks()->cooked(), &budget));
+        data_ = &own_terrain_.emplace(CookedTerrainChunks::terrain(cooked_chunks(*terrain())->cooked(), &budget));
     else
-        data_ = &own_map_.emplace(MapChunks::map(MapAccess::cells(*map()).chunks()->cooked(), &budget));
+        data_ = &own_map_.emplace(CookedMapChunks::map(cooked_chunks(*map())->cooked(), &budget));
 }
 
 void Model::read_all() const
@@ -49,7 +49,7 @@ void Model::read_all() const
 HeldChunks* Model::held_grid() const
 {
     if (!file_ || cooked()) return nullptr;
-    return map() ? static_cast<HeldChunks*>(MapAccess::cells(*map()).chunks()) : heights_.get();
+    return map() ? static_cast<HeldChunks*>(cooked_chunks(*map())) : heights_.get();
 }
 
 std::size_t Model::grid_bytes() const
@@ -173,6 +173,19 @@ const FclModel& Model::fcl() const
 {
     std::call_once(fcl_once_, [&] { fcl_ = cooked() ? make_fcl_model(*mesh()) : make_fcl_model(geometry_->data); });
     return *fcl_;
+}
+
+std::string Model::validate(std::size_t most) const
+{
+    std::string fault;
+    const auto look_at = [&](const auto& tree, std::size_t size, const char* name) {
+        if (!fault.empty() || !tree || size > most) return;
+        if (fault = tree->validate(); !fault.empty()) fault = geometry_->name + ": " + name + ": " + fault;
+    };
+    look_at(spheres, spheres ? spheres->size() : 0, "sphere-tree");
+    look_at(obb_tree, obb_tree ? obb_tree->nodes() : 0, "OBB tree");
+    look_at(heights_, terrain() ? terrain()->cells() : 0, "terrain tree");
+    return fault;
 }
 
 } // namespace oncollide

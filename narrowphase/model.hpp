@@ -144,6 +144,9 @@ public:
     /// The last frame in which a pair needed the OBB tree.
     std::uint32_t obb_tree_needed() const { return obb_tree_needed_.load(std::memory_order_relaxed); }
 
+    /// Returns the first fault of the trees as text; empty: they have none. Assertions call it while no test runs.
+    /// @param most  leaves out trees of more nodes or cells
+    std::string validate(std::size_t most) const;
     /// Prefetches the members that a pair reads first.
     void prefetch() const { oncollide::prefetch(this, 192); }
 

@@ -1,3 +1,4 @@
+#include <oncollide/base/error.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 #include <algorithm>
@@ -43,6 +44,7 @@ void PoseColumn::push_back(const Eigen::Isometry3d& pose)
 
 void PoseColumn::set(std::size_t body, const Eigen::Isometry3d& pose)
 {
+    ONCOLLIDE_ASSERT(body < positions_.size() && rotated_[body] <= rotations_.size());
     positions_[body] = pose.translation();
     const Eigen::Matrix3d rotation = pose.linear();
     std::uint32_t& rotated = rotated_[body];

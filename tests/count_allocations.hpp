@@ -1,12 +1,13 @@
 // Counts the allocations of a program, for functions that promise to allocate nothing. Include it in one source file of
-// a program. Sanitizers replace the operators: then nothing is counted.
+// a program. Sanitizers replace the operators, and assertions examine structures with memory of their own: then nothing
+// is counted.
 #pragma once
 #include <cstdlib>
 #include <new>
 
 #include "allocations.hpp"
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(ONCOLLIDE_ASSERTIONS)
 [[gnu::noinline]] void* operator new(std::size_t size)
 {
     ++oncollide::allocations;

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/broadphase/aabb_kernel.hpp>
 
 namespace oncollide {
@@ -72,6 +73,7 @@ void CookedSupport::add_boxes(const CookedMesh::Top& top)
 
 float CookedSupport::bound(std::size_t chunk, const Vector3f& d) const
 {
+    ONCOLLIDE_ASSERT(chunk < boxes_.size());
     const Box& box = boxes_[chunk];
     const float most = d.dot(box.centre) + d.cwiseAbs().dot(box.half);
     // A box of the file may be wrong until its chunk is read, but the mesh's bounds hold for every chunk.
@@ -81,6 +83,7 @@ float CookedSupport::bound(std::size_t chunk, const Vector3f& d) const
 
 float CookedSupport::most_of(std::size_t chunk, const Vector3f& d) const
 {
+    ONCOLLIDE_ASSERT(chunk < points_.size() && points_[chunk].size() > 0);
     const auto& [x, y, z] = points_[chunk].xyz;
     return aabb_kernel().most_along(x.data(), y.data(), z.data(), static_cast<std::uint32_t>(x.size()), d.data());
 }
@@ -99,6 +102,8 @@ bool CookedSupport::read(std::size_t chunk)
 
 void CookedSupport::prepare(const Vector3f& d)
 {
+    ONCOLLIDE_ASSERT(std::abs(d.norm() - 1) < 1e-3f);
+    ONCOLLIDE_ASSERT(points_.size() == boxes_.size());
     std::size_t first = 0;
     for (std::size_t c = 1; c < boxes_.size(); ++c)
         if (bound(c, d) > bound(first, d)) first = c;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <oncollide/base/cpu_features.hpp>
+#include <oncollide/base/error.hpp>
 #include <oncollide/broadphase/aabb_kernel.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 
@@ -27,6 +28,7 @@ Aabb around(const Eigen::Vector3d& centre, const Eigen::Vector3d& half)
 {
     // Far from the origin, the sums below round by at most this much.
     const Eigen::Vector3d h = half + Eigen::Vector3d::Constant(1e-15 * (centre.lpNorm<Eigen::Infinity>() + half.sum()));
+    ONCOLLIDE_ASSERT((h.array() >= 0).all());
     Aabb box;
     box.min = centre - h, box.max = centre + h;
     return box;
@@ -102,6 +104,7 @@ bool turns_by_quarters(const Eigen::Matrix3d& r)
 PoseBounds::PoseBounds(const GeometryData& geometry) : geometry_(geometry)
 {
     const Aabb bounds = bounds_of(geometry);
+    ONCOLLIDE_ASSERT(!bounds.empty());
     centre_ = bounds.centre(), half_ = bounds.half_extent();
     radius_ = bounds.half_extent().norm() * (1 + 1e-15);
     slack_ = 1e-15 * (radius_ + centre_.norm());
@@ -109,6 +112,7 @@ PoseBounds::PoseBounds(const GeometryData& geometry) : geometry_(geometry)
 
 void PoseBounds::expect(const Eigen::Isometry3d& pose)
 {
+    ONCOLLIDE_ASSERT(why_not_rigid(pose).empty());
     const std::vector<Eigen::Vector3d>* points = points_of(geometry_);
     const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry_);
     if (!points && !cooked) final_ = true;
@@ -167,6 +171,7 @@ double PoseBounds::motion(const Eigen::Isometry3d& from, const Eigen::Isometry3d
 
 Aabb PoseBounds::box(const Eigen::Isometry3d& pose) const
 {
+    ONCOLLIDE_ASSERT(pose.matrix().allFinite());
     const auto* shape = std::get_if<Shape>(&geometry_);
     if (shape && std::holds_alternative<HalfSpace>(*shape)) return half_space_box(pose);
     const Eigen::Matrix3d r = pose.linear();

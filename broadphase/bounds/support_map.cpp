@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <oncollide/base/error.hpp>
+
 namespace oncollide {
 
 namespace {
@@ -54,6 +56,7 @@ PointColumns used_points(const Mesh& mesh, const Eigen::Vector3d& centre)
 
 SupportMap::SupportMap(PointColumns points) : side_(2), points_(std::move(points))
 {
+    ONCOLLIDE_ASSERT(points_.size() > 0 && points_.size() % 8 == 0);
     const auto& [x, y, z] = points_.xyz;
     float reach2 = 0;
     for (std::size_t i = 0; i < x.size(); ++i) reach2 = std::max(reach2, x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
@@ -97,6 +100,7 @@ inline bool SupportMap::divisible(const Square& square)
 /// Gives the quarter of the square around `cell` its own list; if the square is the whole cube, the face.
 void SupportMap::divide(std::uint32_t cell)
 {
+    ONCOLLIDE_ASSERT(cell < square_of_.size() && divisible(squares_[square_of_[cell]]));
     const Square& whole = squares_[square_of_[cell]];
     const std::uint32_t side = whole.side / 2, face = cell / (side_ * side_);
     const std::uint32_t x = cell % side_ / side * side, y = cell / side_ % side_ / side * side;
@@ -124,6 +128,8 @@ PointRange SupportMap::farthest(std::uint32_t face, std::uint32_t x, std::uint32
         const Vector3f d = direction(face, u[c & 1], v[c >> 1]);
         std::copy_n(d.data(), 3, corners[c]);
     }
+    ONCOLLIDE_ASSERT(among.count > 0 && among.begin + among.count <= points_.size() && x + side <= side_ &&
+                     y + side <= side_);
     const std::size_t count = among.count, room = (count + 7) / 8 * 8;
     const auto& [px, py, pz] = points_.xyz;
     if (keep_.size() < room) along_.resize(5 * room), keep_.resize(room);
@@ -140,6 +146,7 @@ PointRange SupportMap::farthest(std::uint32_t face, std::uint32_t x, std::uint32
     const auto kept = static_cast<std::uint32_t>(points_.size() - begin);
     pad(points_, begin);
     return {begin, kept};
+    ONCOLLIDE_ASSERT(kept > 0 && kept <= count);
 }
 
 void SupportMap::prepare(const Eigen::Matrix3f& rows)
@@ -174,12 +181,14 @@ void SupportMap::complete()
 
 void SupportMap::box(const Eigen::Matrix3f& rows, Vector3f& lo, Vector3f& hi) const
 {
+    ONCOLLIDE_ASSERT(!empty() && rows.allFinite());
     const std::array<std::uint32_t, 6> cells = cells_along(rows);
     PointRange lists[6];
     for (unsigned k = 0; k < 6; ++k) lists[k] = cells_[cells[k]];
     const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> by_rows = rows;
     const auto& [x, y, z] = points_.xyz;
     aabb_kernel().lists_box(x.data(), y.data(), z.data(), lists, by_rows.data(), lo.data(), hi.data());
+    ONCOLLIDE_ASSERT((lo.array() <= hi.array()).all());
 }
 
 std::size_t SupportMap::bytes() const

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
 
 namespace oncollide {
@@ -73,6 +74,7 @@ std::size_t split_once(std::span<Item> items)
                          return x.centre[axis] < y.centre[axis] ||
                                 (x.centre[axis] == y.centre[axis] && x.body < y.body);
                      });
+    ONCOLLIDE_ASSERT(middle > 0 && middle < items.size());
     return middle;
 }
 
@@ -144,6 +146,7 @@ void radix_sort(std::vector<SortItem>& items, std::vector<SortItem>& scratch, in
         });
         items.swap(scratch);
     }
+    ONCOLLIDE_ASSERT(std::ranges::is_sorted(items, {}, &SortItem::key));
 }
 
 void order_octree(const std::vector<std::span<Item>>& runs, int threads)
@@ -176,6 +179,11 @@ void order_octree(const std::vector<std::span<Item>>& runs, int threads)
 void append_in_order(AabbOrder kind, std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies,
                      const Eigen::Vector3d& origin, int threads, LargeVector<std::uint32_t>& order)
 {
+    ONCOLLIDE_ASSERT(order.size() % node_width == 0);
+    ONCOLLIDE_ASSERT(threads >= 1);
+    ONCOLLIDE_ASSERT(origin.allFinite());
+    ONCOLLIDE_ASSERT(
+        std::ranges::all_of(bodies, [&](std::uint32_t body) { return body < boxes.size() && !boxes[body].empty(); }));
     if (bodies.empty()) return;
     const double median = median_size(boxes, bodies);
     std::array<std::size_t, size_classes> counts{}, next{}; // by class
@@ -201,6 +209,8 @@ void append_in_order(AabbOrder kind, std::span<const Aabb> boxes, std::span<cons
         order_kd(std::move(runs), threads);
     else
         order_octree(runs, threads);
+    ONCOLLIDE_ASSERT(std::ranges::count_if(items, [](const Item& item) { return item.body != no_body; }) ==
+                     std::ssize(bodies));
     order.reserve(order.size() + places);
     for (const Item& item : items) order.push_back(item.body);
 }

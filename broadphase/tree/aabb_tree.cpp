@@ -6,6 +6,7 @@
 #include <limits>
 
 #include <oncollide/base/cpu_features.hpp>
+#include <oncollide/base/error.hpp>
 #include <oncollide/base/outward.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/broadphase/aabb_checks.hpp>
@@ -56,6 +57,7 @@ private:
 
 void AabbTree::build(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads)
 {
+    ONCOLLIDE_ASSERT(margin >= 0 && threads >= 1);
     refuse_unusable(boxes, bodies);
     Aabb all;
     for (std::uint32_t body : bodies) all.add(boxes[body]);
@@ -74,6 +76,8 @@ void AabbTree::build(std::span<const Aabb> boxes, std::span<const std::uint32_t>
 
 bool AabbTree::append(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads)
 {
+    ONCOLLIDE_ASSERT(margin >= 0 && threads >= 1);
+    ONCOLLIDE_ASSERT(!bodies.empty());
     if (order_.empty()) return build(boxes, bodies, margin, threads), true;
     const std::uint32_t first = nodes_over(size()) * node_width;
     order_.resize(first, no_body);
@@ -101,8 +105,10 @@ bool AabbTree::append(std::span<const Aabb> boxes, std::span<const std::uint32_t
 
 void AabbTree::erase(std::span<const std::uint32_t> bodies)
 {
+    ONCOLLIDE_ASSERT(bodies.size() <= bodies_);
     bodies_ -= static_cast<std::uint32_t>(bodies.size());
     for (std::uint32_t body : bodies) {
+        ONCOLLIDE_ASSERT(body < places_.size() && place_of(body) < size() && body_at(place_of(body)) == body);
         std::uint32_t place = places_[body];
         for (std::size_t c = 0; c < 6; ++c) coordinate(levels_[0], place, c) = c < 3 ? far_away : -far_away;
         order_[place] = no_body;
@@ -160,6 +166,7 @@ inline float& AabbTree::coordinate(Level& level, std::uint32_t place, std::size_
 /// Recomputes the bounds of a node from the level below it.
 void AabbTree::bound(int level, std::uint32_t node)
 {
+    ONCOLLIDE_ASSERT(level >= 1 && level < view_.levels && node < view_.level[level].count);
     float box[6];
     aabb_tree_kernel().bound(view_.level[level - 1], node, box);
     for (std::size_t c = 0; c < 6; ++c) coordinate(levels_[static_cast<std::size_t>(level)], node, c) = box[c];
@@ -167,6 +174,8 @@ void AabbTree::bound(int level, std::uint32_t node)
 
 void AabbTree::refit(std::span<const Aabb> boxes, double margin, int threads)
 {
+    ONCOLLIDE_ASSERT(margin >= 0 && threads >= 1);
+    ONCOLLIDE_ASSERT(boxes.size() >= places_.size() || bodies_ == 0);
     constexpr std::size_t grain = 1024; // nodes per chunk
     if (levels_.empty()) return;
     const Taker take(*this, margin);
@@ -228,6 +237,7 @@ float AabbTree::volume_of(int level, std::uint32_t node) const
 
 Aabb AabbTree::bounds(int level, std::uint32_t node) const
 {
+    ONCOLLIDE_ASSERT(level >= 1 && level < view_.levels && node < view_.level[level].count);
     const float* p = at(level).blocks.data() + std::size_t{node / node_width} * aabb_block + node % node_width;
     const auto corner = [&](const float* at_low) {
         return Eigen::Vector3d(at_low[0], at_low[node_width], at_low[2 * node_width]);
@@ -237,6 +247,7 @@ Aabb AabbTree::bounds(int level, std::uint32_t node) const
 
 void AabbTree::round(const Aabb& box, double margin, float out[6]) const
 {
+    ONCOLLIDE_ASSERT(margin >= 0 && !box.empty());
     for (int axis = 0; axis < 3; ++axis) {
         out[axis] = below(box.min[axis] - 0.5 * margin - origin_[axis]);
         out[3 + axis] = above(box.max[axis] + 0.5 * margin - origin_[axis]);
@@ -256,8 +267,10 @@ void AabbTree::refit_bodies(std::span<const std::uint32_t> bodies, FunctionRef<A
                 for (std::size_t c = 0; c < 6; ++c)
                     __builtin_prefetch(&coordinate(levels_[static_cast<std::size_t>(level)], next, c));
         }
+        ONCOLLIDE_ASSERT(bodies[k] < places_.size() && body_at(place_of(bodies[k])) == bodies[k]);
         std::uint32_t place = places_[bodies[k]];
-        take(place, box_of(bodies[k]));
+        [[maybe_unused]] const bool taken = take(place, box_of(bodies[k]));
+        ONCOLLIDE_ASSERT(taken);
         float box[6];
         box_at(place, box);
         for (float x : box) farthest_ = std::max(farthest_, std::abs(x));
@@ -292,6 +305,7 @@ double AabbTree::extent_of_leaves() const
 
 void AabbTree::set_moving(const std::uint8_t* states, std::uint8_t bits)
 {
+    ONCOLLIDE_ASSERT(states || bodies_ == 0);
     for (std::size_t level = 0; level < levels_.size(); ++level) {
         Level& l = levels_[level];
         for (std::uint32_t node = 0; node < l.moving.size(); ++node) {
@@ -308,6 +322,7 @@ void AabbTree::set_moving(const std::uint8_t* states, std::uint8_t bits)
 
 void AabbTree::set_layers(const BodyColumns& columns)
 {
+    ONCOLLIDE_ASSERT(columns.layers.size() == columns.masks.size());
     forget_layers();
     layers_known_ = true;
     extend_levels();
@@ -317,6 +332,7 @@ void AabbTree::set_layers(const BodyColumns& columns)
 
 void AabbTree::add_layers(std::uint32_t body, const BodyColumns& columns)
 {
+    ONCOLLIDE_ASSERT(layers_known_ && body < columns.layers.size() && body < columns.masks.size());
     const std::uint32_t layers = columns.layers[body], masks = columns.masks[body];
     std::uint32_t node = places_[body];
     for (std::size_t level = 1; level < levels_.size(); ++level) {

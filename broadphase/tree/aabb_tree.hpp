@@ -1,8 +1,10 @@
 #pragma once
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/base/function_ref.hpp>
 #include <oncollide/base/large_vector.hpp>
 #include <oncollide/base/prefetch.hpp>
@@ -50,9 +52,18 @@ public:
     bool empty() const { return order_.empty(); }
     std::uint32_t size() const { return static_cast<std::uint32_t>(order_.size()); } ///< slots, padding included
     std::uint32_t bodies() const { return bodies_; }
-    std::uint32_t body_at(std::uint32_t place) const { return order_[place]; }
+    std::uint32_t body_at(std::uint32_t place) const
+    {
+        ONCOLLIDE_ASSERT(place < size());
+        return order_[place];
+    }
     void prefetch_body_at(std::uint32_t place) const { prefetch(&order_[place]); }
-    std::uint32_t place_of(std::uint32_t body) const { return places_[body]; }
+    /// The body must be in the tree.
+    std::uint32_t place_of(std::uint32_t body) const
+    {
+        ONCOLLIDE_ASSERT(body < places_.size() && places_[body] < size());
+        return places_[body];
+    }
     void prefetch_place_of(std::uint32_t body) const { prefetch(&places_[body]); }
     const AabbTreeView& view() const { return view_; }
     /// Bodies below node `node` of level `level` >= 1.
@@ -84,6 +95,13 @@ public:
         for (std::size_t c = 0; c < 6; ++c) prefetch(&corner(place)[16 * c]);
     }
     std::size_t bytes() const;
+    /// Returns the first fault of the whole structure as text; empty: it has none. Assertions and tests call it. Cost:
+    /// O(n).
+    /// @param columns  as of the last change: each body's box is within the box in its slot
+    /// @param states  set_moving() was called with these states and bits since the last build() and append(); null: it
+    ///                was not
+    std::string validate(const BodyColumns& columns, double margin, const std::uint8_t* states,
+                         std::uint8_t bits) const;
 
 private:
     struct Node {
@@ -100,7 +118,14 @@ private:
         double volume = 0;                        ///< of all nodes
     };
 
-    const Level& at(int level) const { return levels_[static_cast<std::size_t>(level)]; }
+    const Level& at(int level) const
+    {
+        ONCOLLIDE_ASSERT(level >= 0 && level < view_.levels);
+        return levels_[static_cast<std::size_t>(level)];
+    }
+    std::string fault_of_slots(const BodyColumns& columns, double margin) const;
+    std::string fault_of_level(int level, const BodyColumns& columns) const;
+    std::string fault_of_marks(const std::uint8_t* states, std::uint8_t bits) const;
     void extend_levels();
     void extend_layers();
     void bound_from(std::uint32_t place);

@@ -5,6 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include <oncollide/base/error.hpp>
+
 namespace oncollide {
 
 namespace {
@@ -31,6 +33,7 @@ void Delimitation::clear()
 
 void Delimitation::add(const float box[6], std::uint32_t layers, std::uint32_t mask)
 {
+    ONCOLLIDE_ASSERT(box[0] <= box[3] && box[1] <= box[4] && box[2] <= box[5]);
     boxes_.insert(boxes_.end(), box, box + 6);
     layers_.push_back(layers), masks_.push_back(mask);
 }
@@ -64,6 +67,7 @@ void Delimitation::drop_forbidden(const AabbLevelView& level, PairSink& found, s
     std::uint64_t kept = first;
     for (std::uint64_t k = first; k < found.count; ++k) {
         const std::uint32_t query = found.i[k], node = found.j[k];
+        ONCOLLIDE_ASSERT(query < queries() && node < level.count);
         found.i[kept] = query, found.j[kept] = node;
         kept += (layers_[query] & level.masks[node]) && (level.layers[node] & masks_[query]);
     }
@@ -72,6 +76,7 @@ void Delimitation::drop_forbidden(const AabbLevelView& level, PairSink& found, s
 
 void Delimitation::run(const AabbTree& tree, bool layers, int threads)
 {
+    ONCOLLIDE_ASSERT(threads >= 1 && boxes_.size() == 6 * queries() && masks_.size() == queries());
     workers_ = queries() < queries_worth_threads ? 1 : static_cast<std::size_t>(threads);
     while (reached_.size() < workers_)
         reached_.push_back(std::make_unique<NodePairs>()), next_.push_back(std::make_unique<NodePairs>());
@@ -98,6 +103,7 @@ void Delimitation::run(const AabbTree& tree, bool layers, int threads)
 
 void Delimitation::compare(const AabbTree& tree, int threads, Found found) const
 {
+    ONCOLLIDE_ASSERT(threads >= 1 && workers_ <= reached_.size());
     if (tree.empty() || queries() == 0) return;
     each_worker(threads, [&](std::size_t w) {
         const auto take = [&](const std::uint32_t* queries, const std::uint32_t* places, std::size_t count) {
@@ -196,12 +202,14 @@ void Delimitation::count_rejected(const AabbTree& tree)
         const std::uint32_t nodes = tree.view().level[level].count;
         for (std::uint32_t parent : left_[at(level + 1)])
             counts.regions += std::min<std::uint64_t>(node_width, nodes - parent * node_width);
+        ONCOLLIDE_ASSERT(left_[at(level)].size() <= counts.regions);
         counts.regions_rejected = counts.regions - left_[at(level)].size();
         counts.bodies_rejected = bodies;
         bodies = 0;
         double volume = 0;
         for (std::uint32_t node : left_[at(level)])
             bodies += tree.bodies_below(level, node), volume += tree.volume(level, node);
+        ONCOLLIDE_ASSERT(bodies <= counts.bodies_rejected);
         counts.bodies_rejected -= bodies;
         counts.volume_rejected = tree.volume(level) > 0 ? std::max(0.0, 1 - volume / tree.volume(level)) : 0;
     }
@@ -218,6 +226,7 @@ void Delimitation::survivors(const AabbTree& tree, std::vector<std::uint32_t>& b
              place < std::min<std::size_t>(tree.size(), (leaf + 1) * node_width); ++place)
             if (tree.body_at(place) != no_body) bodies.push_back(tree.body_at(place));
     std::sort(bodies.begin(), bodies.end());
+    ONCOLLIDE_ASSERT(std::ranges::adjacent_find(bodies) == bodies.end());
 }
 
 std::size_t Delimitation::bytes() const

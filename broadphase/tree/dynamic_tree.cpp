@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/base/prefetch.hpp>
 #include <oncollide/broadphase/aabb_checks.hpp>
 #include <oncollide/broadphase/pair_sort.hpp>
@@ -12,6 +13,7 @@ namespace {
 
 constexpr std::size_t whole_share = 4;           // search everything if more than one body in this many changed
 constexpr std::uint32_t worth_compacting = 1024; // slots
+[[maybe_unused]] constexpr std::size_t always_validated = 4096;
 
 } // namespace
 
@@ -81,6 +83,7 @@ void DynamicTree::take_in(const BodyColumns& columns)
     filter_.update(bodies_, escaped_, columns, tree_);
     filters_version_ = columns.filters_version;
     taken_in_ = true;
+    ONCOLLIDE_ASSERT(tree_.bodies() == size());
 }
 
 /// Replaces the loose AABBs that `moved` bodies have left, also in the tree.
@@ -158,6 +161,7 @@ void DynamicTree::delimit(const BodyColumns& columns)
             tree_.box_at(found_[k].a, box); // see collect_queries()
             delimitation_.add(box, layers ? columns.layers[body] : ~0u, layers ? columns.masks[body] : ~0u);
         }
+        ONCOLLIDE_ASSERT(found_.size() == queries_.size());
         delimitation_.run(tree_, filter_.layers_forbid(), threads_for(queries_.size()));
     }
     delimited_ = true;
@@ -211,6 +215,7 @@ void DynamicTree::find_near(const BodyColumns& columns)
 /// changed body.
 void DynamicTree::compare_near(const BodyColumns& columns)
 {
+    ONCOLLIDE_ASSERT(std::ranges::is_sorted(found_) && std::ranges::is_sorted(near_) && std::ranges::is_sorted(pairs_));
     const std::uint8_t* const states = bodies_.data();
     if (near_are_pairs_) near_ = pairs_;
     near_are_pairs_ = false;
@@ -275,6 +280,8 @@ std::span<const BodyPair> DynamicTree::find_pairs(const BodyColumns& columns, bo
     for (std::uint32_t body : escaped_) bodies_.clear(body, BodyStates::escaped);
     escaped_.clear();
     loose_.end_frame();
+    // A frame of a large tree with few changes takes less time than this.
+    ONCOLLIDE_ASSERT_VALID(size() <= always_validated || loose_.frame() % 16 == 0 ? validate(columns) : "");
     return pairs_;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -40,8 +41,13 @@ public:
     void query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<AabbHit>& hits) const override;
 
     std::size_t bytes() const override;
+    /// Returns the first fault of the tree, the loose AABBs, the bodies' states or the pairs as text, after
+    /// find_pairs(); empty: they have none. Cost: O(n).
+    std::string validate(const BodyColumns& columns) const;
 
 private:
+    std::string fault_of_bodies() const;
+    std::string fault_of_pairs(const BodyColumns& columns) const;
     void rebuild(const BodyColumns& columns);
     void refit(const BodyColumns& columns);
     void loosen(const BodyColumns& columns, std::span<const std::uint32_t> moved);

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/random.hpp>
 #include <oncollide/broadphase/aabb_checks.hpp>
 
 namespace oncollide {
@@ -14,6 +18,7 @@ LooseAabbs::Row LooseAabbs::row(std::uint32_t body, const BodyColumns& columns, 
 
 bool LooseAabbs::hold(std::uint32_t body, const BodyColumns& columns, bool dynamic, bool filters_too) const
 {
+    ONCOLLIDE_ASSERT(body < columns.boxes.size());
     if (body >= row_of_.size() || row_of_[body] == none) return false;
     const Row& loose = rows_[row_of_[body]];
     if (!loose.box.contains(columns.boxes[body]) || loose.dynamic != dynamic) return false;
@@ -24,6 +29,7 @@ bool LooseAabbs::hold(std::uint32_t body, const BodyColumns& columns, bool dynam
 
 Aabb LooseAabbs::renew(std::uint32_t body, const BodyColumns& columns, bool dynamic)
 {
+    ONCOLLIDE_ASSERT(body < columns.boxes.size() && usable(columns.boxes[body]));
     if (body >= row_of_.size()) row_of_.resize(columns.boxes.size(), none);
     std::uint32_t& number = row_of_[body];
     const bool known = number != none;
@@ -48,6 +54,7 @@ Aabb LooseAabbs::renew(std::uint32_t body, const BodyColumns& columns, bool dyna
     const Eigen::Vector3d room = Eigen::Vector3d::Constant(std::min(frames * step, half));
     const Aabb larger{loose.box.min - room, loose.box.max + room};
     if (2 * step < half && usable(larger)) loose.box = larger;
+    ONCOLLIDE_ASSERT(loose.box.contains(columns.boxes[body]));
     return loose.box;
 }
 
@@ -64,6 +71,27 @@ void LooseAabbs::clear()
     for (std::uint32_t body : owners_)
         if (body != none) row_of_[body] = none;
     rows_.clear(), owners_.clear(), free_.clear();
+}
+
+std::string LooseAabbs::validate(const BodyColumns& columns) const
+{
+    std::size_t owned = 0;
+    for (std::uint32_t body = 0; body < row_of_.size(); ++body) {
+        const std::uint32_t row = row_of_[body];
+        if (row == none) continue;
+        ++owned;
+        if (row >= rows_.size() || owners_[row] != body)
+            return fmt::format("body {} uses row {} of another", body, row);
+        if (!rows_[row].box.contains(columns.boxes[body])) return fmt::format("body {} is outside its box", body);
+    }
+    if (owners_.size() != rows_.size() || owned + free_.size() != rows_.size())
+        return fmt::format("{} rows for {} bodies and {} free rows", rows_.size(), owned, free_.size());
+    // Equal sums of hashes: each free row is listed once. This allocates nothing.
+    std::uint64_t listed = 0, unused = 0;
+    for (std::uint32_t row : free_) listed += splitmix(row);
+    for (std::uint32_t row = 0; row < rows_.size(); ++row)
+        if (owners_[row] == none) unused += splitmix(row);
+    return listed == unused ? "" : "the list of free rows is not the rows without a body";
 }
 
 std::size_t LooseAabbs::bytes() const

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include <oncollide/base/prefetch.hpp>
@@ -15,6 +16,11 @@ namespace oncollide {
 class LooseAabbs {
 public:
     bool empty() const { return rows_.size() == free_.size(); }
+    /// The body's enlarged box; null if it has none.
+    const Aabb* find(std::uint32_t body) const
+    {
+        return body < row_of_.size() && row_of_[body] != none ? &rows_[row_of_[body]].box : nullptr;
+    }
     /// Prefetches the data that hold() reads, because bodies are scattered in memory.
     void prefetch(std::uint32_t body, const BodyColumns& columns, bool filters_too) const
     {
@@ -32,7 +38,12 @@ public:
     void erase(std::uint32_t body);
     void clear();
     void end_frame() { ++frame_; }
+    std::uint32_t frame() const { return frame_; }
     std::size_t bytes() const;
+    /// Returns the first fault of the whole structure as text; empty: it has none. Assertions and tests call it. Cost:
+    /// O(n).
+    /// @param columns  as of the last change: each body's box is within its enlarged box
+    std::string validate(const BodyColumns& columns) const;
 
 private:
     /// One cache line.

@@ -1,9 +1,13 @@
 #include <oncollide/broadphase/tree/pair_filter.hpp>
 
+#include <oncollide/base/error.hpp>
+
 namespace oncollide {
 
 void PairFilter::add(std::uint32_t body, const BodyColumns& columns)
 {
+    ONCOLLIDE_ASSERT(!with_layers_ || (body < columns.layers.size() && body < columns.masks.size()));
+    ONCOLLIDE_ASSERT(!with_groups_ || body < columns.groups.size());
     if (with_layers_) {
         layers_ |= columns.layers[body], common_mask_ &= columns.masks[body];
         some_in_none_ |= columns.layers[body] == 0;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/broadphase/tree/aabb_tree_kernel.hpp>
 
@@ -32,6 +33,7 @@ public:
     /// Overwrites the list with (k, 0) for k in [first, last).
     void assign_root(std::size_t first, std::size_t last)
     {
+        ONCOLLIDE_ASSERT(first <= last);
         clear();
         while (sink_.room < last - first) grow(sink_);
         for (std::size_t k = first; k < last; ++k, ++sink_.count)
@@ -66,7 +68,11 @@ public:
         pairs.clear();
         by_thread_[0].swap(pairs);
     }
-    std::vector<BodyPair>& of(std::size_t thread) { return by_thread_[thread]; }
+    std::vector<BodyPair>& of(std::size_t thread)
+    {
+        ONCOLLIDE_ASSERT(thread < by_thread_.size());
+        return by_thread_[thread];
+    }
     /// Concatenates all lists, in the order of threads.
     void join(std::vector<BodyPair>& pairs)
     {
@@ -96,6 +102,7 @@ void append_kept(std::vector<BodyPair>& list, std::size_t count, Make make, Keep
         *out = make(k);
         out += keep(k, *out);
     }
+    ONCOLLIDE_ASSERT(out <= list.data() + before + count);
     list.resize(static_cast<std::size_t>(out - list.data()));
 }
 

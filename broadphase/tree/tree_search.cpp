@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/broadphase/aabb_checks.hpp>
 
@@ -10,6 +11,7 @@ namespace oncollide {
 void TreeSearch::find_pairs(const AabbTree& tree, const BodyColumns& columns, bool filtered, double margin, int threads,
                             std::vector<BodyPair>& pairs)
 {
+    ONCOLLIDE_ASSERT(margin >= 0 && threads >= 1);
     const AabbTreeView& view = tree.view();
     const AabbTreeKernel& kernel = aabb_tree_kernel();
     if (tree.size() < worth_threads || view.levels < 3) threads = 1;

@@ -104,8 +104,8 @@ std::vector<PartPoints> part_points_of(const Mesh& mesh)
 
 std::vector<PartPoints> part_points_of(const Terrain& terrain)
 {
-    if (terrain.chunks())
-        if (const auto& known = terrain.chunks()->cooked()->parts()) return *known;
+    if (const CookedTerrainChunks* chunks = cooked_chunks(terrain))
+        if (const auto& known = chunks->cooked()->parts()) return *known;
     return points_of(terrain);
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <oncollide/base/large_vector.hpp>
@@ -145,8 +146,13 @@ public:
     static std::uint64_t most_nodes(std::size_t triangles); ///< when fully grown
     static std::size_t most_bytes(std::size_t triangles);
     static double radius_around(const Mesh& mesh); ///< radius() of its tree
+    /// Returns the first fault of the whole tree as text; empty: it has none. Assertions and tests call it while no
+    /// traversal runs. It examines no cooked mesh, whose chunks are checked when they are read. Cost: O(n log n).
+    std::string validate() const;
 
 private:
+    static constexpr unsigned most_lanes = 8;
+    std::string fault_of_node(Node index, std::uint32_t begin, std::uint32_t count) const;
     static std::uint64_t most_lines(std::size_t triangles);
     std::size_t room_in(std::size_t number) const; ///< lines of block `number`
 

@@ -17,7 +17,7 @@ constexpr std::uint32_t square_side = 8; ///< side of a block of level 2, in cel
 /// ends.
 void TerrainTree::fill(Part& part, std::uint32_t x, std::uint32_t y) const
 {
-    constexpr std::uint32_t cells = CookedTerrain::side, width = cells + 1;
+    constexpr std::uint32_t cells = TerrainChunks::side, width = cells + 1;
     const double zero = centre_.z() - terrain_.origin().z();
     std::vector<float> z(std::size_t(width) * width);
     const std::uint32_t begin = x * cells, end = std::min(begin + width, terrain_.columns());
@@ -48,7 +48,7 @@ const TerrainTree::Part& TerrainTree::make_part(std::uint32_t x, std::uint32_t y
     const std::lock_guard lock(making_);
     const std::size_t number = std::size_t(y) * parts_across_ + x;
     if (const Part* const there = parts_[number].load(std::memory_order_acquire)) return *there;
-    TerrainChunks& chunks = *terrain_.chunks();
+    CookedTerrainChunks& chunks = *cooked_chunks(terrain_);
     chunks.budget().take(sizeof(Part), chunks.cooked()->file().name());
     try {
         auto made = std::make_unique<Part>();

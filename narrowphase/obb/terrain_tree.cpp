@@ -23,7 +23,7 @@ TerrainTree::TerrainTree(const Terrain& terrain)
         for (std::uint32_t l = 3; l <= level; ++l) make_level(l);
         return;
     }
-    const CookedTerrain& cooked = *terrain.chunks()->cooked();
+    const CookedTerrain& cooked = *cooked_chunks(terrain)->cooked();
     parts_across_ = cooked.blocks_across();
     parts_ = std::vector<std::atomic<Part*>>(cooked.ranges().size());
     bounds_.resize(2); // level 3 is not stored
@@ -35,12 +35,12 @@ TerrainTree::TerrainTree(const Terrain& terrain)
 TerrainTree::~TerrainTree()
 {
     for (std::atomic<Part*>& part : parts_) delete part.load();
-    if (terrain_.chunks()) terrain_.chunks()->budget().give(held_);
+    if (const CookedTerrainChunks* chunks = cooked_chunks(terrain_)) chunks->budget().give(held_);
 }
 
 void TerrainTree::add_held(std::vector<Held>& to) const
 {
-    const TerrainChunks& chunks = *terrain_.chunks();
+    const CookedTerrainChunks& chunks = *cooked_chunks(terrain_);
     for (std::uint32_t chunk = 0; chunk < chunks.cooked()->chunks(); ++chunk)
         if (chunks.there(chunk)) to.push_back({chunks.needed(chunk), chunk});
 }
@@ -48,7 +48,7 @@ void TerrainTree::add_held(std::vector<Held>& to) const
 /// Drops the heights of a chunk, and the parts made of them and of neighbouring heights.
 void TerrainTree::drop(std::uint32_t chunk)
 {
-    TerrainChunks& chunks = *terrain_.chunks();
+    CookedTerrainChunks& chunks = *cooked_chunks(terrain_);
     const std::uint32_t x = chunk % chunks.cooked()->across(), y = chunk / chunks.cooked()->across();
     const std::size_t number = std::size_t(y) * parts_across_ + x;
     if (x < parts_across_ && number < parts_.size())

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <oncollide/base/lock_order.hpp>
@@ -104,6 +105,10 @@ public:
     void add_held(std::vector<Held>& to) const override;
     void drop(std::uint32_t chunk) override;
 
+    /// Returns the first fault of the whole tree as text; empty: it has none. Assertions and tests call it. Cost:
+    /// O(cells); for a cooked terrain, whose chunks are checked when they are read, O(blocks of 64 by 64 cells).
+    std::string validate() const;
+
 private:
     /// Heights relative to the centre's, metres, of existing cells; if none exists, low > high.
     struct Range {
@@ -188,6 +193,8 @@ private:
         terrain_.chunks()->mark(x, y);
         return there ? *there : make_part(x, y);
     }
+    std::string fault_of_level(std::uint32_t level) const;
+    std::string fault_of_cells() const;
     const Part& make_part(std::uint32_t x, std::uint32_t y) const;
     void fill(Part& part, std::uint32_t x, std::uint32_t y) const;
     /// The origin of the boxes' coordinates, in the terrain's frame.

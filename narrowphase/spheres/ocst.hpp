@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include <oncollide/narrowphase/spheres/cell_key.hpp>
@@ -63,6 +64,9 @@ public:
     OcstNode* nodes() { return nodes_.data(); }
     std::uint64_t size() const { return stored_; } ///< stored cells
     std::size_t bytes() const;
+    /// Returns the first fault of the whole tree as text; empty: each cell is reached once, and all others are free.
+    /// Assertions and tests call it. Cost: O(cells).
+    std::string validate() const;
 
 private:
     std::uint32_t find(CellKey cell) const; ///< index of a stored cell

@@ -1,8 +1,10 @@
 #pragma once
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/narrowphase/pairs/pair_memory.hpp>
 
@@ -20,7 +22,14 @@ public:
     std::uint32_t earlier(std::size_t i) const { return earlier_[i]; }
     static constexpr std::uint32_t none = ~std::uint32_t{0};
     /// The memory of pair `i` of the frame.
-    PairMemory& operator[](std::size_t i) { return memories_[now_[i].row]; }
+    PairMemory& operator[](std::size_t i)
+    {
+        ONCOLLIDE_ASSERT(i < now_.size());
+        return memories_[now_[i].row];
+    }
+    /// Returns the first fault of the whole structure as text; empty: it has none. Assertions and tests call it. Cost:
+    /// O(pairs).
+    std::string validate() const;
     std::size_t bytes() const
     {
         return memories_.capacity() * sizeof(PairMemory) + (now_.capacity() + before_.capacity()) * sizeof(Known) +

@@ -1,7 +1,12 @@
 #include <oncollide/pipeline/world/bodies.hpp>
 
+#include <cmath>
+
+#include <fmt/format.h>
+
 #include <oncollide/base/large_vector.hpp>
 #include <oncollide/base/parallel.hpp>
+#include <oncollide/base/random.hpp>
 
 namespace oncollide {
 
@@ -169,6 +174,42 @@ void update_boxes(Bodies& bodies, const BodyChanges& changes, bool tight, int th
             }
         });
     }
+}
+
+std::string Bodies::validate() const
+{
+    for (const std::size_t rows : {model_of_.size(), poses_.size(), layers_.size(), masks_.size(), groups_.size(),
+                                   travel_.size(), boxes_.size()})
+        if (rows != slots()) return fmt::format("a column has {} rows for {} slots", rows, slots());
+    std::uint32_t bodies = 0, dynamic = 0;
+    std::size_t listed = 0, retired = 0;
+    std::uint64_t unused = 0; // sum of hashes: compared with the list of free slots without allocating
+    for (std::uint32_t slot = 0; slot < slots(); ++slot) {
+        const std::uint8_t state = state_[slot];
+        listed += bool(state & listed_bit);
+        if (!(state & alive_bit)) {
+            const bool spent = slot < removed_.size() && removed_[slot] >= last_generation;
+            retired += spent, unused += spent ? 0 : splitmix(slot);
+            if (state & static_bit) return fmt::format("slot {} is free, but static", slot);
+            continue;
+        }
+        ++bodies, dynamic += !(state & static_bit);
+        if (model_of_[slot] >= models_.size() || !models_[model_of_[slot]].model)
+            return fmt::format("body {} has no model", slot);
+        if (!(travel_[slot] >= 0)) return fmt::format("body {} has travelled {} m", slot, travel_[slot]);
+        if (state & known_bit && !(state & (fresh_bit | moved_bit)) && boxes_[slot].empty())
+            return fmt::format("body {} has an empty AABB", slot);
+    }
+    if (bodies != size_ || dynamic != dynamic_)
+        return fmt::format("counts {} bodies, {} dynamic; there are {} and {}", size_, dynamic_, bodies, dynamic);
+    for (std::uint32_t slot : free_) unused -= splitmix(slot);
+    if (unused != 0 || bodies + free_.size() + retired != slots())
+        return "the list of free slots is not the free slots";
+    if (listed != changed_.size()) return fmt::format("{} bodies changed, {} are listed", listed, changed_.size());
+    for (const std::uint64_t pair : excluded_)
+        if (!alive(static_cast<std::uint32_t>(pair >> 32)) || !alive(static_cast<std::uint32_t>(pair)))
+            return fmt::format("the excluded pair ({}, {}) is not of two bodies", pair >> 32, pair & ~0u);
+    return {};
 }
 
 std::size_t Bodies::bytes() const

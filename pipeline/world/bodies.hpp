@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <unordered_map>
 #include <unordered_set>
@@ -99,6 +100,9 @@ public:
     /// Overwrites `changes` with the changes since the last call.
     void take_changes(BodyChanges& changes);
     std::size_t bytes() const;
+    /// Returns the first fault of the whole structure as text; empty: it has none. Assertions and tests call it.
+    /// Cost: O(slots + exclusions).
+    std::string validate() const;
 
 private:
     enum State : std::uint8_t {

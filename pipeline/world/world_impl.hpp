@@ -81,6 +81,7 @@ struct World::Impl {
     void run_stages();
     void repeat_stages(); ///< the counts of the last frame, as nothing changed
     void find_events();
+    std::string validate() const; ///< the first fault; empty: none
     void look_ahead();
     /// For const calls: updates AABBs and broad phase if there are changes.
     void bring_up_to_date();

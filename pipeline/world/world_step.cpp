@@ -177,6 +177,7 @@ FrameView World::step()
         p.look_ahead();
         p.frame_hash = hash_of(frame.results, wants_kinds(p.settings));
     }
+    ONCOLLIDE_ASSERT_VALID(p.validate());
     frame.keeps = !p.settings.node_budget && !p.settings.memory_budget && !p.settings.resident_budget;
     for (std::size_t i = 0; i < p.stages.size(); ++i) add_to(p.totals[i], p.stats[i]);
     for (std::uint32_t slot : frame.fresh_slots) frame.fresh[slot] = 0;
@@ -227,6 +228,20 @@ void World::Impl::repeat_stages()
     frame.delimitation.clear(), began.clear(), ended.clear();
     for (StageStats& s : stats) s.cpu_ms = s.gpu_ms = s.wait_ms = 0;
     frame.context.trees.kept = frame.results.size();
+}
+
+/// Examines the bodies, the memory of pairs, and the trees of one body's model, another one in each frame. Large ones
+/// are examined in every 16th frame.
+std::string World::Impl::validate() const
+{
+    constexpr std::size_t small = 4096;
+    const bool all = frame.number % 16 == 0;
+    if (all || bodies.slots() <= small)
+        if (std::string fault = bodies.validate(); !fault.empty()) return fault;
+    if (all || frame.pairs.size() <= small)
+        if (std::string fault = frame.cache.validate(); !fault.empty()) return fault;
+    const std::uint32_t slot = bodies.slots() ? frame.number % bodies.slots() : 0;
+    return bodies.alive(slot) ? bodies.model(slot).validate(all ? 16 * small : small / 16) : "";
 }
 
 /// Lets the prefetcher prepare the parts of cooked meshes that moving bodies will reach next.

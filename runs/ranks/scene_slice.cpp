@@ -36,10 +36,11 @@ std::uint64_t checksum_of(const Geometry& geometry)
     put_box(bytes, bounds_of(geometry));
     if (const auto* map = std::get_if<OccupancyMap>(&geometry.data)) {
         put_box(bytes, map->bounds());
-        if (MapAccess::cells(*map).chunks()) put(bytes, MapAccess::cells(*map).chunks()->cooked()->checksum());
+        if (const CookedMapChunks* chunks = cooked_chunks(*map)) put(bytes, chunks->cooked()->checksum());
     }
-    if (const auto* terrain = std::get_if<Terrain>(&geometry.data); terrain && terrain->chunks())
-        put(bytes, terrain->chunks()->cooked()->checksum());
+    const auto* terrain = std::get_if<Terrain>(&geometry.data);
+    if (const CookedTerrainChunks* chunks = terrain ? cooked_chunks(*terrain) : nullptr)
+        put(bytes, chunks->cooked()->checksum());
     else if (terrain)
         for (std::uint32_t row = 0; row < terrain->rows(); ++row)
             for (std::uint32_t column = 0; column < terrain->columns(); ++column)

@@ -9,7 +9,7 @@ namespace oncollide {
 void ChunkBudget::take(std::size_t bytes, const std::string& who)
 {
     const std::size_t before = held_.fetch_add(bytes, std::memory_order_relaxed);
-    now_.fetch_add(1, std::memory_order_relaxed);
+    advance();
     if (limit_ == 0 || before + bytes <= limit_) return;
     give(bytes);
     throw NoRoomForChunk(ErrorKind::bad_data,

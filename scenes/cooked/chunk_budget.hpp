@@ -5,10 +5,13 @@
 #include <string>
 #include <vector>
 
+#include <oncollide/base/error.hpp>
+#include <oncollide/scenes/model/chunk_clock.hpp>
+
 namespace oncollide {
 
 /// The memory that chunks of all cooked files together may use, and the clock of their last use.
-class ChunkBudget {
+class ChunkBudget : public ChunkClock {
 public:
     /// @param limit  bytes; 0: no limit
     explicit ChunkBudget(std::size_t limit) : limit_(limit) {}
@@ -18,21 +21,15 @@ public:
     std::size_t held() const { return held_.load(std::memory_order_relaxed); }
     /// Throws NoRoomForChunk, naming `who`, if the limit would be exceeded.
     void take(std::size_t bytes, const std::string& who);
-    void give(std::size_t bytes) { held_.fetch_sub(bytes, std::memory_order_relaxed); }
-
-    /// Increases with each chunk that is read.
-    std::uint64_t now() const { return now_.load(std::memory_order_relaxed); }
-    /// Records the present time as the last use.
-    void mark(std::atomic<std::uint64_t>& needed) const
+    void give(std::size_t bytes)
     {
-        if (const std::uint64_t at = now(); needed.load(std::memory_order_relaxed) != at)
-            needed.store(at, std::memory_order_relaxed);
+        ONCOLLIDE_ASSERT(bytes <= held());
+        held_.fetch_sub(bytes, std::memory_order_relaxed);
     }
 
 private:
     const std::size_t limit_;
     std::atomic<std::size_t> held_ = 0;
-    std::atomic<std::uint64_t> now_ = 1;
 };
 
 /// The chunks of one cooked file that are in memory, as seen by the owner of the budget.

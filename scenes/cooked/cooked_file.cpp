@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/checksum.hpp>
+#include <oncollide/base/error.hpp>
 #include <oncollide/base/file_bytes.hpp>
 
 namespace oncollide {
@@ -157,6 +158,7 @@ std::optional<std::vector<CookedPart>> CookedFile::Opened::parts() const
 std::vector<std::byte> CookedFile::read(const Handle& handle, const CookedChunkEntry& entry, std::size_t chunk,
                                         std::size_t count) const
 {
+    ONCOLLIDE_ASSERT(chunk < count);
     check_known(chunk);
     std::vector<std::byte> bytes(entry.bytes);
     if (const char* why = handle.read(entry.offset, bytes)) refuse_chunk(chunk, count, why);
@@ -184,6 +186,7 @@ void CookedFile::refuse_entry(std::size_t chunk) const
 
 void CookedFile::refuse_chunk(std::size_t chunk, std::size_t count, const std::string& why) const
 {
+    ONCOLLIDE_ASSERT(chunk < count);
     std::string what = fmt::format("{}: chunk {} of {}: {}; cook the file again", name_, chunk, count, why);
     {
         const std::lock_guard lock(mutex_);

@@ -4,6 +4,7 @@
 #include <bit>
 #include <limits>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/scenes/cooked/cooked_writer.hpp>
 
 namespace oncollide {
@@ -15,7 +16,7 @@ static_assert(sizeof(Node) == cooked_node_bytes(CookedKind::map));
 
 constexpr std::uint64_t up_to_step(std::uint64_t nodes)
 {
-    return (nodes + CookedMap::step - 1) / CookedMap::step * CookedMap::step;
+    return (nodes + MapChunks::step - 1) / MapChunks::step * MapChunks::step;
 }
 
 std::uint32_t octants_in(const Node& node)
@@ -144,6 +145,7 @@ const char* CookedMap::why_not_node(const Node& node, const MapCell& cube) const
 
 std::vector<CookedMap::Node> CookedMap::read(std::size_t number) const
 {
+    ONCOLLIDE_ASSERT(number < chunks_.size());
     const std::vector<std::byte> bytes = file_.read(*handle_, table_[number], number, table_.size());
     std::vector<Node> nodes(bytes.size() / sizeof(Node));
     std::memcpy(static_cast<void*>(nodes.data()), bytes.data(), bytes.size());
@@ -171,73 +173,88 @@ std::vector<CookedMap::Node> CookedMap::read(std::size_t number) const
     return nodes;
 }
 
-MapChunks::MapChunks(std::shared_ptr<const CookedMap> cooked, ChunkBudget* budget)
-    : cooked_(std::move(cooked)), own_(budget ? nullptr : std::make_unique<ChunkBudget>(0)), budget_(budget),
-      memory_(std::max<std::size_t>(cooked_->end(), 1) * sizeof(Node)), nodes_(reinterpret_cast<Node*>(memory_.data())),
-      chunk_of_(cooked_->end() / CookedMap::step), chunks_(cooked_->chunks())
+CookedMapChunks::CookedMapChunks(std::shared_ptr<const CookedMap> cooked, ChunkBudget* budget)
+    : CookedMapChunks(cooked, budget ? nullptr : std::make_unique<ChunkBudget>(0), budget)
 {
+}
+
+CookedMapChunks::CookedMapChunks(std::shared_ptr<const CookedMap> cooked, std::unique_ptr<ChunkBudget> own,
+                                 ChunkBudget* budget)
+    : MapChunks(cooked->chunks(), up_to_step(std::max(cooked->end(), 1u)) / step, own ? *own : *budget),
+      cooked_(std::move(cooked)), own_(std::move(own)), budget_(own_ ? *own_ : *budget),
+      memory_(std::max<std::size_t>(cooked_->end(), 1) * sizeof(Node))
+{
+    nodes_ = reinterpret_cast<Node*>(memory_.data());
+    ONCOLLIDE_ASSERT(cooked_->top().size() <= cooked_->end() && cooked_->end() <= chunk_of_.size() * step);
     std::ranges::copy(cooked_->top(), nodes_);
     for (std::size_t chunk = 0; chunk < chunks_.size(); ++chunk) {
         const std::uint32_t first = cooked_->first(chunk);
-        for (std::uint32_t at = first; at < first + cooked_->nodes(chunk); at += CookedMap::step)
-            chunk_of_[at / CookedMap::step] = static_cast<std::uint32_t>(chunk) + 1;
+        for (std::uint32_t at = first; at < first + cooked_->nodes(chunk); at += step)
+            chunk_of_[at / step] = static_cast<std::uint32_t>(chunk) + 1;
     }
 }
 
-MapChunks::~MapChunks()
+CookedMapChunks::~CookedMapChunks()
 {
-    budget().give(held_);
+    budget_.give(held_);
 }
 
-OccupancyMap MapChunks::map(std::shared_ptr<const CookedMap> cooked, ChunkBudget* budget)
+OccupancyMap CookedMapChunks::map(std::shared_ptr<const CookedMap> cooked, ChunkBudget* budget)
 {
     const CookedMapRecord& record = cooked->record();
     const CellBox bounds({record.low[0], record.low[1], record.low[2]},
                          {record.high[0], record.high[1], record.high[2]});
     const Node grid = cooked->grid();
     return MapAccess::make(
-        CellTree(std::make_shared<MapChunks>(std::move(cooked), budget), grid, record.unknown_is_solid),
+        CellTree(std::make_shared<CookedMapChunks>(std::move(cooked), budget), grid, record.unknown_is_solid),
         record.resolution, bounds);
 }
 
-std::size_t MapChunks::bytes_of(std::uint32_t chunk) const
+std::size_t CookedMapChunks::bytes_of(std::uint32_t chunk) const
 {
     return up_to_step(cooked_->nodes(chunk)) * sizeof(Node);
 }
 
-void MapChunks::need(std::uint32_t number) const
+void CookedMapChunks::need(std::uint32_t number) const
 {
+    ONCOLLIDE_ASSERT(number < chunks_.size());
     const std::lock_guard lock(reading_);
     Chunk& chunk = chunks_[number];
     if (chunk.there.load(std::memory_order_acquire)) return;
-    budget().take(bytes_of(number), cooked_->file().name());
+    budget_.take(bytes_of(number), cooked_->file().name());
     try {
         std::ranges::copy(cooked_->read(number), nodes_ + cooked_->first(number));
     } catch (...) {
-        budget().give(bytes_of(number));
+        budget_.give(bytes_of(number));
         throw;
     }
     held_ += bytes_of(number);
-    chunk.needed.store(budget().now(), std::memory_order_relaxed);
+    chunk.needed.store(budget_.now(), std::memory_order_relaxed);
     chunk.there.store(true, std::memory_order_release);
 }
 
-void MapChunks::need_all() const
+void CookedMapChunks::need_all() const
 {
     for (std::uint32_t chunk = 0; chunk < chunks_.size(); ++chunk) need(chunk);
 }
 
-void MapChunks::add_held(std::vector<Held>& to) const
+void CookedMapChunks::add_held(std::vector<Held>& to) const
 {
     for (std::uint32_t chunk = 0; chunk < chunks_.size(); ++chunk)
         if (chunks_[chunk].there) to.push_back({chunks_[chunk].needed.load(std::memory_order_relaxed), chunk});
 }
 
-void MapChunks::drop(std::uint32_t chunk)
+void CookedMapChunks::drop(std::uint32_t chunk)
 {
+    ONCOLLIDE_ASSERT(chunk < chunks_.size());
     if (!chunks_[chunk].there.exchange(false)) return;
     memory_.give_back(cooked_->first(chunk) * sizeof(Node), cooked_->nodes(chunk) * sizeof(Node));
-    budget().give(bytes_of(chunk)), held_ -= bytes_of(chunk);
+    budget_.give(bytes_of(chunk)), held_ -= bytes_of(chunk);
+}
+
+CookedMapChunks* cooked_chunks(const OccupancyMap& map)
+{
+    return static_cast<CookedMapChunks*>(MapAccess::cells(map).chunks()); // there are no other chunks
 }
 
 namespace {

@@ -11,6 +11,7 @@
 #include <oncollide/scenes/cooked/chunk_budget.hpp>
 #include <oncollide/scenes/cooked/cooked_file.hpp>
 #include <oncollide/scenes/model/map_access.hpp>
+#include <oncollide/scenes/model/map_chunks.hpp>
 
 namespace oncollide {
 
@@ -25,7 +26,6 @@ class CookedWriter;
 class CookedMap {
 public:
     using Node = CellTree::Node;
-    static constexpr std::uint32_t step = 512; ///< nodes per page
 
     /// Throws as CookedMesh does.
     explicit CookedMap(const std::filesystem::path& path);
@@ -76,51 +76,37 @@ private:
     std::uint32_t end_ = 0;
 };
 
-/// The nodes of a cooked map that are in memory: each chunk is read when one of its nodes is first used. Many threads
-/// may do so at once.
-class MapChunks final : public HeldChunks {
+/// The nodes of a cooked map that are in memory.
+class CookedMapChunks final : public MapChunks, public HeldChunks {
 public:
     /// Without a budget, chunks that were read stay in memory.
-    explicit MapChunks(std::shared_ptr<const CookedMap> cooked, ChunkBudget* budget = nullptr);
-    ~MapChunks() override;
+    explicit CookedMapChunks(std::shared_ptr<const CookedMap> cooked, ChunkBudget* budget = nullptr);
+    ~CookedMapChunks() override;
     /// An OccupancyMap that reads such chunks.
     static OccupancyMap map(std::shared_ptr<const CookedMap> cooked, ChunkBudget* budget = nullptr);
 
     const std::shared_ptr<const CookedMap>& cooked() const { return cooked_; }
 
-    const CellTree::Node& node(std::uint32_t number) const
-    {
-        if (const std::uint32_t of = chunk_of_[number / CookedMap::step]) {
-            const Chunk& chunk = chunks_[of - 1];
-            if (!chunk.there.load(std::memory_order_acquire)) need(of - 1);
-            budget().mark(chunk.needed);
-        }
-        return nodes_[number];
-    }
-    void need_all() const; ///< Throws ChunkFault
+    void need_all() const override;
     void add_held(std::vector<Held>& to) const override;
     void drop(std::uint32_t chunk) override;
-    std::size_t bytes() const { return held_.load(std::memory_order_relaxed) + cooked_->bytes(); }
+    std::size_t bytes() const override { return held_.load(std::memory_order_relaxed) + cooked_->bytes(); }
 
 private:
-    struct Chunk {
-        std::atomic<bool> there = false;
-        mutable std::atomic<std::uint64_t> needed = 0;
-    };
-    ChunkBudget& budget() const { return budget_ ? *budget_ : *own_; }
-    void need(std::uint32_t chunk) const;
+    CookedMapChunks(std::shared_ptr<const CookedMap> cooked, std::unique_ptr<ChunkBudget> own, ChunkBudget* budget);
+    void need(std::uint32_t chunk) const override;
     std::size_t bytes_of(std::uint32_t chunk) const; ///< in memory
 
     std::shared_ptr<const CookedMap> cooked_;
     std::unique_ptr<ChunkBudget> own_;
-    ChunkBudget* budget_;
+    ChunkBudget& budget_;
     mutable LazyMemory memory_;
-    CellTree::Node* nodes_;
-    std::vector<std::uint32_t> chunk_of_; ///< by page: the chunk's number + 1; 0: the top
-    mutable std::vector<Chunk> chunks_;
     mutable std::atomic<std::size_t> held_ = 0;
     mutable OrderedMutex<LockRank::chunks> reading_;
 };
+
+/// The chunks of a map in a cooked file; null: the whole map is in memory.
+CookedMapChunks* cooked_chunks(const OccupancyMap& map);
 
 /// Writes a map, except its probabilities, to a file.
 void add_map(const OccupancyMap& map, std::uint32_t most_in_chunk, CookedWriter& file);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/scenes/cooked/cooked_file.hpp>
 
 namespace oncollide {
@@ -140,6 +141,7 @@ void CookedMesh::read(std::size_t chunk, Chunk& out) const
 
 void CookedMesh::unpack(const Top& top, std::size_t chunk, std::span<const std::byte> bytes, Chunk& out) const
 {
+    ONCOLLIDE_ASSERT(chunk < top.chunks.size() && bytes.size() == top.chunks[chunk].bytes);
     const CookedChunkEntry& entry = top.chunks[chunk];
     out.vertices.resize(entry.vertices), out.vertex_numbers.resize(entry.vertices);
     out.triangles.resize(entry.triangles), out.numbers.resize(entry.triangles);

@@ -1,5 +1,6 @@
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/scenes/cooked/cooked_writer.hpp>
 
 #include <algorithm>
@@ -13,7 +14,7 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::uint32_t side = CookedTerrain::side, tile = Terrain::tile, of_tile = tile * tile;
+constexpr std::uint32_t side = TerrainChunks::side, tile = Terrain::tile, of_tile = tile * tile;
 
 std::uint32_t parts_of(std::uint32_t length, std::uint32_t part)
 {
@@ -159,13 +160,14 @@ void CookedTerrain::take_record(const CookedTerrainRecord& record, const CookedH
     outline_ = std::move(t);
 }
 
-std::unique_ptr<CookedTerrain::Chunk> CookedTerrain::read(std::size_t number) const
+std::unique_ptr<TerrainChunk> CookedTerrain::read(std::size_t number) const
 {
     const std::vector<std::byte> bytes = file_.read(*handle_, table_[number], number, table_.size());
     std::span<const std::byte> rest(bytes);
     const Terrain& t = *outline_;
     const Extent part = extent(t, number);
-    auto chunk = std::make_unique<Chunk>();
+    ONCOLLIDE_ASSERT(number < table_.size() && part.tiles > 0);
+    auto chunk = std::make_unique<TerrainChunk>();
     chunk->tiles_x = part.tiles_x;
     const auto each = static_cast<std::size_t>(t.bytes_per_height());
     if (each < 4) {
@@ -198,96 +200,65 @@ std::unique_ptr<CookedTerrain::Chunk> CookedTerrain::read(std::size_t number) co
     return chunk;
 }
 
-TerrainChunks::TerrainChunks(std::shared_ptr<const CookedTerrain> cooked, ChunkBudget* budget)
-    : cooked_(std::move(cooked)), own_(budget ? nullptr : std::make_unique<ChunkBudget>(0)),
-      budget_(budget ? budget : own_.get()), chunks_(cooked_->chunks()), needed_(cooked_->chunks())
+CookedTerrainChunks::CookedTerrainChunks(std::shared_ptr<const CookedTerrain> cooked, ChunkBudget* budget)
+    : CookedTerrainChunks(cooked, budget ? nullptr : std::make_unique<ChunkBudget>(0), budget)
 {
 }
 
-TerrainChunks::~TerrainChunks()
+CookedTerrainChunks::CookedTerrainChunks(std::shared_ptr<const CookedTerrain> cooked, std::unique_ptr<ChunkBudget> own,
+                                         ChunkBudget* budget)
+    : TerrainChunks(cooked->outline(), own ? *own : *budget), cooked_(std::move(cooked)), own_(std::move(own)),
+      budget_(own_ ? *own_ : *budget)
+{
+    ONCOLLIDE_ASSERT(chunks_.size() == cooked_->chunks());
+}
+
+CookedTerrainChunks::~CookedTerrainChunks()
 {
     for (std::size_t chunk = 0; chunk < chunks_.size(); ++chunk) drop(chunk);
 }
 
-Terrain TerrainChunks::terrain(std::shared_ptr<const CookedTerrain> cooked, ChunkBudget* budget)
+Terrain CookedTerrainChunks::terrain(std::shared_ptr<const CookedTerrain> cooked, ChunkBudget* budget)
 {
-    Terrain terrain = cooked->outline();
-    terrain.chunks_ = std::make_shared<TerrainChunks>(std::move(cooked), budget);
-    return terrain;
+    const Terrain& outline = cooked->outline();
+    return TerrainAccess::in_chunks(outline, std::make_shared<CookedTerrainChunks>(std::move(cooked), budget));
 }
 
-/// Reads the heights of `count` consecutive positions of a tile.
-template <class Sample>
-void TerrainChunks::decode_as(const Terrain& terrain, const CookedTerrain::Chunk& chunk, std::uint32_t number,
-                              std::uint32_t k, std::uint32_t count, double* out)
+const TerrainChunk& CookedTerrainChunks::need(std::size_t chunk) const
 {
-    const std::byte* const from = &chunk.samples[(std::size_t(number) * of_tile + k) * sizeof(Sample)];
-    for (std::uint32_t i = 0; i < count; ++i) {
-        Sample q;
-        std::memcpy(&q, from + i * sizeof q, sizeof q);
-        if constexpr (std::is_floating_point_v<Sample>)
-            out[i] = static_cast<double>(q);
-        else
-            out[i] = q == std::numeric_limits<Sample>::max()
-                         ? std::numeric_limits<double>::quiet_NaN()
-                         : terrain.unit_ * static_cast<double>(chunk.tiles[number].at(q));
-    }
-}
-
-void TerrainChunks::decode(const Terrain& terrain, const CookedTerrain::Chunk& chunk, std::uint32_t number,
-                           std::uint32_t k, std::uint32_t count, double* out)
-{
-    switch (terrain.bytes_per_height()) {
-    case 1:
-        return decode_as<std::uint8_t>(terrain, chunk, number, k, count, out);
-    case 2:
-        return decode_as<std::uint16_t>(terrain, chunk, number, k, count, out);
-    case 4:
-        return decode_as<float>(terrain, chunk, number, k, count, out);
-    default:
-        return decode_as<double>(terrain, chunk, number, k, count, out);
-    }
-}
-
-void TerrainChunks::read_row(std::uint32_t row, std::uint32_t from, std::uint32_t to, double* out) const
-{
-    while (from < to) {
-        const CookedTerrain::Chunk& chunk = at(std::size_t(row / side) * cooked_->across() + from / side);
-        const std::uint32_t end = std::min(to, (from / tile + 1) * tile);
-        decode(cooked_->outline(), chunk, row % side / tile * chunk.tiles_x + from % side / tile,
-               row % tile * tile + from % tile, end - from, out);
-        out += end - from, from = end;
-    }
-}
-
-const CookedTerrain::Chunk& TerrainChunks::need(std::size_t chunk) const
-{
+    ONCOLLIDE_ASSERT(chunk < chunks_.size());
     const std::lock_guard lock(reading_);
-    if (const CookedTerrain::Chunk* there = chunks_[chunk].load(std::memory_order_acquire)) return *there;
-    const std::size_t bytes = sizeof(CookedTerrain::Chunk) + cooked_->chunk_bytes(chunk);
-    budget().take(bytes, cooked_->file().name());
+    if (const TerrainChunk* there = chunks_[chunk].load(std::memory_order_acquire)) return *there;
+    const std::size_t bytes = sizeof(TerrainChunk) + cooked_->chunk_bytes(chunk);
+    budget_.take(bytes, cooked_->file().name());
     try {
         chunks_[chunk].store(cooked_->read(chunk).release(), std::memory_order_release);
     } catch (...) {
-        budget().give(bytes);
+        budget_.give(bytes);
         throw;
     }
     held_ += bytes;
-    needed_[chunk].store(budget().now(), std::memory_order_relaxed);
+    needed_[chunk].store(budget_.now(), std::memory_order_relaxed);
     return *chunks_[chunk].load(std::memory_order_relaxed);
 }
 
-void TerrainChunks::need_all() const
+void CookedTerrainChunks::need_all() const
 {
     for (std::size_t chunk = 0; chunk < chunks_.size(); ++chunk) at(chunk);
 }
 
-void TerrainChunks::drop(std::size_t chunk)
+void CookedTerrainChunks::drop(std::size_t chunk)
 {
-    const std::unique_ptr<const CookedTerrain::Chunk> gone(chunks_[chunk].exchange(nullptr));
+    ONCOLLIDE_ASSERT(chunk < chunks_.size());
+    const std::unique_ptr<const TerrainChunk> gone(chunks_[chunk].exchange(nullptr));
     if (!gone) return;
-    const std::size_t bytes = sizeof(CookedTerrain::Chunk) + cooked_->chunk_bytes(chunk);
-    budget().give(bytes), held_ -= bytes;
+    const std::size_t bytes = sizeof(TerrainChunk) + cooked_->chunk_bytes(chunk);
+    budget_.give(bytes), held_ -= bytes;
+}
+
+CookedTerrainChunks* cooked_chunks(const Terrain& terrain)
+{
+    return static_cast<CookedTerrainChunks*>(terrain.chunks()); // there are no other chunks
 }
 
 } // namespace oncollide

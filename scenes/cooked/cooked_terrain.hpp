@@ -11,7 +11,7 @@
 #include <oncollide/base/lock_order.hpp>
 #include <oncollide/scenes/cooked/chunk_budget.hpp>
 #include <oncollide/scenes/cooked/cooked_file.hpp>
-#include <oncollide/scenes/model/terrain_access.hpp>
+#include <oncollide/scenes/model/terrain_chunks.hpp>
 
 namespace oncollide {
 
@@ -21,8 +21,6 @@ class CookedBytes;
 /// by 64. Const calls are safe from many threads at once.
 class CookedTerrain {
 public:
-    static constexpr std::uint32_t side = 64; ///< heights, or cells, per side of a chunk
-
     /// Throws as CookedMesh does.
     explicit CookedTerrain(const std::filesystem::path& path);
 
@@ -38,15 +36,8 @@ public:
 
     const std::optional<std::vector<CookedPart>>& parts() const { return parts_; } ///< empty: not known
 
-    /// A chunk's heights, in tiles as a terrain has them.
-    struct Chunk {
-        std::uint32_t tiles_x = 0;          ///< tiles per row
-        std::vector<TerrainTile> tiles;     ///< at 1 and 2 bytes
-        std::vector<std::byte> samples;     ///< tile by tile
-        std::vector<std::uint64_t> falling; ///< a bit per cell, 64 per row; empty: all cells have the same diagonal
-    };
     /// Throws ChunkFault; later calls for this chunk throw the same error.
-    std::unique_ptr<Chunk> read(std::size_t chunk) const;
+    std::unique_ptr<TerrainChunk> read(std::size_t chunk) const;
     std::size_t chunk_bytes(std::size_t chunk) const; ///< in the file
     [[noreturn]] void refuse_chunk(std::size_t chunk, const std::string& why) const;
 
@@ -72,71 +63,37 @@ private:
     std::optional<std::vector<CookedPart>> parts_;
 };
 
-/// The heights of a cooked terrain that are in memory: each chunk is read when one of its heights is first used. Many
-/// threads may do so at once.
-class TerrainChunks {
+/// The heights of a cooked terrain that are in memory.
+class CookedTerrainChunks final : public TerrainChunks {
 public:
     /// Without a budget, chunks that were read stay in memory.
-    explicit TerrainChunks(std::shared_ptr<const CookedTerrain> cooked, ChunkBudget* budget = nullptr);
-    ~TerrainChunks();
+    explicit CookedTerrainChunks(std::shared_ptr<const CookedTerrain> cooked, ChunkBudget* budget = nullptr);
+    ~CookedTerrainChunks() override;
     /// A Terrain that reads such chunks.
     static Terrain terrain(std::shared_ptr<const CookedTerrain> cooked, ChunkBudget* budget = nullptr);
 
     const std::shared_ptr<const CookedTerrain>& cooked() const { return cooked_; }
-    ChunkBudget& budget() const { return budget_ ? *budget_ : *own_; }
-
-    double height(std::uint32_t column, std::uint32_t row) const
-    {
-        constexpr std::uint32_t side = CookedTerrain::side, tile = Terrain::tile;
-        const CookedTerrain::Chunk& chunk = at(std::size_t(row / side) * cooked_->across() + column / side);
-        const std::uint32_t number = row % side / tile * chunk.tiles_x + column % side / tile;
-        double height;
-        decode(cooked_->outline(), chunk, number, row % tile * tile + column % tile, 1, &height);
-        return height;
-    }
-    /// The heights of columns [from, to) in a row.
-    void read_row(std::uint32_t row, std::uint32_t from, std::uint32_t to, double* out) const;
-    CellDiagonal diagonal(std::uint32_t x, std::uint32_t y) const
-    {
-        constexpr std::uint32_t side = CookedTerrain::side;
-        const CookedTerrain::Chunk& chunk = at(std::size_t(y / side) * cooked_->across() + x / side);
-        return chunk.falling[y % side] >> x % side & 1 ? CellDiagonal::falling : CellDiagonal::rising;
-    }
+    ChunkBudget& budget() const { return budget_; }
 
     bool there(std::size_t chunk) const { return chunks_[chunk].load(std::memory_order_acquire); }
     std::uint64_t needed(std::size_t chunk) const { return needed_[chunk].load(std::memory_order_relaxed); }
-    /// Marks the chunk that begins at the corner of a block of cells as used.
-    void mark(std::uint32_t x, std::uint32_t y) const
-    {
-        budget().mark(needed_[std::size_t(y) * cooked_->across() + x]);
-    }
-    void need_all() const;        ///< Throws ChunkFault
+    void need_all() const override;
     void drop(std::size_t chunk); ///< No other thread may read heights meanwhile
-    std::size_t bytes() const { return held_.load(std::memory_order_relaxed) + cooked_->bytes(); }
+    std::size_t bytes() const override { return held_.load(std::memory_order_relaxed) + cooked_->bytes(); }
 
 private:
-    const CookedTerrain::Chunk& at(std::size_t chunk) const
-    {
-        const CookedTerrain::Chunk* there = chunks_[chunk].load(std::memory_order_acquire);
-        budget().mark(needed_[chunk]);
-        return there ? *there : need(chunk);
-    }
-    const CookedTerrain::Chunk& need(std::size_t chunk) const;
-    friend class CookedTerrain;
-    /// Heights k to k + count - 1 of a tile.
-    static void decode(const Terrain& terrain, const CookedTerrain::Chunk& chunk, std::uint32_t tile, std::uint32_t k,
-                       std::uint32_t count, double* out);
-    template <class Sample>
-    static void decode_as(const Terrain& terrain, const CookedTerrain::Chunk& chunk, std::uint32_t tile,
-                          std::uint32_t k, std::uint32_t count, double* out);
+    CookedTerrainChunks(std::shared_ptr<const CookedTerrain> cooked, std::unique_ptr<ChunkBudget> own,
+                        ChunkBudget* budget);
+    const TerrainChunk& need(std::size_t chunk) const override;
 
     std::shared_ptr<const CookedTerrain> cooked_;
     std::unique_ptr<ChunkBudget> own_;
-    ChunkBudget* budget_;
-    mutable std::vector<std::atomic<CookedTerrain::Chunk*>> chunks_;
-    mutable std::vector<std::atomic<std::uint64_t>> needed_;
+    ChunkBudget& budget_;
     mutable std::atomic<std::size_t> held_ = 0;
     mutable OrderedMutex<LockRank::chunks> reading_;
 };
+
+/// The chunks of a terrain in a cooked file; null: the whole terrain is in memory.
+CookedTerrainChunks* cooked_chunks(const Terrain& terrain);
 
 } // namespace oncollide

@@ -1,12 +1,14 @@
 #include <oncollide/scenes/cooked/cooked_writer.hpp>
 
 #include <oncollide/base/checksum.hpp>
+#include <oncollide/base/error.hpp>
 #include <oncollide/base/output_file.hpp>
 
 namespace oncollide {
 
 void CookedWriter::set_bounds(const Aabb& bounds)
 {
+    ONCOLLIDE_ASSERT(!bounds.empty());
     std::memcpy(header.low, bounds.min.data(), sizeof header.low);
     std::memcpy(header.high, bounds.max.data(), sizeof header.high);
 }
@@ -20,6 +22,7 @@ void CookedWriter::set_parts(std::span<const CookedPart> of)
 void CookedWriter::end_chunk(std::uint32_t triangles, std::uint32_t vertices)
 {
     data.fill_up();
+    ONCOLLIDE_ASSERT(ended_ <= data.size());
     table_.push_back({ended_, data.size() - ended_, checksum(data.from(ended_)), triangles, vertices});
     ended_ = data.size();
 }

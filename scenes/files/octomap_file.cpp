@@ -52,7 +52,7 @@ OccupancyMap load_octomap(const std::filesystem::path& path, const MapOptions& o
         if (options.unknown_is_occupied || options.occupancy_threshold)
             throw Error(ErrorKind::usage, name + ": unknown cells and the threshold are decided when a map is "
                                                  "cooked; give these options to 'oncollide cook'");
-        return MapChunks::map(std::make_shared<const CookedMap>(path));
+        return CookedMapChunks::map(std::make_shared<const CookedMap>(path));
     }
     std::string bytes = read_file(path, most);
     const double threshold = options.occupancy_threshold.value_or(0.5);

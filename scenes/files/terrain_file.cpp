@@ -91,7 +91,7 @@ Terrain load_terrain(const fs::path& path, const TerrainOptions& options)
         if (!(options == TerrainOptions{}))
             throw Error(ErrorKind::usage, name + ": the grid of a cooked terrain is in the file; give its options to "
                                                  "'oncollide cook'");
-        return TerrainChunks::terrain(std::make_shared<const CookedTerrain>(path));
+        return CookedTerrainChunks::terrain(std::make_shared<const CookedTerrain>(path));
     }
     if (!(options.vertical_scale > 0 && options.vertical_scale <= 1e15))
         throw Error(ErrorKind::usage, fmt::format("{}: a vertical scale of {}; must be above 0 and at most 1e15", name,

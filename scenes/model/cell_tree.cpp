@@ -2,7 +2,8 @@
 
 #include <algorithm>
 
-#include <oncollide/scenes/cooked/cooked_map.hpp>
+#include <oncollide/base/error.hpp>
+#include <oncollide/scenes/model/map_chunks.hpp>
 
 namespace oncollide {
 
@@ -61,6 +62,7 @@ void CellTree::take_all()
 
 void CellTree::Octants::set(unsigned octant, CellState state)
 {
+    ONCOLLIDE_ASSERT(octant < 8);
     const std::uint8_t here = bit(octant), others = static_cast<std::uint8_t>(~here);
     node_.inner &= others, node_.occupied &= others, node_.free &= others;
     if (state == CellState::occupied) node_.occupied |= here;
@@ -79,6 +81,7 @@ void CellTree::Octants::set(unsigned octant, const Node& node)
 
 CellTree::Node CellTree::close(Octants& octants)
 {
+    ONCOLLIDE_ASSERT(!chunks_ && !(octants.node_.occupied & octants.node_.free));
     Node& node = octants.node_;
     node.solid = whole(node), node.first = 0;
     const std::uint32_t length = bits_in(node.inner);
@@ -129,6 +132,7 @@ void CellTree::set_grid(const Node& grid)
 
 CellState CellTree::state(const Eigen::Vector3i& cell) const
 {
+    ONCOLLIDE_ASSERT(CellBox(top_cube.octant(0)).contains(CellBox(cell, cell.array() + 1)));
     const CellBox box(cell, cell.array() + 1);
     Node node = top_;
     MapCell cube = top_cube;

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide {
@@ -62,6 +63,7 @@ public:
     /// The node of an inner octant.
     const Node& below(const Node& node, unsigned octant) const
     {
+        ONCOLLIDE_ASSERT(octant < 8 && (node.inner >> octant & 1));
         const std::uint32_t number = node.first + bits_in(node.inner & ((1u << octant) - 1));
         return chunks_ ? in_chunk(number) : nodes_[number];
     }

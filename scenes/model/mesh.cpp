@@ -51,6 +51,7 @@ Mesh make_mesh(const std::string& name, std::vector<Eigen::Vector3d> vertices, s
     for (std::size_t i = 0; i < used.size(); ++i)
         if (used[i]) bounds.add(mesh.vertices[i]);
     mesh.bounds = bounds;
+    ONCOLLIDE_ASSERT(!bounds.empty() && mesh.zero_area <= mesh.triangles.size());
     return mesh;
 }
 

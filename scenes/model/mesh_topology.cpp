@@ -7,6 +7,7 @@
 #include <numeric>
 #include <span>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/base/random.hpp>
 #include <oncollide/scenes/model/exact_area.hpp>
 
@@ -138,6 +139,7 @@ std::vector<std::uint32_t> parts_of(const Mesh& mesh)
         if (part == none) part = count++;
         parts.push_back(part);
     }
+    ONCOLLIDE_ASSERT(parts.size() == mesh.triangles.size());
     return parts;
 }
 

@@ -75,6 +75,7 @@ OccupancyMap make_occupancy_map(const std::string& name, double resolution, std:
 
 void MapAccess::set_bounds(OccupancyMap& map, const CellBox& cells)
 {
+    ONCOLLIDE_ASSERT(map.resolution_ > 0);
     map.data_->bounds = cells;
     map.bounds_ = {cells.low.cast<double>() * map.resolution_, cells.high.cast<double>() * map.resolution_};
 }

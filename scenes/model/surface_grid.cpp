@@ -4,6 +4,8 @@
 #include <map>
 #include <numbers>
 
+#include <oncollide/base/error.hpp>
+
 namespace oncollide {
 
 namespace {
@@ -37,6 +39,7 @@ Circle circle(double turns)
 
 void octasphere(int frequency, std::vector<Eigen::Vector3d>& points, std::vector<Triangle>& triangles)
 {
+    ONCOLLIDE_ASSERT(frequency >= 1);
     const int n = frequency;
     std::map<std::array<int, 3>, std::uint32_t> known; // integer coordinates on |x| + |y| + |z| == n
     const auto vertex = [&](int x, int y, int z) {

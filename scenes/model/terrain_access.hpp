@@ -2,7 +2,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -62,6 +64,12 @@ struct TerrainAccess {
         if (t.chunks_) return diagonal_in_chunk(t, x, y);
         const std::uint64_t cell = std::uint64_t(y) * t.cells_x() + x;
         return t.heights_->falling[cell / 64] >> cell % 64 & 1 ? CellDiagonal::falling : CellDiagonal::rising;
+    }
+    /// A terrain that reads its heights and diagonals from chunks.
+    static Terrain in_chunks(Terrain outline, std::shared_ptr<TerrainChunks> chunks)
+    {
+        outline.chunks_ = std::move(chunks);
+        return outline;
     }
 
 private:

@@ -135,12 +135,12 @@ struct Opened {
         switch (cooked_kind(file)) {
         case CookedKind::terrain: {
             auto terrain = std::make_shared<const CookedTerrain>(file);
-            checksum = terrain->checksum(), data = TerrainChunks::terrain(std::move(terrain));
+            checksum = terrain->checksum(), data = CookedTerrainChunks::terrain(std::move(terrain));
             break;
         }
         case CookedKind::map: {
             auto map = std::make_shared<const CookedMap>(file);
-            checksum = map->checksum(), data = MapChunks::map(std::move(map));
+            checksum = map->checksum(), data = CookedMapChunks::map(std::move(map));
             break;
         }
         default: {

@@ -129,5 +129,32 @@ TEST_F(OcstTest, LeavesAreNotStored)
     EXPECT_NE(tree.nodes()[0].grey(), 0u);
 }
 
+/// Each fault is planted in a whole tree.
+TEST_F(OcstTest, NamesTheFirstFaultOfADamagedTree)
+{
+    Ocst tree(root_cell_of(geometry_), 4, 0);
+    const auto grow = [&] {
+        tree = Ocst(root_cell_of(geometry_), 4, 0);
+        expand(tree, root_cell, 0);
+        expand(tree, first_grey(tree), 0);
+        EXPECT_EQ(tree.validate(), "");
+    };
+    grow();
+    EXPECT_GT(tree.collapse(5, 3, 0, *backend_), 0u);
+    EXPECT_EQ(tree.validate(), "") << "dropped cells are free";
+    grow();
+    ++tree.nodes()[0].first_child;
+    EXPECT_NE(tree.validate(), "") << "an expanded cell is not reached";
+    grow();
+    tree.nodes()[0].first_child = 0;
+    EXPECT_EQ(tree.validate(), "cell 0: its children are shared or out of range");
+    grow();
+    tree.nodes()[1] = {};
+    EXPECT_NE(tree.validate(), "") << "its children are lost";
+    grow();
+    tree.nodes()[2].state = 1;
+    EXPECT_EQ(tree.validate(), "cell 2 has children, but is not expanded");
+}
+
 } // namespace
 } // namespace oncollide

@@ -255,5 +255,26 @@ TEST(TerrainTree, AWalkSeesWhatStandsOnItToFractionsOfTheBodyHoweverLargeTheTerr
         }
 }
 
+TEST(TerrainTree, NamesABlockThatDoesNotEncloseTheTerrain)
+{
+    for (const auto& [columns, rows] : {Size{2, 2}, Size{3, 40}, Size{9, 9}, Size{130, 67}}) {
+        Terrain terrain = random_terrain(columns, rows, columns < 5 ? 0 : 0.2, 3);
+        const TerrainTree tree(terrain);
+        EXPECT_EQ(tree.validate(), "");
+        TerrainGrid grid{.columns = columns, .rows = rows};
+        grid.spacing = terrain.spacing(), grid.origin = terrain.origin(), grid.no_data = -1;
+        std::vector<double> heights;
+        for (std::uint32_t row = 0; row < rows; ++row)
+            for (std::uint32_t column = 0; column < columns; ++column) {
+                const double height = terrain.height(column, row);
+                heights.push_back(std::isnan(height) ? -1 : height);
+            }
+        heights.back() = heights[heights.size() - 2] = heights[heights.size() - columns - 1] =
+            heights[heights.size() - columns - 2] = 1.5; // above all others, and no hole
+        terrain = make_terrain("raised", grid, heights); // the tree refers to it
+        EXPECT_NE(tree.validate().find("corner of cell"), std::string::npos) << tree.validate();
+    }
+}
+
 } // namespace
 } // namespace oncollide

@@ -4,9 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "boxes.hpp"
+#include "broadphase/boxes.hpp"
 
 #include <oncollide/base/random.hpp>
+#include <oncollide/broadphase/tree/dynamic_tree.hpp>
 
 namespace oncollide {
 namespace {
@@ -242,6 +243,48 @@ TEST(DynamicTree, FindsThePairsOfABodyThatMakesTheTreeTaller)
             const std::size_t all = count * (count + 1) / 2;
             EXPECT_EQ(tree->find_pairs(columns, true).size(), forbid ? all - count : all) << count;
         }
+}
+
+/// Bodies come, go, drift, jump and change their filters; after each frame the whole structure is examined.
+TEST(DynamicTree, IsWithoutFaultAfterEveryFrame)
+{
+    Boxes scene = random_boxes(3000, 40, 0.5, 41, {0, 0, 0});
+    for (const AabbOrder order : {AabbOrder::kd, AabbOrder::octree}) {
+        DynamicTree tree("tree", order, {.margin = 0.01});
+        scene.add_to(tree);
+        for (std::uint32_t frame = 0; frame < 40; ++frame) {
+            Bodies moved;
+            for (std::uint32_t body : scene.all) {
+                const double choice = u01(frame, body, 9);
+                if (choice < 0.02 || !tree.contains(body)) {
+                    tree.contains(body) ? tree.remove(Bodies{body}) : tree.add(Bodies{body}, body % 2);
+                } else if (choice < (frame % 10 == 9 ? 0.9 : 0.2)) {
+                    scene.step(body, random_step(frame, body, choice < 0.05 ? 20 : 0.05)), moved.push_back(body);
+                    if (choice < 0.03) scene.groups[body] = 3, scene.layers[body] = 2;
+                }
+            }
+            tree.move(moved);
+            tree.find_pairs(scene.columns(), frame % 13 == 12);
+            ASSERT_EQ(tree.validate(scene.columns()), "") << "frame " << frame;
+        }
+    }
+}
+
+TEST(DynamicTree, NamesABodyWhoseMotionItWasNotTold)
+{
+    Boxes scene = random_boxes(1000, 20, 0.5, 43, {0, 0, 0});
+    DynamicTree tree("tree", AabbOrder::kd, {});
+    scene.add_to(tree);
+    tree.find_pairs(scene.columns(), false);
+    EXPECT_EQ(tree.validate(scene.columns()), "");
+    scene.step(77, {1, 0, 0});
+    const std::string fault = tree.validate(scene.columns());
+    EXPECT_NE(fault.find("does not enclose its body 77"), std::string::npos) << fault;
+    scene.step(77, {-1, 0, 0});
+    tree.move(Bodies{5});
+    EXPECT_EQ(tree.validate(scene.columns()), "") << "changes are pending, but the tree is whole";
+    tree.remove(Bodies{5});
+    EXPECT_NE(tree.validate(scene.columns()), "") << "the tree still holds it";
 }
 
 } // namespace
