@@ -2,7 +2,7 @@
 #include "bench/bench.hpp"
 #include "cli/command.hpp"
 #include "study/accuracy_check.hpp"
-#include "study/setting_variants.hpp"
+#include "verify/setting_variants.hpp"
 
 #include <algorithm>
 #include <map>

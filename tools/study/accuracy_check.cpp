@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "differential/convex_truth.hpp"
+#include "verify/oracle/convex_truth.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -22,7 +22,7 @@ void judge_false_positive(StudyRow& row, const Sighting& found, double lower)
 
 } // namespace
 
-void judge(StudyRow& row, std::span<const PairResult> answer, StudyTruth& truth, int frame)
+void judge(StudyRow& row, std::span<const PairResult> answer, SceneTruth& truth, int frame)
 {
     std::uint64_t found = 0;
     for (const PairResult& pair : answer) {
@@ -56,7 +56,7 @@ void judge(StudyRow& row, std::span<const PairResult> answer, StudyTruth& truth,
         }
 }
 
-void judge(StudyPeer& peer, std::span<const BodyPair> colliding, StudyTruth& truth, const Scene& scene, int number)
+void judge(StudyPeer& peer, std::span<const BodyPair> colliding, SceneTruth& truth, const Scene& scene, int number)
 {
     peer.colliding += colliding.size();
     const auto tell = [&](BodyPair pair, std::string_view what) {

@@ -43,7 +43,7 @@ void take_times(StudyRow& row, const FrameView& view, int frame)
 
 /// All variants and libraries, in their initial state.
 struct Players {
-    StudyTruth truth;
+    SceneTruth truth;
     std::vector<Pipeline> pipelines;
     std::vector<std::unique_ptr<StudyPlayer>> peers;
 

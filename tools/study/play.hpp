@@ -3,7 +3,7 @@
 
 #include "study/peers.hpp"
 #include "study/study.hpp"
-#include "study/truth.hpp"
+#include "verify/scene_truth.hpp"
 #include "study/workload.hpp"
 
 namespace oncollide::tools {
@@ -18,9 +18,9 @@ Study play_study(StudyWorkload& workload, const std::vector<StudyVariant>& varia
 // Parts of play_study().
 
 /// Compares a variant's result with the truth of the current frame.
-void judge(StudyRow& row, std::span<const PairResult> answer, StudyTruth& truth, int frame);
+void judge(StudyRow& row, std::span<const PairResult> answer, SceneTruth& truth, int frame);
 /// The same for a peer. @param colliding  sorted  @param number  the frame's number in messages
-void judge(StudyPeer& peer, std::span<const BodyPair> colliding, StudyTruth& truth, const Scene& scene, int number);
+void judge(StudyPeer& peer, std::span<const BodyPair> colliding, SceneTruth& truth, const Scene& scene, int number);
 
 /// Fills in each row's needed nodes: cells of sphere-trees and nodes of OBB trees that ever existed, and their number
 /// in trees of all geometries that are fully grown to the same depth. If cells were dropped, the workload is played

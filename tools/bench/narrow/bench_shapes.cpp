@@ -1,7 +1,7 @@
 // oncollide bench shapes: pairs of shapes close to contact, compared with FCL, which passes most of them to libccd.
 #include "bench/bench.hpp"
 #include "bench/narrow/shape_pairs.hpp"
-#include "differential/convex_truth.hpp"
+#include "verify/oracle/convex_truth.hpp"
 
 #include <algorithm>
 #include <array>
