@@ -2,7 +2,7 @@
 
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 
-#include "verify/oracle/exact_oracle.hpp"
+#include "verify/oracle/integers.hpp"
 #include "verify/cases/triangle_families.hpp"
 
 namespace oncollide {
