@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/random.hpp>
-#include <oncollide/narrowphase/exact/exact_fcl.hpp>
+#include <oncollide/narrowphase/fcl/exact_fcl.hpp>
 #include <oncollide/pipeline/pipeline.hpp>
 #include <oncollide/samples/catalogue.hpp>
 #include <oncollide/samples/generators.hpp>

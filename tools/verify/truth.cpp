@@ -8,7 +8,7 @@
 #include <span>
 
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
-#include <oncollide/narrowphase/relative_pose.hpp>
+#include <oncollide/narrowphase/exact/relative_pose.hpp>
 
 #include "verify/oracle/convex_truth.hpp"
 #include "verify/oracle/exact_inside.hpp"

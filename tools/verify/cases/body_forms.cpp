@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <random>
 
-#include <oncollide/narrowphase/exact/exact_fcl.hpp>
+#include <oncollide/narrowphase/fcl/exact_fcl.hpp>
 
 
 namespace oncollide::tools {

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/parallel.hpp>
-#include <oncollide/narrowphase/exact/exact_fcl.hpp>
+#include <oncollide/narrowphase/fcl/exact_fcl.hpp>
 #include <oncollide/pipeline/world.hpp>
 
 #include "verify/judge.hpp"
