@@ -190,9 +190,9 @@ TEST(ContactKinds, IgnoredPairsAreNotHeldToBeMissed)
     ASSERT_EQ(truth.near().size(), 1u);
     Pipeline pipeline(scene, settings);
     const FrameView frame = pipeline.step(scene);
-    EXPECT_EQ(judge(frame.pairs, truth, scene, settings, 1, 0).missed, 0u);
+    EXPECT_EQ(judge(frame.pairs, truth, scene, settings, {.bounds = 1}).missed, 0u);
     settings.ignore_touching = false;
-    EXPECT_EQ(judge(frame.pairs, truth, scene, settings, 1, 0).missed, 1u);
+    EXPECT_EQ(judge(frame.pairs, truth, scene, settings, {.bounds = 1}).missed, 1u);
 }
 
 TEST(ContactKinds, GiveOneHashForThreadsAndCoherence)

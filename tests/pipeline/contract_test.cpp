@@ -100,7 +100,7 @@ void judge(Scene scene, const std::vector<Variant>& variants, Play play)
         for (std::size_t k = 0; k < variants.size(); ++k) {
             const FrameView frame = pipelines[k].step(scene);
             const FrameJudgement judged = judge(frame.pairs, truth, scene, variants[k].settings,
-                                                std::size_t(play.bounds), frame.frame + k);
+                                                {.bounds = std::size_t(play.bounds), .start = frame.frame + k});
             EXPECT_EQ(judged.missed + judged.wrong + judged.broken, 0u)
                 << scene.name << ", " << variants[k].name << ", frame " << frame.frame << ": " << judged.first_fault;
         }

@@ -266,9 +266,12 @@ TEST(StudyJudge, SeesWrongAnswersOfThePipeline)
     const std::vector<PairResult> right = pairs(predicates), wide = pairs(spheres);
     const auto judged = [&](std::vector<PairResult> answer, const std::function<bool(PairResult&)>& plant) {
         StudyRow row;
+        row.variant.settings =
+            std::ranges::any_of(answer, [](const PairResult& p) { return p.verdict == Verdict::within; }) ? settings
+                                                                                                          : exact();
         for (PairResult& pair : answer)
             if (plant(pair)) break;
-        judge(row, answer, truth, 0);
+        judge(row, answer, truth, scene, 0);
         return row;
     };
     const auto nothing = [](PairResult&) { return true; };
@@ -296,7 +299,7 @@ TEST(StudyJudge, SeesWrongAnswersOfThePipeline)
                      [](PairResult& pair) {
                          return pair.verdict == Verdict::separate && (pair.verdict = Verdict::colliding, true);
                      })
-                  .invented,
+                  .wrong,
               1u);
     EXPECT_EQ(judged(wide,
                      [&](PairResult& pair) {
@@ -323,7 +326,7 @@ TEST(StudyFront, IsOfThoseThatAreRight)
         return made;
     };
     study.rows = {row(1, 0.1), row(2, 0.2), row(9, 0), row(0.1, 0)};
-    study.rows[3].invented = 1;
+    study.rows[3].wrong = 1;
     study.peers = {peer(10, 0, 0), peer(0.2, 1, 0), peer(0.2, 0, 1)};
     const auto front = [&] {
         std::vector<int> on;

@@ -105,15 +105,6 @@ double fcl_distance(const FclBody& a, const FclBody& b)
     return std::max(0.0, fcl::distance(a.geometry.get(), a.pose, b.geometry.get(), b.pose, request, result));
 }
 
-double fcl_penetration(const FclBody& a, const FclBody& b)
-{
-    const fcl::CollisionResultd& result = collide(a, b, 10'000, true);
-    double deepest = 0;
-    for (std::size_t i = 0; i < result.numContacts(); ++i)
-        deepest = std::max(deepest, std::abs(result.getContact(i).penetration_depth));
-    return deepest;
-}
-
 bool fcl_triangles_meet(const std::array<Eigen::Vector3d, 3>& a, const std::array<Eigen::Vector3d, 3>& b)
 {
     return fcl::detail::Intersect<double>::intersect_Triangle(a[0], a[1], a[2], b[0], b[1], b[2]);

@@ -16,12 +16,12 @@
 #include <oncollide/pipeline/pipeline.hpp>
 #include <oncollide/samples/generators.hpp>
 
-#include "bench/bench.hpp"
 #include "cli/shard.hpp"
+#include "common/text.hpp"
 #include "peers/fcl_pair.hpp"
-#include "verify/trials/differential.hpp"
 #include "verify/trials/body_trial.hpp"
 #include "verify/trials/crowd_trial.hpp"
+#include "verify/trials/differential.hpp"
 #include "verify/trials/tangent_trial.hpp"
 #include "verify/trials/terrain_trial.hpp"
 #include "verify/trials/triangle_trial.hpp"
@@ -157,8 +157,8 @@ std::vector<Tally> try_all(const HardOptions& options, const Choice& chosen, con
     print_header();
     for (const TriangleFamily& family : triangle_families())
         for (bool rotated : {false, true})
-            if (chosen(family.name)) add(try_triangles(family, std::uint64_t(options.count), rotated, options.threads,
-                                                             fcl_triangles_meet));
+            if (chosen(family.name))
+                add(try_triangles(family, std::uint64_t(options.count), rotated, options.threads, fcl_triangles_meet));
     for (const std::string& family : families_of(cases))
         if (chosen(family)) add(try_family(family, cases, options.threads));
     for (const char* family : tangent_families)

@@ -3,8 +3,8 @@
 
 #include "study/peers.hpp"
 #include "study/study.hpp"
-#include "verify/scene_truth.hpp"
 #include "study/workload.hpp"
+#include "verify/scene_truth.hpp"
 
 namespace oncollide::tools {
 
@@ -12,13 +12,20 @@ namespace oncollide::tools {
 /// starts anew each time; poses keep the trees of the run before. Results are judged in the first run; the least time
 /// of each frame counts. Shows progress.
 /// @param variants  all with the same clearance and mode
+struct PlayOptions {
+    int warm_up = 0, repeats = 1;
+    std::size_t bounds = 0; ///< number of certified bounds to check per frame and variant, besides false positives
+    bool any_peer = false;  ///< also peers that do not support the request: only their times and collisions count
+    bool needed = true;     ///< also count_needed()
+};
 Study play_study(StudyWorkload& workload, const std::vector<StudyVariant>& variants, std::vector<PeerKind> peers,
-                 int warm_up, int repeats);
+                 const PlayOptions& options);
 
 // Parts of play_study().
 
 /// Compares a variant's result with the truth of the current frame.
-void judge(StudyRow& row, std::span<const PairResult> answer, SceneTruth& truth, int frame);
+void judge(StudyRow& row, std::span<const PairResult> answer, SceneTruth& truth, const Scene& scene, int frame,
+           std::size_t bounds = 0);
 /// The same for a peer. @param colliding  sorted  @param number  the frame's number in messages
 void judge(StudyPeer& peer, std::span<const BodyPair> colliding, SceneTruth& truth, const Scene& scene, int number);
 

@@ -34,7 +34,7 @@ Expected expected(const PairTruth& truth, const Settings& settings)
     const bool may_touch = touching || truth.vague || (!truth.kinds && !truth.deep);
     const bool may_meet = (truth.collide || truth.open) && !(settings.ignore_touching && touching);
     const bool must_meet = truth.collide && !(settings.ignore_touching && may_touch);
-    // Surfaces have exact bounds; those of convex sets are rounded.
+    // Distances of surfaces are exact here; distances of convex sets are rounded.
     const double high = truth.distance.high + (truth.surfaces ? 0 : truth.slack);
     Expected e{may_meet || enclosed, must_meet || enclosed,
                truth.distance.low <= clearance + clearance_rounding(truth, clearance), high <= clearance};
@@ -73,8 +73,8 @@ Judgement exact_verdict(Verdict verdict, const PairTruth& truth, const Expected&
     return {Fault::wrong, ": not decided"};
 }
 
-/// Bounding volumes may leave any pair undecided. Those of surfaces cannot tell that bodies collide, except that one
-/// encloses the other.
+/// Bounding volumes may leave any pair undecided. Bounding volumes of surfaces cannot prove a collision, except that
+/// one body encloses the other.
 Judgement other_verdict(Verdict verdict, const PairTruth& truth, const Expected& e, bool enclosed)
 {
     if (verdict == Verdict::separate && (e.must_collide || e.must_be_near)) return {Fault::missed};
@@ -147,7 +147,7 @@ Judgement judge(const Finding& result, const PairTruth& truth, const Settings& s
         judgement = {Fault::wrong, ": wrong kind"};
     const bool open = result.verdict == Verdict::within || result.verdict == Verdict::undecided;
     const bool near = settings.clearance > 0 && truth.distance.low <= settings.clearance;
-    judgement.false_positive = open && !truth.collide && !truth.open && !enclosed && !near;
+    judgement.false_positive = open && !e.may_collide && !near;
     judgement.broken = !holds(result, truth, settings);
     return judgement;
 }

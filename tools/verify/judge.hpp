@@ -9,7 +9,7 @@
 
 namespace oncollide::tools {
 
-/// What is wrong with a result.
+/// The faults of a result.
 struct Judgement {
     enum class Fault {
         none,
@@ -45,7 +45,7 @@ bool decides(const Settings& settings);
 /// True if FCL, which may err, must agree with the exact tests.
 bool fcl_decides(const Settings& settings);
 
-/// What differs, in words, for messages.
+/// A description of the difference, for messages.
 std::string described(const Finding& result, const PairTruth& truth, const Judgement& judgement);
 
 } // namespace oncollide::tools

@@ -86,6 +86,16 @@ TriangleContact contact_of(const BoxedTriangles& a, const BoxedTriangles& b, Tri
     return most;
 }
 
+void for_meeting_triangles(const BoxedTriangles& a, const BoxedTriangles& b,
+                           FunctionRef<void(std::uint32_t i, std::uint32_t j)> look)
+{
+    const double rounding = 0x1p-46 * std::max(a.largest(), b.largest()), cutoff = 0;
+    for_near_pairs(a, b, cutoff, [&](std::uint32_t i, std::uint32_t j) {
+        const TrianglePoints p = a.triangle(i), q = b.triangle(j);
+        if (!surely_parted(p, q, rounding) && oracle::contact(p, q) != TriangleContact::separate) look(i, j);
+    });
+}
+
 DistanceTruth surface_distance(const HalvedMesh& a, const Eigen::Isometry3d& pose_a, const HalvedMesh& b,
                                const Eigen::Isometry3d& pose_b)
 {

@@ -124,35 +124,39 @@ FrameJudgement& FrameJudgement::operator+=(const FrameJudgement& o)
 }
 
 FrameJudgement judge(std::span<const PairResult> answer, SceneTruth& truth, const Scene& scene,
-                     const Settings& settings, std::size_t bounds, std::size_t start)
+                     const Settings& settings, const FrameChecks& checks)
 {
     FrameJudgement sum;
-    const auto take = [&](BodyPair pair, const Finding& found, const PairTruth& of_pair) {
-        const Judgement judgement = judge(found, of_pair, settings);
+    const auto take = [&](BodyPair pair, const Finding& result, bool measure) {
+        Judgement judgement = judge(result, measure ? truth.measured(pair) : truth.of(pair), settings);
+        if (checks.false_positives && judgement.false_positive)
+            judgement = judge(result, truth.measured(pair), settings);
         sum.missed += judgement.fault == Judgement::Fault::missed;
         sum.wrong += judgement.fault == Judgement::Fault::wrong;
         sum.broken += judgement.broken, sum.false_positives += judgement.false_positive;
         if (!judgement.right() && sum.first_fault.empty())
-            sum.first_fault = fmt::format("{}: {}", names_of(scene, pair), described(found, of_pair, judgement));
+            sum.first_fault =
+                fmt::format("{}: {}", names_of(scene, pair), described(result, truth.of(pair), judgement));
+        if (checks.look && (!judgement.right() || judgement.false_positive)) checks.look(pair, result, judgement);
     };
-    const std::size_t step = std::max<std::size_t>(1, answer.size() / std::max<std::size_t>(bounds, 1));
+    const std::size_t step = std::max<std::size_t>(1, answer.size() / std::max<std::size_t>(checks.bounds, 1));
     auto next = truth.near().begin(); // both lists are sorted
     for (std::size_t i = 0; i < answer.size(); ++i) {
         const PairResult& result = answer[i];
         const BodyPair pair{index(result.a), index(result.b)};
-        for (; next != truth.near().end() && *next < pair; ++next) take(*next, unlisted(settings), truth.of(*next));
+        for (; next != truth.near().end() && *next < pair; ++next) take(*next, unlisted(settings), false);
         if (next != truth.near().end() && *next == pair) ++next;
-        const bool check = bounds > 0 && i % step == start % step && result.verdict != Verdict::colliding;
-        const PairTruth& of_pair = check ? truth.measured(pair) : truth.of(pair);
-        take(pair, result, of_pair);
+        const bool check = checks.bounds > 0 && i % step == checks.start % step && result.verdict != Verdict::colliding;
+        take(pair, result, check);
         if (!check) continue;
+        const DistanceTruth& distance = truth.measured(pair).distance;
         const bool separate = result.verdict == Verdict::separate;
         ++sum.bounds;
-        sum.least_margin = std::min(sum.least_margin, separate ? of_pair.distance.high - result.bound
-                                                               : result.bound - of_pair.distance.low);
+        sum.least_margin =
+            std::min(sum.least_margin, separate ? distance.high - result.bound : result.bound - distance.low);
         if (result.verdict == Verdict::within) sum.largest_bound = std::max(sum.largest_bound, result.bound);
     }
-    for (; next != truth.near().end(); ++next) take(*next, unlisted(settings), truth.of(*next));
+    for (; next != truth.near().end(); ++next) take(*next, unlisted(settings), false);
     return sum;
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -21,6 +22,7 @@ public:
     SceneTruth(const Scene& scene, const Settings& request);
     ~SceneTruth();
 
+    const Settings& request() const { return request_; }
     /// Computes the truth at the scene's poses.
     void step();
     /// Pairs that may collide and whose AABBs are within the clearance, sorted.
@@ -32,7 +34,7 @@ public:
     bool open(BodyPair pair) const;
     /// Without a distance, unless it was needed or measured. Pairs that are not near are apart.
     const PairTruth& of(BodyPair pair) const;
-    /// With the distance.
+    /// The truth with its distance, which is computed if it is not known yet.
     const PairTruth& measured(BodyPair pair);
     /// The distance, less the rounding that the pipeline's bounds may have.
     DistanceTruth distance(BodyPair pair);
@@ -65,9 +67,16 @@ struct FrameJudgement {
     FrameJudgement& operator+=(const FrameJudgement& other);
 };
 
-/// Judges the verdicts of all pairs, and `bounds` of the certified bounds, evenly spread over the list. Which ones
-/// differs with `start`.
+/// A frame is judged by the verdicts of all pairs, and by these checks.
+struct FrameChecks {
+    /// Number of certified bounds, evenly spread over the list. Which ones differs with `start`.
+    std::size_t bounds = 0, start = 0;
+    bool false_positives = false; ///< bounds of all false positives, too
+    /// Sees the results that are faults or false positives.
+    std::function<void(BodyPair pair, const Finding& result, const Judgement& judgement)> look{};
+};
+
 FrameJudgement judge(std::span<const PairResult> answer, SceneTruth& truth, const Scene& scene,
-                     const Settings& settings, std::size_t bounds, std::size_t start);
+                     const Settings& settings, const FrameChecks& checks);
 
 } // namespace oncollide::tools

@@ -50,14 +50,14 @@ bool is_round(const GeometryData& geometry)
            !std::holds_alternative<HalfSpace>(*shape);
 }
 
-Aabb grown(Aabb box, double by)
+Aabb widened(Aabb box, double by)
 {
     box.min.array() -= by, box.max.array() += by;
     return box;
 }
 
 /// `box` in another frame.
-Aabb moved(const Aabb& box, const Isometry3d& pose)
+Aabb in_frame(const Aabb& box, const Isometry3d& pose)
 {
     Aabb result;
     for (int k = 0; k < 8; ++k)
@@ -132,19 +132,14 @@ PairTruth truth_of_surfaces(const TruthModel& a, const Isometry3d& pose_a, const
     return truth;
 }
 
-std::vector<ConvexSet> sets_near(const TruthModel& model, const Isometry3d& pose, const Aabb* near)
-{
-    return convex_sets(model.geometry(), pose, near);
-}
-
 /// Tests parts near the other body first: a map may have millions.
 TrueDistance bounded_distance(const TruthModel& a, const Isometry3d& pose_a, const TruthModel& b,
                               const Isometry3d& pose_b, double least)
 {
     const auto sets = [](const TruthModel& model, const Isometry3d& pose, const TruthModel& other,
                          const Isometry3d& other_pose, double within) {
-        const Aabb around = grown(moved(bounds_of(other.geometry()), pose.inverse() * other_pose), within);
-        return sets_near(model, pose, &around);
+        const Aabb around = widened(in_frame(bounds_of(other.geometry()), pose.inverse() * other_pose), within);
+        return convex_sets(model.geometry(), pose, &around);
     };
     double far = 0; // all parts are within this distance
     for (const auto& [model, pose] : {std::pair(&a, &pose_a), std::pair(&b, &pose_b)})
@@ -164,12 +159,12 @@ TrueDistance convex_distance(const TruthModel& a, const Isometry3d& pose_a, cons
 {
     const bool plane_a = is_half_space(a.geometry()), plane_b = is_half_space(b.geometry());
     if (plane_a && plane_b) return half_spaces_distance(pose_a, pose_b);
-    if (plane_a) return half_space_distance(pose_a, sets_near(b, pose_b, nullptr));
-    if (plane_b) return half_space_distance(pose_b, sets_near(a, pose_a, nullptr));
+    if (plane_a) return half_space_distance(pose_a, convex_sets(b.geometry(), pose_b));
+    if (plane_b) return half_space_distance(pose_b, convex_sets(a.geometry(), pose_a));
     return bounded_distance(a, pose_a, b, pose_b, least);
 }
 
-double size_of(const TruthModel& a, const TruthModel& b)
+double truth_size(const TruthModel& a, const TruthModel& b)
 {
     double size = 0;
     for (const TruthModel* model : {&a, &b})
@@ -178,14 +173,14 @@ double size_of(const TruthModel& a, const TruthModel& b)
 }
 
 /// Error of the distance of convex sets, and of the library's bounds between them, relative to their size.
-constexpr double convex_rounding = 0x1p-36;
+constexpr double convex_rounding = 0x1p-44;
 
 PairTruth truth_of_others(const TruthModel& a, const Isometry3d& pose_a, const TruthModel& b, const Isometry3d& pose_b,
                           const TruthParts& parts)
 {
     PairTruth truth;
     truth.surfaces = truth.kinds = false;
-    truth.distance.size = size_of(a, b), truth.slack = convex_rounding * truth.distance.size;
+    truth.distance.size = truth_size(a, b), truth.slack = convex_rounding * truth.distance.size;
     const auto distance = [&](const Vector3d& off) {
         return convex_distance(a, pose_a, b, Eigen::Translation3d(off) * pose_b, parts.within);
     };

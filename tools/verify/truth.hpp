@@ -19,7 +19,7 @@ struct DistanceTruth {
     double size = 0; ///< of surfaces: largest coordinate relative to a's position; of others: the larger diagonal
 };
 
-/// The truth about two bodies. Contacts are those of b's vertices rounded in a's frame, as exact results promise.
+/// The truth about two bodies. Its contacts are exact for b's vertices rounded in a's frame, as in exact results.
 struct PairTruth {
     /// Surfaces: two triangles meet, exactly. Others: they overlap, by more than rounding where one of them is round.
     bool collide = false;
@@ -35,12 +35,12 @@ struct PairTruth {
     /// counts, so a part inside out is a cavity, and a mesh that is inside out as a whole is like any other.
     bool enclosed = false;
     bool kinds = true;      ///< `contact` is the strongest one; false: some contact
-    bool surfaces = true;   ///< both are meshes or terrains; spheres around them cannot tell that they collide
+    bool surfaces = true;   ///< both are meshes or terrains; spheres around them cannot prove a collision
     bool uncertain = false; ///< a terrain's heights have an error, so exact levels may leave the pair undecided
     /// low is 0 if they collide. Unknown: from 0 to infinity.
     DistanceTruth distance{.high = std::numeric_limits<double>::infinity()};
-    double slack = 0;       ///< error of this distance and of certified bounds, metres
-    std::optional<bool> fcl_collide{}; ///< FCL's result, if somebody asked
+    double slack = 0;                  ///< error of this distance and of certified bounds, metres
+    std::optional<bool> fcl_collide{}; ///< FCL's result, if it was computed
 };
 
 /// A geometry, prepared. A terrain is the mesh of its heights. The geometry must outlive it.
@@ -74,7 +74,7 @@ private:
     std::vector<std::uint32_t> part_vertices_;
 };
 
-/// What truth_of() computes of surfaces besides whether they collide.
+/// truth_of() computes these parts of surfaces, besides `collide`.
 struct TruthParts {
     bool kinds = true, deep = true, distance = true;
     double within = 0; ///< of others, distances up to this are searched first
@@ -93,6 +93,10 @@ void measure(PairTruth& truth, const TruthModel& a, const Eigen::Isometry3d& pos
 /// for every pair that no plane certainly separates. Stops once the contact is `enough`. Cost: 0.1 microseconds per
 /// pair of triangles whose AABBs overlap, 10 to 100 if no gap is wider than rounding.
 TriangleContact contact_of(const BoxedTriangles& a, const BoxedTriangles& b, TriangleContact enough);
+
+/// Calls look(i, j) for all pairs of triangles that meet.
+void for_meeting_triangles(const BoxedTriangles& a, const BoxedTriangles& b,
+                           FunctionRef<void(std::uint32_t i, std::uint32_t j)> look);
 
 /// True if an edge of one surface pierces a triangle of the other, as PairTruth::deep says.
 bool cross_deeply(const BoxedTriangles& a, const BoxedTriangles& b);

@@ -8,11 +8,11 @@
 #include <oncollide/base/output_file.hpp>
 
 #include "bench/bench.hpp"
-#include "bench/line_plot.hpp"
 #include "bench/scenes/environment_scenes.hpp"
 #include "bench/scenes/scene_race.hpp"
 #include "cli/progress.hpp"
 #include "cli/shard.hpp"
+#include "common/line_plot.hpp"
 
 namespace oncollide::tools {
 

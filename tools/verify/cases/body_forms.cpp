@@ -5,7 +5,6 @@
 
 #include <oncollide/narrowphase/fcl/exact_fcl.hpp>
 
-
 namespace oncollide::tools {
 namespace {
 

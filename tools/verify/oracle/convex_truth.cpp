@@ -14,15 +14,15 @@ using Vec = ExtendedVector;
 using Real = long double;
 
 /// The point nearest to the origin in the hull of at most four points, and the points that span its face.
-struct Nearest {
+struct NearestPoint {
     Vec point;
     std::vector<Vec> simplex;
 };
 
 /// Tries the relative interiors of all faces of the simplex.
-Nearest nearest_to_origin(const std::vector<Vec>& points)
+NearestPoint nearest_to_origin(const std::vector<Vec>& points)
 {
-    Nearest best{Vec::Zero(), {}};
+    NearestPoint best{Vec::Zero(), {}};
     Real least = std::numeric_limits<Real>::infinity();
     for (unsigned face = 1; face < 1u << points.size(); ++face) {
         std::vector<Vec> corners;
@@ -130,7 +130,7 @@ struct SetOfShape {
 TrueDistance convex_distance(const ConvexSet& a, const ConvexSet& b)
 {
     const auto support = [&](const Vec& direction) -> Vec { return a(-direction) - b(direction); };
-    Nearest nearest{support(Vec(1, 0, 0)), {}};
+    NearestPoint nearest{support(Vec(1, 0, 0)), {}};
     nearest.simplex = {nearest.point};
     TrueDistance distance{0, nearest.point.norm()};
     for (int step = 0; step < 500 && distance.upper > 0; ++step) {
@@ -140,7 +140,7 @@ TrueDistance convex_distance(const ConvexSet& a, const ConvexSet& b)
         if (std::ranges::find(nearest.simplex, next) != nearest.simplex.end()) break;
         std::vector<Vec> simplex = nearest.simplex;
         simplex.push_back(next);
-        Nearest better = nearest_to_origin(simplex);
+        NearestPoint better = nearest_to_origin(simplex);
         if (!(better.point.norm() < distance.upper)) break;
         nearest = std::move(better);
         distance.upper = nearest.point.norm();

@@ -6,34 +6,34 @@
 namespace oncollide::tools {
 namespace {
 
-using Vec = std::array<Wide, 3>;
+using WideVector = std::array<Wide, 3>;
 
-Vec operator-(const Place& a, const Place& b)
+WideVector operator-(const Place& a, const Place& b)
 {
     return {Wide(a[0]) - b[0], Wide(a[1]) - b[1], Wide(a[2]) - b[2]};
 }
-Wide dot(const Vec& a, const Vec& b)
+Wide dot(const WideVector& a, const WideVector& b)
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
-Vec cross(const Vec& a, const Vec& b)
+WideVector cross(const WideVector& a, const WideVector& b)
 {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
 SquareLength point_to_point(const Place& a, const Place& b)
 {
-    const Vec d = a - b;
+    const WideVector d = a - b;
     return {dot(d, d), 1};
 }
 
 SquareLength point_to_segment(const Place& p, const Place& a, const Place& b)
 {
-    const Vec ab = b - a, ap = p - a;
+    const WideVector ab = b - a, ap = p - a;
     const Wide along = dot(ap, ab), length = dot(ab, ab);
     if (along <= 0) return point_to_point(p, a);
     if (along >= length) return point_to_point(p, b);
-    const Vec off = cross(ap, ab);
+    const WideVector off = cross(ap, ab);
     return {dot(off, off), length};
 }
 
@@ -41,7 +41,7 @@ SquareLength point_to_triangle(const Place& p, const PlaceTriangle& t)
 {
     SquareLength least = point_to_segment(p, t[2], t[0]);
     for (std::size_t k : {0, 1}) least = std::min(least, point_to_segment(p, t[k], t[k + 1]));
-    const Vec normal = cross(t[1] - t[0], t[2] - t[0]);
+    const WideVector normal = cross(t[1] - t[0], t[2] - t[0]);
     for (std::size_t k = 0; k < 3; ++k)
         if (dot(cross(t[(k + 1) % 3] - t[k], p - t[k]), normal) < 0) return least;
     const Wide height = dot(normal, p - t[0]);
@@ -51,8 +51,8 @@ SquareLength point_to_triangle(const Place& p, const PlaceTriangle& t)
 /// Distance of interior points of both segments, where the lines are nearest. Their ends are compared elsewhere.
 SquareLength inside_segments(const Place& p, const Place& q, const Place& a, const Place& b)
 {
-    const Vec u = q - p, v = b - a, w = p - a;
-    const Vec n = cross(u, v);
+    const WideVector u = q - p, v = b - a, w = p - a;
+    const WideVector n = cross(u, v);
     const Wide square = dot(n, n);
     const SquareLength none = point_to_point(p, a);
     if (square == 0) return none;
@@ -66,7 +66,7 @@ SquareLength inside_segments(const Place& p, const Place& q, const Place& a, con
 /// True if the segment pierces the triangle. A segment in its plane is handled by its ends and edges.
 bool pierces(const Place& p, const Place& q, const PlaceTriangle& t)
 {
-    const Vec normal = cross(t[1] - t[0], t[2] - t[0]), u = q - p;
+    const WideVector normal = cross(t[1] - t[0], t[2] - t[0]), u = q - p;
     const Wide from = dot(normal, p - t[0]), to = dot(normal, q - t[0]);
     if ((from > 0 && to > 0) || (from < 0 && to < 0) || from == to) return false;
     // True if the line passes all edges on the same side.

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "verify/cases/body_case.hpp"
-#include "verify/tally.hpp"
 #include "verify/setting_variants.hpp"
+#include "verify/tally.hpp"
 
 namespace oncollide::tools {
 

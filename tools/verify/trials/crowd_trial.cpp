@@ -31,8 +31,7 @@ class Crowd {
 public:
     Crowd(const std::vector<BodyCase>& cases, Mode mode) : cases_(cases), scene_(crowd_of(cases))
     {
-        for (const BodyCase& c : cases)
-            truths_.push_back(truth_of(c.a, c.pose_a, c.b, c.poses_b.front()));
+        for (const BodyCase& c : cases) truths_.push_back(truth_of(c.a, c.pose_a, c.b, c.poses_b.front()));
         tally_.family = mode == Mode::solid ? "all solids at once" : "all of them at once";
         tally_.cases = cases.size();
     }
@@ -44,8 +43,7 @@ public:
         for (int frame = 0; frame < 2; ++frame) {
             std::vector<Finding> findings(cases_.size(), unlisted(settings));
             for (const PairResult& pair : pipeline.step(scene_).pairs)
-                if (index(pair.b) == index(pair.a) + 1 && index(pair.a) % 2 == 0)
-                    findings[index(pair.a) / 2] = pair;
+                if (index(pair.b) == index(pair.a) + 1 && index(pair.a) % 2 == 0) findings[index(pair.a) / 2] = pair;
             judge_all(findings, settings, fmt::format("{}, {}", kind, name));
         }
         const auto [first, fresh] = hashes_.try_emplace(kind, pipeline.hash());

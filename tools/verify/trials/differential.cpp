@@ -29,8 +29,7 @@ void run(Scene scene, const Settings& settings, auto look)
     for (int frame = 0; frame < scene.frames; ++frame) {
         mover.move(scene, frame);
         FrameResults results;
-        for (const PairResult& pair : pipeline.step(scene).pairs)
-            results[{pair.a.slot, pair.b.slot}] = pair;
+        for (const PairResult& pair : pipeline.step(scene).pairs) results[{pair.a.slot, pair.b.slot}] = pair;
         look(scene, results);
     }
 }
@@ -65,8 +64,8 @@ std::string fault_against_truth(const DrawnScene& drawn, std::vector<FrameResult
                 const Finding found = listed != results.end() ? listed->second : unlisted(s);
                 const PairTruth truth = truth_of(models[a], scene.poses[a], models[b], scene.poses[b]);
                 if (const Judgement judgement = judge(found, truth, s); !judgement.right())
-                    fault = fmt::format("frame {}, bodies {} and {}: {}", frame, a, b,
-                                        described(found, truth, judgement));
+                    fault =
+                        fmt::format("frame {}, bodies {} and {}: {}", frame, a, b, described(found, truth, judgement));
             }
         ++frame;
     });

@@ -65,8 +65,7 @@ void try_pair(const PlacedBody& a, const PlacedBody& b, const PairTruth& given, 
     run({.depth = 5, .bounding_volume = BoundingVolume::sphere}, "spheres");
     if (truth.uncertain) return;
     run({.exact = ExactLevel::fcl}, "fcl");
-    const bool theirs =
-        fcl_collides(*make_fcl_model(a.geometry), a.pose, *make_fcl_model(b.geometry), b.pose);
+    const bool theirs = fcl_collides(*make_fcl_model(a.geometry), a.pose, *make_fcl_model(b.geometry), b.pose);
     tally.fcl_missed += truth.collide && !theirs, tally.fcl_false += theirs && !truth.collide;
 }
 

@@ -7,8 +7,8 @@
 
 #include <oncollide/samples/generators.hpp>
 
-#include "verify/oracle/exact_oracle.hpp"
 #include "verify/cases/terrain_shape.hpp"
+#include "verify/oracle/exact_oracle.hpp"
 #include "verify/trials/pair_trial.hpp"
 
 namespace oncollide::tools {

@@ -32,8 +32,7 @@ void try_two(const oncollide::TwoTriangles& pair, TrianglesMeet fcl, Tally& tall
 
 } // namespace
 
-Tally try_triangles(const TriangleFamily& family, std::uint64_t count, bool rotated, int threads,
-                    TrianglesMeet fcl)
+Tally try_triangles(const TriangleFamily& family, std::uint64_t count, bool rotated, int threads, TrianglesMeet fcl)
 {
     constexpr std::uint64_t batch = 10'000, grain = 250;
     GridPoints random(rotated ? 2 : 1), turns(3);

@@ -1,8 +1,8 @@
 #pragma once
 #include <cstdint>
 
-#include "verify/tally.hpp"
 #include "verify/cases/triangle_families.hpp"
+#include "verify/tally.hpp"
 
 namespace oncollide::tools {
 

@@ -1,4 +1,4 @@
-#include "bench/bench.hpp"
+#include "common/text.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include "bench/narrow/tree_pair.hpp"
+#include "peers/tree_pair.hpp"
 
 namespace oncollide::tools {
 

@@ -1,4 +1,4 @@
-#include "study/base64.hpp"
+#include "common/base64.hpp"
 
 #include <algorithm>
 

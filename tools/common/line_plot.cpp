@@ -1,4 +1,4 @@
-#include "bench/line_plot.hpp"
+#include "common/line_plot.hpp"
 
 #include <algorithm>
 #include <cmath>

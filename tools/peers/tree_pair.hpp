@@ -16,7 +16,6 @@ public:
 
     const ModelStore& models() const { return models_; }
     std::uint64_t cell_pairs() const { return context_.trees.node_pairs; }
-    void reset_counters() { context_.trees = {}; }
 
     const int depth;
 
