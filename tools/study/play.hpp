@@ -8,16 +8,18 @@
 
 namespace oncollide::tools {
 
-/// Plays the workload with all variants and all supported `peers`, alternating frame by frame, `repeats` times. A scene
-/// starts anew each time; poses keep the trees of the run before. Results are judged in the first run; the least time
-/// of each frame counts. Shows progress.
-/// @param variants  all with the same clearance and mode
+/// How a study is played.
 struct PlayOptions {
     int warm_up = 0, repeats = 1;
     std::size_t bounds = 0; ///< number of certified bounds to check per frame and variant, besides false positives
     bool any_peer = false;  ///< also peers that do not support the request: only their times and collisions count
     bool needed = true;     ///< also count_needed()
 };
+
+/// Plays the workload with all variants and all supported `peers`, alternating frame by frame, `repeats` times. A scene
+/// starts anew each time; poses keep the trees of the run before. Results are judged in the first run; the least time
+/// of each frame counts. Shows progress.
+/// @param variants  all with the same clearance and mode
 Study play_study(StudyWorkload& workload, const std::vector<StudyVariant>& variants, std::vector<PeerKind> peers,
                  const PlayOptions& options);
 
