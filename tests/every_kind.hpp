@@ -6,7 +6,7 @@
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/geometry.hpp>
 
-#include "hard/tangent/placed_body.hpp"
+#include "verify/cases/placed_body.hpp"
 
 namespace oncollide {
 

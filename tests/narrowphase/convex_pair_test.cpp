@@ -6,7 +6,7 @@
 #include <oncollide/narrowphase/model.hpp>
 #include <oncollide/narrowphase/shapes/convex_pair.hpp>
 
-#include "differential/convex_truth.hpp"
+#include "verify/oracle/convex_truth.hpp"
 #include "random_pose.hpp"
 
 namespace oncollide {

@@ -2,8 +2,8 @@
 
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 
-#include "hard/exact_oracle.hpp"
-#include "hard/triangle_families.hpp"
+#include "verify/oracle/integers.hpp"
+#include "verify/cases/triangle_families.hpp"
 
 namespace oncollide {
 namespace {

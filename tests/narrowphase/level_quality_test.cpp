@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "octant_truth.hpp"
-#include "spheres/box_levels.hpp"
-#include "spheres/grown_tree.hpp"
-#include "spheres/level_quality.hpp"
+#include "verify/trees/box_levels.hpp"
+#include "verify/trees/grown_tree.hpp"
+#include "verify/trees/level_quality.hpp"
 
 namespace oncollide {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <oncollide/scenes/model/mesh.hpp>
 
-#include "hard/winding_number.hpp"
+#include "verify/oracle/winding_number.hpp"
 
 namespace oncollide {
 

@@ -11,7 +11,7 @@
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/exact/triangle_kernel.hpp>
 
-#include "hard/triangle_families.hpp"
+#include "verify/cases/triangle_families.hpp"
 
 namespace oncollide::triangle_kernel_test {
 namespace {

@@ -5,8 +5,8 @@
 #include <oncollide/narrowphase/exact/triangle_gap.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 
-#include "hard/exact_oracle.hpp"
-#include "hard/triangle_families.hpp"
+#include "verify/oracle/exact_oracle.hpp"
+#include "verify/cases/triangle_families.hpp"
 
 namespace oncollide {
 namespace {

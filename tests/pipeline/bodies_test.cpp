@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/pipeline/bodies.hpp>
+#include <oncollide/pipeline/world/bodies.hpp>
 #include <oncollide/scenes/geometry.hpp>
 
 namespace oncollide::bodies_test {

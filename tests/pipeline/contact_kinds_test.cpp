@@ -13,7 +13,7 @@
 #include <oncollide/scenes/motion.hpp>
 
 #include "narrowphase/mesh_parts.hpp"
-#include "study/accuracy_check.hpp"
+#include "verify/scene_truth.hpp"
 
 namespace oncollide {
 namespace {
@@ -183,16 +183,16 @@ TEST(ContactKinds, IgnoredPairsAreNotHeldToBeMissed)
 {
     Scene scene = two_boxes();
     scene.set_position(SceneBodyId{1}, Eigen::Vector3d(1, 0.05, 0.3));
-    tools::FclWorld world(scene);
-    const tools::FclFrame theirs = world.step();
-    ASSERT_EQ(theirs.colliding.size(), 1u);
     Settings settings = with_kinds();
     settings.contact_kinds = false, settings.ignore_touching = true;
+    tools::SceneTruth truth(scene, settings);
+    truth.step();
+    ASSERT_EQ(truth.near().size(), 1u);
     Pipeline pipeline(scene, settings);
     const FrameView frame = pipeline.step(scene);
-    EXPECT_EQ(compare(scene, frame, settings, theirs, world).missed, 0u);
+    EXPECT_EQ(judge(frame.pairs, truth, scene, settings, {.bounds = 1}).missed, 0u);
     settings.ignore_touching = false;
-    EXPECT_EQ(compare(scene, frame, settings, theirs, world).missed, 1u);
+    EXPECT_EQ(judge(frame.pairs, truth, scene, settings, {.bounds = 1}).missed, 1u);
 }
 
 TEST(ContactKinds, GiveOneHashForThreadsAndCoherence)

@@ -7,8 +7,8 @@
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/generators.hpp>
 
-#include "differential/convex_truth.hpp"
-#include "differential/drawn_scene.hpp"
+#include "verify/cases/drawn_scene.hpp"
+#include "verify/oracle/convex_truth.hpp"
 
 namespace oncollide {
 namespace {

@@ -5,7 +5,7 @@
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/generators.hpp>
 
-#include "differential/convex_truth.hpp"
+#include "verify/oracle/convex_truth.hpp"
 #include "every_kind.hpp"
 #include "random_pose.hpp"
 

@@ -6,7 +6,7 @@
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/generators.hpp>
 
-#include "differential/differential.hpp"
+#include "verify/trials/differential.hpp"
 
 namespace oncollide {
 namespace {

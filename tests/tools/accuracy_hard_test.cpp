@@ -1,7 +1,25 @@
 #include "command_fixture.hpp"
+#include "peers/fcl_pair.hpp"
+#include "verify/trials/triangle_trial.hpp"
 
 namespace oncollide::test {
 namespace {
+
+TEST(HardTriangles, AreCountedWhereFclErrs)
+{
+    tools::Tally sum;
+    for (const TriangleFamily& family : triangle_families())
+        for (bool rotated : {false, true}) {
+            const tools::Tally one = tools::try_triangles(family, 600, rotated, 1, tools::fcl_triangles_meet),
+                               two = tools::try_triangles(family, 600, rotated, 2, tools::fcl_triangles_meet);
+            EXPECT_EQ(one.faults(), 0u) << one.family << ": " << one.first_fault;
+            EXPECT_EQ(one.fcl_missed, two.fcl_missed);
+            EXPECT_EQ(one.fcl_false, two.fcl_false);
+            sum += one;
+        }
+    EXPECT_GT(sum.fcl_missed, 10u);
+    EXPECT_GT(sum.fcl_false, 100u);
+}
 
 TEST_F(CommandLine, AccuracyHardCountsWhatFclGetsWrong)
 {

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "hard/tangent/integer_distance.hpp"
+#include "verify/oracle/integer_distance.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "narrowphase/mesh_parts.hpp"
-#include "spheres/level_quality.hpp"
+#include "verify/trees/level_quality.hpp"
 #include <oncollide/samples/generators.hpp>
 
 namespace oncollide::test {

@@ -2,6 +2,8 @@
 // error.
 #include <functional>
 
+#include <fmt/format.h>
+
 #include <gtest/gtest.h>
 
 #include <oncollide/base/random.hpp>
@@ -51,7 +53,7 @@ TEST(StudyTruth, IsThatOfExactPredicatesInACrowd)
     for (const Settings& settings : {exact(), exact(Mode::solid), exact(Mode::surface, 0.05)}) {
         Scene scene = crowd();
         Pipeline pipeline(scene, settings);
-        StudyTruth truth(scene, settings);
+        SceneTruth truth(scene, settings);
         Mover mover;
         std::size_t found = 0;
         for (int frame = 0; frame < scene.frames; ++frame) {
@@ -75,7 +77,7 @@ TEST(StudyTruth, IsThatOfExactPredicatesWhereBodiesNearlyTouch)
             settings.ignore_touching = ignore;
             Scene scene = two(*a, *b);
             Pipeline pipeline(scene, settings);
-            StudyTruth truth(scene, settings);
+            SceneTruth truth(scene, settings);
             const auto check = [&](const Eigen::Isometry3d& pose) {
                 scene.set_pose(SceneBodyId{1}, pose);
                 truth.step();
@@ -122,7 +124,7 @@ TEST(StudyTruth, KnowsWhatLiesInsideWhat)
     const auto collide = [](const Mesh& a, const Mesh& b, const Eigen::Vector3d& at, bool swapped) {
         Scene scene = swapped ? two(b, a) : two(a, b);
         scene.set_position(SceneBodyId{std::uint32_t(swapped ? 0 : 1)}, at);
-        StudyTruth truth(scene, exact(Mode::solid));
+        SceneTruth truth(scene, exact(Mode::solid));
         truth.step();
         return !truth.colliding().empty();
     };
@@ -139,7 +141,7 @@ TEST(StudyTruth, KnowsWhatLiesInsideWhat)
     mixed.add_body({.name = "mesh", .geometry = mixed.add("mesh", make_sphere_mesh(1, 160))});
     mixed.add_body({.name = "shape", .geometry = mixed.add("shape", Shape(Sphere{0.2}))});
     for (Mode mode : {Mode::surface, Mode::solid}) {
-        StudyTruth truth(mixed, exact(mode));
+        SceneTruth truth(mixed, exact(mode));
         truth.step();
         EXPECT_EQ(truth.colliding().empty(), mode == Mode::surface);
     }
@@ -148,7 +150,7 @@ TEST(StudyTruth, KnowsWhatLiesInsideWhat)
 TEST(StudyTruth, BoundsDistancesAsTheLibraryDoes)
 {
     Scene scene = two(make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300), make_torus_mesh(1, 0.3, 200));
-    StudyTruth truth(scene, exact());
+    SceneTruth truth(scene, exact());
     for (std::uint64_t k = 0; k < 60; ++k) {
         scene.set_pose(SceneBodyId{0}, random_pose(2 * k, 100)),
             scene.set_pose(SceneBodyId{1}, scene.poses[0] * random_pose(2 * k + 1, 3));
@@ -187,7 +189,7 @@ TEST(StudyTruth, KnowsEveryTwoKinds)
                 scene.set_pose(SceneBodyId{body}, pose);
             }
             const double clearance = i % 3 == 2 ? 0.25 : 0;
-            StudyTruth truth(scene, exact(Mode::surface, clearance));
+            SceneTruth truth(scene, exact(Mode::surface, clearance));
             truth.step();
             Pipeline pipeline(scene, exact(Mode::surface, clearance));
             const FrameView view = pipeline.step(scene);
@@ -218,7 +220,7 @@ TEST(StudyTruth, MeasuresHowFarBodiesAreOverAPlane)
     Scene scene;
     scene.add_body({.geometry = scene.add("plane", Shape(HalfSpace{}))});
     scene.add_body({.geometry = scene.add("ball", Shape(Sphere{0.5}))});
-    StudyTruth truth(scene, exact());
+    SceneTruth truth(scene, exact());
     const auto at = [&](double height) {
         scene.set_position(SceneBodyId{1}, Eigen::Vector3d(1e6, -1e6, height));
         truth.step();
@@ -237,7 +239,7 @@ TEST(StudyTruth, LeavesOpenWhatRoundingDecides)
 {
     const Mesh cube = make_box_mesh({0.5, 0.5, 0.5});
     Scene scene = two(cube, cube);
-    StudyTruth truth(scene, exact(Mode::surface, 0.1));
+    SceneTruth truth(scene, exact(Mode::surface, 0.1));
     const auto at = [&](double x) {
         scene.set_position(SceneBodyId{1}, {x, scene.poses.position(1).y(), scene.poses.position(1).z()});
         truth.step();
@@ -255,7 +257,7 @@ TEST(StudyJudge, SeesWrongAnswersOfThePipeline)
     Settings settings;
     settings.depth = 3;
     Pipeline spheres(scene, settings), predicates(scene, exact());
-    StudyTruth truth(scene, exact());
+    SceneTruth truth(scene, exact());
     truth.step();
     const auto pairs = [&](Pipeline& pipeline) {
         const FrameView view = pipeline.step(scene);
@@ -264,9 +266,12 @@ TEST(StudyJudge, SeesWrongAnswersOfThePipeline)
     const std::vector<PairResult> right = pairs(predicates), wide = pairs(spheres);
     const auto judged = [&](std::vector<PairResult> answer, const std::function<bool(PairResult&)>& plant) {
         StudyRow row;
+        row.variant.settings =
+            std::ranges::any_of(answer, [](const PairResult& p) { return p.verdict == Verdict::within; }) ? settings
+                                                                                                          : exact();
         for (PairResult& pair : answer)
             if (plant(pair)) break;
-        judge(row, answer, truth, 0);
+        judge(row, answer, truth, scene, 0);
         return row;
     };
     const auto nothing = [](PairResult&) { return true; };
@@ -294,7 +299,7 @@ TEST(StudyJudge, SeesWrongAnswersOfThePipeline)
                      [](PairResult& pair) {
                          return pair.verdict == Verdict::separate && (pair.verdict = Verdict::colliding, true);
                      })
-                  .invented,
+                  .wrong,
               1u);
     EXPECT_EQ(judged(wide,
                      [&](PairResult& pair) {
@@ -321,7 +326,7 @@ TEST(StudyFront, IsOfThoseThatAreRight)
         return made;
     };
     study.rows = {row(1, 0.1), row(2, 0.2), row(9, 0), row(0.1, 0)};
-    study.rows[3].invented = 1;
+    study.rows[3].wrong = 1;
     study.peers = {peer(10, 0, 0), peer(0.2, 1, 0), peer(0.2, 0, 1)};
     const auto front = [&] {
         std::vector<int> on;

@@ -71,7 +71,8 @@ void add_poses(Arguments bench)
 {
     Arguments sub =
         bench.add_command("poses", "One pair of meshes in 1,000 poses with known results (needs the data folder)");
-    auto options = std::make_shared<PosesOptions>();
+    auto options = std::make_shared<NarrowOptions>();
+    options->use_poses = true, options->ask = "boolean", options->depths = "4-8", options->repeats = 5;
     sub.add_option("--data", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
         .type_name("DIR");
     sub.add_option("--depths", options->depths, "depths of the sphere-trees (default 4-8)").type_name("LIST");
@@ -79,9 +80,17 @@ void add_poses(Arguments bench)
                    "number of runs; each query's least time counts (default "
                    "5)")
         .type_name("N");
-    sub.add_option("--poses", options->poses, "use only the first N poses").type_name("N");
-    sub.add_option("--csv", options->csv, "write one row per pose").type_name("FILE");
-    sub.action([options] { return bench_poses(*options); });
+    sub.add_option("--poses", options->count, "use only the first N poses").type_name("N");
+    sub.add_option("--csv", options->poses_csv, "write one row per pose").type_name("FILE");
+    sub.footer(
+        "The same as 'oncollide bench narrow --poses --query boolean' with FCL and these depths; each depth also\n"
+        "with FCL for the pairs that are left over.");
+    sub.action([options] {
+        options->only = "fcl-obb,fcl-obbrss";
+        for (int depth : parse_depths("--depths", options->depths))
+            options->only += fmt::format(",walk-{0},walk-{0}+fcl", depth);
+        return bench_narrow(*options);
+    });
 }
 
 void add_octants(Arguments bench)
@@ -166,7 +175,7 @@ void add_narrow(Arguments bench)
                "  oncollide bench narrow                                     two generated knots, no files needed\n"
                "  oncollide bench narrow cup.obj spoon.stl --distances 0,1,10 --plot narrow.svg\n"
                "  oncollide bench narrow --poses --query boolean --only walk-6,fcl-obb,fcl-obbrss\n"
-               "Every result is checked, by CGAL if this build has it. In 'results', +k are k false positives and\n"
+               "Every result is checked by exact arithmetic. In 'results', +k are k false positives and\n"
                "MISSED k is k missed collisions (of 'all': pairs of triangles). Exit code 70: oncollide missed a\n"
                "collision, or an exact result is wrong. Definitions for each contender: docs/benchmarks.md.");
     sub.action([options, poses] {

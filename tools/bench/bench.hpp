@@ -1,20 +1,11 @@
 #pragma once
-#include <iostream>
 #include <optional>
-#include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "bench/scenes/environment_scenes.hpp"
-#include "bench/statistics.hpp"
 #include "cli/options.hpp"
-
-#include <oncollide/base/csv_writer.hpp>
-#include <oncollide/base/printable.hpp>
-#include <oncollide/broadphase/broad_phase.hpp>
+#include "common/text.hpp"
 
 // Common parts of the benchmarks. Each runs FCL and oncollide on the same workload in one program, in alternation, and
 // reports ratios.
@@ -36,15 +27,6 @@ struct CompareOptions {
 
 /// Plays a scene with both libraries. Returns the exit code: 70 if oncollide missed a collision.
 int bench_scene(const CompareOptions& options);
-
-struct PosesOptions {
-    std::string data, depths = "4-8", csv;
-    int repeats = 5;
-    int poses = 0; ///< largest number of poses; 0: all
-};
-
-/// A pair of meshes in the poses of the data folder.
-int bench_poses(const PosesOptions& options);
 
 struct PaperOptions {
     std::string data, csv;
@@ -81,6 +63,8 @@ struct NarrowOptions {
     bool use_poses = false;          ///< a pose file instead of generated poses
     std::string poses;               ///< that file; empty: the set in the data folder, with its own meshes
     std::string distances, ask, only, csv, plot, data, shard;
+    std::string depths;       ///< of the sphere-trees, each also followed by FCL; empty: the usual ones
+    std::string poses_csv;    ///< one row per pose, with the times of boolean queries
     std::optional<int> count; ///< poses per distance, or poses of the file
     int repeats = 3;
     std::uint64_t seed = 12345;
@@ -171,28 +155,5 @@ struct ReadOptions {
 
 /// Reads mesh files of every format. Returns the exit code.
 int bench_read(const ReadOptions& options);
-
-/// Rejected and tested regions of delimitation, by level below the root: "0/2 81/112".
-std::string regions_text(std::span<const DelimitationLevel> levels);
-
-/// Parses "4-8", "6" or "2,5-7" to ascending numbers from 1 to 16; `option` names the option in errors.
-std::vector<int> parse_depths(const std::string& option, const std::string& text);
-
-/// Parses "2500,10k,1M" to ascending numbers from 1 to `most`; `option` names the option in errors.
-std::vector<std::size_t> parse_counts(const char* option, const std::string& list, std::size_t most);
-
-/// The parts of a comma-separated list, including empty ones.
-std::vector<std::string> split(const std::string& list);
-
-/// Lines that name the program, compiler, peer and machine of a result.
-std::string describe_program(const std::string& backend);
-/// The settings that affect a result, on one line; `accuracy` replaces the text of the accuracy.
-std::string describe(const Settings& settings, const std::string& accuracy = {});
-
-template <class... Args>
-void say(fmt::format_string<Args...> format, Args&&... args)
-{
-    std::cout << printable_lines(fmt::format(format, std::forward<Args>(args)...));
-}
 
 } // namespace oncollide::tools

@@ -10,8 +10,8 @@
 #include <oncollide/base/parallel.hpp>
 #include <oncollide/narrowphase/gl/picture.hpp>
 
-#include "bench/bench.hpp"
 #include "cli/progress.hpp"
+#include "common/text.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <oncollide/base/printable.hpp>
 
-#include "bench/bench.hpp"
+#include "common/text.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -8,8 +8,8 @@
 #include <oncollide/base/json_writer.hpp>
 #include <oncollide/base/svg.hpp>
 
-#include "bench/bench.hpp"
 #include "clash/report.hpp"
+#include "common/text.hpp"
 
 namespace oncollide::tools {
 namespace {

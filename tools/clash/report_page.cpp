@@ -1,9 +1,9 @@
 // The report as a single HTML page.
 #include <oncollide/base/svg.hpp>
 
-#include "bench/bench.hpp"
 #include "clash/report.hpp"
-#include "study/base64.hpp"
+#include "common/base64.hpp"
+#include "common/text.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -1,60 +1,18 @@
 #include "peers/fcl_pair.hpp"
 
-#include <fcl/fcl.h>
 #include <fcl/narrowphase/detail/traversal/collision/intersect.h>
 
-#include <oncollide/scenes/model/convex_hull.hpp>
+#include <oncollide/narrowphase/fcl/fcl_geometry.hpp>
 
 namespace oncollide::tools {
 namespace {
 
 const Eigen::Isometry3d nowhere = Eigen::Isometry3d::Identity();
 
-template <class Volume>
-FclGeometry make_bvh(const Mesh& mesh)
-{
-    auto model = std::make_shared<fcl::BVHModel<Volume>>();
-    std::vector<fcl::Triangle> triangles;
-    triangles.reserve(mesh.triangles.size());
-    for (const Triangle& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
-    model->beginModel(static_cast<int>(triangles.size()), static_cast<int>(mesh.vertices.size()));
-    model->addSubModel(mesh.vertices, triangles);
-    model->endModel();
-    return model;
-}
-
 FclGeometry make_tree(const Mesh& mesh, FclNodes nodes)
 {
-    return nodes == FclNodes::obb ? make_bvh<fcl::OBBd>(mesh) : make_bvh<fcl::OBBRSSd>(mesh);
+    return nodes == FclNodes::obb ? make_fcl_tree<fcl::OBBd>(mesh) : make_fcl_tree<fcl::OBBRSSd>(mesh);
 }
-
-FclGeometry make_convex(const ConvexHull& shape)
-{
-    const Hull hull = convex_hull(shape.points);
-    std::vector<int> place(shape.points.size(), -1);
-    auto points = std::make_shared<std::vector<fcl::Vector3d>>();
-    for (std::uint32_t v : hull.vertices) {
-        place[v] = static_cast<int>(points->size());
-        points->push_back(shape.points[v]);
-    }
-    auto faces = std::make_shared<std::vector<int>>();
-    for (const Triangle& t : hull.triangles) faces->insert(faces->end(), {3, place[t[0]], place[t[1]], place[t[2]]});
-    return std::make_shared<fcl::Convexd>(points, static_cast<int>(hull.triangles.size()), faces);
-}
-
-struct ShapeGeometry {
-    FclGeometry operator()(const Sphere& s) const { return std::make_shared<fcl::Sphered>(s.radius); }
-    FclGeometry operator()(const Box& b) const { return std::make_shared<fcl::Boxd>(fcl::Vector3d(2 * b.half)); }
-    FclGeometry operator()(const Capsule& c) const { return std::make_shared<fcl::Capsuled>(c.radius, c.length); }
-    FclGeometry operator()(const Cylinder& c) const { return std::make_shared<fcl::Cylinderd>(c.radius, c.length); }
-    FclGeometry operator()(const Ellipsoid& e) const { return std::make_shared<fcl::Ellipsoidd>(e.semi_axes); }
-    FclGeometry operator()(const Cone& c) const { return std::make_shared<fcl::Coned>(c.radius, c.length); }
-    FclGeometry operator()(const HalfSpace&) const
-    {
-        return std::make_shared<fcl::Halfspaced>(fcl::Vector3d::UnitZ(), 0);
-    }
-    FclGeometry operator()(const ConvexHull& h) const { return make_convex(h); }
-};
 
 /// The result belongs to this thread and is overwritten by the next call, which saves allocations.
 const fcl::CollisionResultd& collide(const FclBody& a, const FclBody& b, std::size_t most, bool details)
@@ -86,7 +44,7 @@ FclGeometry make_fcl_geometry(const GeometryData& geometry, FclNodes nodes,
     else if (const auto* terrain = std::get_if<Terrain>(&geometry))
         made = make_tree(mesh_of(*terrain), nodes);
     else if (const auto* shape = std::get_if<Shape>(&geometry))
-        made = std::visit(ShapeGeometry{}, *shape);
+        made = std::visit(FclShape{}, *shape);
     else
         made = std::make_shared<fcl::OcTreed>(octree ? octree : make_octree(std::get<OccupancyMap>(geometry)));
     made->computeLocalAABB();
@@ -103,15 +61,6 @@ double fcl_distance(const FclBody& a, const FclBody& b)
     const fcl::DistanceRequestd request;
     fcl::DistanceResultd result;
     return std::max(0.0, fcl::distance(a.geometry.get(), a.pose, b.geometry.get(), b.pose, request, result));
-}
-
-double fcl_penetration(const FclBody& a, const FclBody& b)
-{
-    const fcl::CollisionResultd& result = collide(a, b, 10'000, true);
-    double deepest = 0;
-    for (std::size_t i = 0; i < result.numContacts(); ++i)
-        deepest = std::max(deepest, std::abs(result.getContact(i).penetration_depth));
-    return deepest;
 }
 
 bool fcl_triangles_meet(const std::array<Eigen::Vector3d, 3>& a, const std::array<Eigen::Vector3d, 3>& b)

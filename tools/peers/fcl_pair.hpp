@@ -35,8 +35,6 @@ struct FclBody {
 std::size_t fcl_contacts(const FclBody& a, const FclBody& b, std::size_t most = 1, bool details = false);
 /// Distance of the surfaces, 0 if they touch; unreliable if one is deep inside the other. Meshes need OBBRSS.
 double fcl_distance(const FclBody& a, const FclBody& b);
-/// The depth of the deepest contact; 0 if they do not collide.
-double fcl_penetration(const FclBody& a, const FclBody& b);
 /// FCL's own test of two triangles.
 bool fcl_triangles_meet(const std::array<Eigen::Vector3d, 3>& a, const std::array<Eigen::Vector3d, 3>& b);
 /// Bytes of a mesh's tree if it had nodes of that kind; 0 if the geometry is not a mesh.

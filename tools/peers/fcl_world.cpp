@@ -53,8 +53,6 @@ struct FclWorld::Impl {
         return false; // continue
     }
 
-    FclBody body(std::uint32_t b) const { return {models[index(scene.geometry[b])], scene.poses[b]}; }
-
     FclBody body_for_distance(std::uint32_t b)
     {
         const std::uint32_t geometry = index(scene.geometry[b]);
@@ -63,6 +61,7 @@ struct FclWorld::Impl {
         if (!model) model = make_fcl_geometry(scene.geometries[geometry].data, FclNodes::obbrss);
         return {model, scene.poses[b]};
     }
+    FclBody body(std::uint32_t b) const { return {models[index(scene.geometry[b])], scene.poses[b]}; }
 };
 
 FclWorld::Octrees FclWorld::octrees_of(const Scene& scene)
@@ -126,28 +125,11 @@ FclFrame FclWorld::step(bool contacts)
     return frame;
 }
 
-bool FclWorld::collides(BodyPair pair) const
-{
-    return fcl_contacts(impl_->body(pair.a), impl_->body(pair.b)) > 0;
-}
-
 double FclWorld::distance(BodyPair pair)
 {
-    if (collides(pair)) return 0; // FCL's distance between meshes does not see one deep inside the other's surface
+    // FCL's distance between meshes does not see one deep inside the other's surface.
+    if (fcl_contacts(impl_->body(pair.a), impl_->body(pair.b))) return 0;
     return fcl_distance(impl_->body_for_distance(pair.a), impl_->body_for_distance(pair.b));
-}
-
-double FclWorld::penetration(BodyPair pair) const
-{
-    return fcl_penetration(impl_->body(pair.a), impl_->body(pair.b));
-}
-
-bool FclWorld::has_shape(BodyPair pair) const
-{
-    const auto shape = [&](std::uint32_t body) {
-        return std::holds_alternative<Shape>(impl_->scene.geometries[index(impl_->scene.geometry[body])].data);
-    };
-    return shape(pair.a) || shape(pair.b);
 }
 
 FclWorld::ModelBytes FclWorld::model_bytes() const

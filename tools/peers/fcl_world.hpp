@@ -23,7 +23,7 @@ struct FclFrame {
 };
 
 /// The same query with FCL, used as well as possible: one model per geometry (OBBs, the fastest for collision queries),
-/// one tree of AABBs for moving and one for static objects, no contacts. The peer in benchmarks and the judge in tests;
+/// one tree of AABBs for moving and one for static objects, no contacts. The peer in benchmarks;
 /// shares no code with the pipeline's exact level.
 class FclWorld {
 public:
@@ -38,16 +38,9 @@ public:
     /// @param contacts  find all contacts of each pair, not only whether it collides
     FclFrame step(bool contacts = false);
 
-    /// True if two bodies collide at the scene's current poses, independent of the last step.
-    bool collides(BodyPair pair) const;
-    /// Their distance at these poses, 0 if they touch (m). Its models are made on first use. FCL rounds it by about
-    /// 1e-9 of the bodies' size between meshes, and by 1e-6 if a shape takes part.
+    /// The distance of two bodies at the scene's current poses, 0 if they touch (m). Its models are made on first use.
+    /// FCL rounds it by about 1e-9 of the bodies' size between meshes, and by 1e-6 if a shape takes part.
     double distance(BodyPair pair);
-    /// The overlap of the bodies, as the largest depth of FCL's contacts (m); 0 if they do not overlap.
-    double penetration(BodyPair pair) const;
-
-    /// True if one of both is a shape. FCL then uses libccd, which stops within 1e-6 of the result.
-    bool has_shape(BodyPair pair) const;
 
     /// Bytes of the mesh models: nodes, triangles, vertices; without objects, their trees of AABBs, and maps.
     struct ModelBytes {

@@ -1,10 +1,14 @@
 #include "peers/narrow_peer.hpp"
 
+#include <algorithm>
+#include <optional>
+
 #include <fmt/format.h>
 
 #include <oncollide/narrowphase/walks/traversal.hpp>
 
-#include "bench/narrow/tree_pair.hpp"
+#include "peers/fcl_pair.hpp"
+#include "peers/tree_pair.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -14,9 +18,27 @@ using Promise = NarrowContender::Promise;
 /// Traversal of two sphere-trees. The trees grow only in the warm-up pass, because it runs every pose.
 class SpheresPeer final : public NarrowPeer {
 public:
-    SpheresPeer(const Mesh& a, const Mesh& b, const Settings& settings) : trees_(fill(scene_, a, b), settings) {}
+    SpheresPeer(const Mesh& a, const Mesh& b, const Settings& settings, bool then_fcl)
+        : trees_(fill(scene_, a, b), settings)
+    {
+        if (then_fcl) fcl_.emplace(a, b, FclNodes::obb);
+    }
 
-    bool collides(const Eigen::Isometry3d& b) override { return trees_.walk(b).verdict != Verdict::separate; }
+    bool collides(const Eigen::Isometry3d& b) override
+    {
+        const Finding found = trees_.walk(b);
+        ++queries_;
+        if (found.verdict == Verdict::within) bound_ = std::max(bound_, found.bound);
+        return found.verdict != Verdict::separate && (!fcl_ || fcl_->collides(b));
+    }
+    std::string figures() const override
+    {
+        const double diagonal = bounds_of(scene_.geometries[0]).diagonal();
+        return fmt::format(
+            "largest bound {:.6f} m, {:.2f} % of the diagonal; {:.1f} pairs of cells per query; {} cells", bound_,
+            100 * bound_ / diagonal, double(trees_.cell_pairs()) / double(std::max<std::uint64_t>(queries_, 1)),
+            trees_.models().nodes());
+    }
 
 private:
     static Scene& fill(Scene& scene, const Mesh& a, const Mesh& b)
@@ -28,20 +50,10 @@ private:
 
     Scene scene_;
     TreePair trees_;
+    std::optional<FclPair> fcl_;
+    double bound_ = 0;
+    std::uint64_t queries_ = 0;
 };
-
-NarrowContender walk(int depth)
-{
-    return {.name = fmt::format("walk-{}", depth),
-            .what = fmt::format("oncollide sphere-trees, depth {}", depth),
-            .group = Contender::Group::oncollide,
-            .promise = Promise::conservative,
-            .make = [depth](const Mesh& a, const Mesh& b) {
-                Settings settings;
-                settings.depth = depth;
-                return std::make_unique<SpheresPeer>(a, b, settings);
-            }};
-}
 
 /// Traversal of two OBB trees, which grow in the same way.
 class BoxesPeer : public NarrowPeer {
@@ -102,11 +114,22 @@ NarrowContender near(double error)
 
 } // namespace
 
+NarrowContender sphere_walk(int depth, bool then_fcl)
+{
+    return {.name = fmt::format("walk-{}{}", depth, then_fcl ? "+fcl" : ""),
+            .what = fmt::format("oncollide sphere-trees, depth {}{}", depth, then_fcl ? ", then FCL" : ""),
+            .group = Contender::Group::oncollide,
+            .promise = Promise::conservative,
+            .make = [=](const Mesh& a, const Mesh& b) {
+                return std::make_unique<SpheresPeer>(a, b, Settings{.depth = depth}, then_fcl);
+            }};
+}
+
 void add_narrow_oncollide(std::vector<NarrowContender>& all)
 {
     all.push_back(exact());
     for (double error : {0.001, 0.01}) all.push_back(near(error));
-    for (int depth : {5, 6, 7, 8}) all.push_back(walk(depth));
+    for (int depth : {5, 6, 7, 8}) all.push_back(sphere_walk(depth, false));
 }
 
 } // namespace oncollide::tools

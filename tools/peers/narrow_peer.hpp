@@ -31,6 +31,8 @@ public:
     virtual void all_pairs(const Eigen::Isometry3d&, std::vector<TrianglePair>& pairs) { pairs.clear(); }
     /// Distance of the surfaces, 0 if they meet.
     virtual double distance(const Eigen::Isometry3d&) { return 0; }
+    /// Figures of its data and its queries so far, in words; empty: none.
+    virtual std::string figures() const { return {}; }
 };
 
 struct NarrowContender {
@@ -50,6 +52,8 @@ using NarrowContenders = ContenderList<NarrowContender>;
 
 NarrowContenders narrow_contenders();
 
+/// Sphere-trees of this depth, and FCL for poses that are left over, if requested.
+NarrowContender sphere_walk(int depth, bool then_fcl);
 void add_narrow_oncollide(std::vector<NarrowContender>& all);
 void add_narrow_fcl(std::vector<NarrowContender>& all);
 void add_narrow_embree(std::vector<NarrowContender>& all);

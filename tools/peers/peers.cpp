@@ -8,7 +8,7 @@
 
 #include <oncollide/base/error.hpp>
 
-#include "bench/bench.hpp"
+#include "common/text.hpp"
 
 namespace oncollide::tools {
 

@@ -1,7 +1,7 @@
 #include "cli/command.hpp"
 #include "render/png.hpp"
 #include "render/render_plan.hpp"
-#include "spheres/grown_tree.hpp"
+#include "verify/trees/grown_tree.hpp"
 
 #include <algorithm>
 #include <iostream>

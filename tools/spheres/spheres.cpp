@@ -1,9 +1,9 @@
 // oncollide spheres: the spheres and OBBs of a mesh's trees, and how closely they fit the mesh.
 #include "cli/command.hpp"
 #include "cli/options.hpp"
-#include "spheres/box_levels.hpp"
-#include "spheres/grown_tree.hpp"
-#include "spheres/level_quality.hpp"
+#include "verify/trees/box_levels.hpp"
+#include "verify/trees/grown_tree.hpp"
+#include "verify/trees/level_quality.hpp"
 
 #include <algorithm>
 #include <cstdio>

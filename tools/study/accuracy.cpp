@@ -1,13 +1,12 @@
-// oncollide accuracy: checks with FCL that every collision is found and every bound holds.
-#include "bench/bench.hpp"
+// oncollide accuracy SCENE: a study whose table says whether every collision is found and every bound holds.
 #include "cli/command.hpp"
-#include "study/accuracy_check.hpp"
-#include "study/setting_variants.hpp"
+#include "common/text.hpp"
+#include "study/play.hpp"
+#include "verify/setting_variants.hpp"
 
 #include <algorithm>
-#include <map>
 #include <memory>
-#include <optional>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -31,31 +30,33 @@ struct AccuracyOptions {
 };
 
 /// A way to run the pipeline, judged over all frames of all scenes.
-struct Variant {
+struct JudgedVariant : FrameJudgement {
     std::string name;
     Settings settings;
     bool same_hash = false; ///< must give the same hash as the plain variant of its depth
     std::size_t plain = 0;  ///< that variant
 
-    std::uint64_t frames = 0, other_hash = 0;
+    std::uint64_t frames = 0, other_hash = 0, fcl_colliding = 0, fcl_alone = 0;
+    std::array<std::uint64_t, 4> verdicts{};
     double ms = 0;
-    Comparison counts;
-    BoundCheck bounds;
 
-    std::uint64_t violations() const { return counts.missed + counts.wrong_exact + bounds.violations + other_hash; }
+    std::uint64_t count(Verdict verdict) const { return verdicts[std::size_t(verdict)]; }
+    std::uint64_t pairs() const { return std::accumulate(verdicts.begin(), verdicts.end(), std::uint64_t(0)); }
+    std::uint64_t left_over() const { return pairs() - count(Verdict::separate); }
+    std::uint64_t violations() const { return missed + wrong + broken + other_hash; }
     double ms_per_frame() const { return ms / double(std::max<std::uint64_t>(frames, 1)); }
 };
 
 /// Makes a variant per depth with the settings as given; with `toggle` also one per single change of the settings.
-std::vector<Variant> make_variants(const AccuracyOptions& options)
+std::vector<JudgedVariant> make_variants(const AccuracyOptions& options)
 {
-    std::vector<Variant> variants;
+    std::vector<JudgedVariant> variants;
     for (int depth : parse_depths("--depths", options.depths)) {
         Settings plain = settings_from(options.settings);
         plain.max_error.reset(), plain.depth = depth;
         const std::size_t first = variants.size();
         const auto add = [&](std::string name, bool same_hash, auto change) {
-            Variant& v = variants.emplace_back();
+            JudgedVariant& v = variants.emplace_back();
             v.name = std::move(name), v.settings = plain, v.same_hash = same_hash, v.plain = first;
             change(v.settings);
         };
@@ -71,63 +72,24 @@ std::vector<Variant> make_variants(const AccuracyOptions& options)
     return variants;
 }
 
-/// FCL's distances in a frame; each is computed once for all variants.
-class Distances {
-public:
-    explicit Distances(FclWorld& world) : world_(world) {}
-    double operator()(BodyPair pair)
-    {
-        const auto [at, fresh] = known_.try_emplace(pair, 0.0);
-        if (fresh) at->second = world_.distance(pair);
-        return at->second;
-    }
-    void next_frame() { known_.clear(); }
-
-private:
-    FclWorld& world_;
-    std::map<BodyPair, double> known_;
-};
-
-/// Checks the bounds of at most `samples` pairs, evenly spread over the list; the choice differs from frame to frame.
-BoundCheck check_bounds(const Scene& scene, const FrameView& frame, const Settings& settings, int samples,
-                        const FclWorld& world, Distances& distance)
+/// Plays a scene as a study with FCL, and adds its results. Returns the backend that ran.
+std::string play(StudyWorkload& workload, const AccuracyOptions& options, std::vector<JudgedVariant>& variants)
 {
-    BoundCheck sum;
-    const std::size_t step = std::max<std::size_t>(1, frame.pairs.size() / std::size_t(std::max(samples, 1)));
-    for (std::size_t i = frame.frame % step; i < frame.pairs.size() && samples > 0; i += step) {
-        const PairResult& pair = frame.pairs[i];
-        const BodyPair bodies{index(pair.a), index(pair.b)};
-        if (pair.verdict != Verdict::colliding)
-            sum += check_bound(scene, pair, settings, distance(bodies), world.has_shape(bodies));
+    std::vector<StudyVariant> played;
+    for (const JudgedVariant& v : variants) played.push_back({"", v.name, v.settings});
+    const Study study = play_study(workload, played, peers_from_names("fcl"),
+                                   {.bounds = std::size_t(options.samples), .any_peer = true, .needed = false});
+    for (std::size_t k = 0; k < variants.size(); ++k) {
+        const StudyRow& row = study.rows[k];
+        JudgedVariant& v = variants[k];
+        v += row;
+        v.frames += row.ms.size(), v.ms += std::accumulate(row.ms.begin(), row.ms.end(), 0.0);
+        v.fcl_colliding += study.peers[0].colliding, v.fcl_alone += row.fcl_alone;
+        for (std::size_t i = 0; i < v.verdicts.size(); ++i) v.verdicts[i] += row.verdicts[i];
+        for (std::size_t i = 0; i < row.hashes.size() && v.same_hash; ++i)
+            v.other_hash += row.hashes[i] != study.rows[v.plain].hashes[i];
     }
-    return sum;
-}
-
-/// Returns the backend that ran.
-std::string judge(Scene& scene, const AccuracyOptions& options, std::vector<Variant>& variants)
-{
-    Mover mover;
-    mover.move(scene, 0);
-    FclWorld world(scene);
-    Distances distance(world);
-    std::vector<Pipeline> pipelines;
-    for (const Variant& v : variants) pipelines.emplace_back(scene, v.settings);
-    for (int frame = 0; frame < scene.frames; frame += options.every) {
-        mover.move(scene, frame);
-        const FclFrame fcl = world.step();
-        distance.next_frame();
-        std::vector<std::uint64_t> hashes;
-        for (std::size_t k = 0; k < variants.size(); ++k) {
-            Variant& v = variants[k];
-            const FrameView view = pipelines[k].step(scene);
-            v.counts += compare(scene, view, v.settings, fcl, world);
-            v.bounds += check_bounds(scene, view, v.settings, options.samples, world, distance);
-            v.ms += view.ms, ++v.frames;
-            hashes.push_back(view.hash);
-            v.other_hash += v.same_hash && view.hash != hashes[v.plain];
-        }
-    }
-    return pipelines.front().inspect().backend;
+    return study.rows.front().backend;
 }
 
 std::string optional_length(double value, bool known)
@@ -135,51 +97,47 @@ std::string optional_length(double value, bool known)
     return known ? fmt::format("{:.3g}", value) : "-";
 }
 
-void print_table(const std::vector<Variant>& variants)
+void print_table(const std::vector<JudgedVariant>& variants)
 {
     say("{:>5}  {:<21}{:>8}{:>11}{:>11}{:>11}{:>9}{:>8}{:>9}{:>11}{:>9}{:>11}{:>11}{:>7}{:>10}\n", "depth", "variant",
         "frames", "pairs", "left over", "colliding", "false", "missed", "rounding", "bounds", "broken", "margin m",
         "bound m", "hash", "ms/frame");
-    for (const Variant& v : variants)
+    for (const JudgedVariant& v : variants)
         say("{:>5}  {:<21}{:>8}{:>11}{:>11}{:>11}{:>9}{:>8}{:>9}{:>11}{:>9}{:>11}{:>11}{:>7}{:>10.3f}\n",
-            *v.settings.depth, v.name, v.frames, v.counts.pairs, v.counts.left_over, v.counts.fcl_colliding,
-            v.counts.false_positives, v.counts.missed + v.counts.wrong_exact, v.counts.missed_by_rounding,
-            v.bounds.checks, v.bounds.violations, optional_length(v.bounds.least_margin, v.bounds.checks),
-            optional_length(v.bounds.largest_bound, v.bounds.largest_bound > 0),
-            v.same_hash ? (v.other_hash ? "DIFF" : "same") : "", v.ms_per_frame());
-    for (const Variant& v : variants)
-        for (const std::string* fault : {&v.counts.first_missed, &v.bounds.first_violation})
-            if (!fault->empty()) say("FAULT      depth {}, {}: {}\n", *v.settings.depth, v.name, *fault);
+            *v.settings.depth, v.name, v.frames, v.pairs(), v.left_over(), v.fcl_colliding, v.false_positives,
+            v.missed + v.wrong, v.fcl_alone, v.bounds, v.broken, optional_length(v.least_margin, v.bounds),
+            optional_length(v.largest_bound, v.largest_bound > 0), v.same_hash ? (v.other_hash ? "DIFF" : "same") : "",
+            v.ms_per_frame());
+    for (const JudgedVariant& v : variants)
+        if (!v.first_fault.empty()) say("FAULT      depth {}, {}: {}\n", *v.settings.depth, v.name, v.first_fault);
 }
 
-void write_csv(const std::string& path, const std::vector<Variant>& variants)
+void write_csv(const std::string& path, const std::vector<JudgedVariant>& variants)
 {
     CsvFile csv(path, "depth,variant,frames,pairs,left_over,undecided,colliding,fcl_colliding,false_positives,missed,"
                       "missed_by_rounding,wrong_exact,bound_checks,bound_violations,least_margin,largest_bound,"
                       "other_hash,ms_per_frame");
-    for (const Variant& v : variants)
-        csv.row(*v.settings.depth, v.name, v.frames, v.counts.pairs, v.counts.left_over, v.counts.undecided,
-                v.counts.colliding, v.counts.fcl_colliding, v.counts.false_positives, v.counts.missed,
-                v.counts.missed_by_rounding, v.counts.wrong_exact, v.bounds.checks, v.bounds.violations,
-                v.bounds.checks ? v.bounds.least_margin : 0, v.bounds.largest_bound, v.other_hash, v.ms_per_frame());
+    for (const JudgedVariant& v : variants)
+        csv.row(*v.settings.depth, v.name, v.frames, v.pairs(), v.left_over(), v.count(Verdict::undecided),
+                v.count(Verdict::colliding), v.fcl_colliding, v.false_positives, v.missed, v.fcl_alone, v.wrong,
+                v.bounds, v.broken, v.bounds ? v.least_margin : 0, v.largest_bound, v.other_hash, v.ms_per_frame());
     csv.commit();
 }
 
-void write_json(const std::string& path, const std::string& scene, const std::vector<Variant>& variants)
+void write_json(const std::string& path, const std::string& scene, const std::vector<JudgedVariant>& variants)
 {
     OutputFile file(path);
     JsonWriter json(file);
     json.begin_object();
     json.key("header"), json.object("version", version, "scene", scene);
     json.key("variants"), json.begin_array();
-    for (const Variant& v : variants) {
+    for (const JudgedVariant& v : variants) {
         json.line(2);
-        json.object("depth", *v.settings.depth, "variant", v.name, "frames", v.frames, "pairs", v.counts.pairs,
-                    "left_over", v.counts.left_over, "undecided", v.counts.undecided, "colliding", v.counts.colliding,
-                    "fcl_colliding", v.counts.fcl_colliding, "false_positives", v.counts.false_positives, "missed",
-                    v.counts.missed, "missed_by_rounding", v.counts.missed_by_rounding, "wrong_exact",
-                    v.counts.wrong_exact, "bound_checks", v.bounds.checks, "bound_violations", v.bounds.violations,
-                    "other_hash", v.other_hash, "ms_per_frame", v.ms_per_frame());
+        json.object("depth", *v.settings.depth, "variant", v.name, "frames", v.frames, "pairs", v.pairs(), "left_over",
+                    v.left_over(), "undecided", v.count(Verdict::undecided), "colliding", v.count(Verdict::colliding),
+                    "fcl_colliding", v.fcl_colliding, "false_positives", v.false_positives, "missed", v.missed,
+                    "missed_by_rounding", v.fcl_alone, "wrong_exact", v.wrong, "bound_checks", v.bounds,
+                    "bound_violations", v.broken, "other_hash", v.other_hash, "ms_per_frame", v.ms_per_frame());
     }
     json.line(), json.end_array();
     json.end_object();
@@ -201,24 +159,24 @@ int accuracy(const AccuracyOptions& options)
     if (options.count > 1 && is_scene_file(options.scene.scene))
         throw Error(ErrorKind::usage, "--count applies only to scenes of the catalogue: it counts seeds");
     check_files({{"--csv", options.csv}, {"--json", options.json}});
-    std::vector<Variant> variants = make_variants(options);
+    std::vector<JudgedVariant> variants = make_variants(options);
+    const auto violations = [&] {
+        std::uint64_t sum = 0;
+        for (const JudgedVariant& v : variants) sum += v.violations();
+        return sum;
+    };
     std::string name, backend;
     for (int k = 0; k < options.count; ++k) {
         SceneOptions one = options.scene;
         if (options.count > 1) one.seed = one.seed.value_or(CatalogueOptions{}.seed) + std::uint64_t(k);
-        Scene scene = open_scene(one);
-        name = scene.name;
-        if (options.count == 1) print_warnings(scene);
-        const auto before = [&] {
-            std::uint64_t sum = 0;
-            for (const Variant& v : variants) sum += v.violations();
-            return sum;
-        };
-        const std::uint64_t faults = before();
-        backend = judge(scene, options, variants);
-        if (options.count > 1 && before() > faults) say("FAULT      first seen with --seed {}\n", *one.seed);
+        StudyWorkload workload({.what = {one.scene}, .scene = one, .every = options.every});
+        name = workload.title;
+        if (options.count == 1) print_warnings(workload.scene);
+        const std::uint64_t before = violations();
+        backend = play(workload, options, variants);
+        if (options.count > 1 && violations() > before) say("FAULT      first seen with --seed {}\n", *one.seed);
     }
-    say("scene      {}{}; compared with FCL in every {}frame, with {} bounds per frame and variant\n"
+    say("scene      {}{}; compared with the truth and FCL in every {}frame, with {} bounds per frame and variant\n"
         "settings   {}\n{}\n",
         printable(name), options.count > 1 ? fmt::format(", {} seeds", options.count) : "",
         options.every > 1 ? fmt::format("{}-th ", options.every) : "", options.samples,
@@ -226,11 +184,10 @@ int accuracy(const AccuracyOptions& options)
     print_table(variants);
     if (!options.csv.empty()) write_csv(options.csv, variants);
     if (!options.json.empty()) write_json(options.json, name, variants);
-    std::uint64_t violations = 0;
-    for (const Variant& v : variants) violations += v.violations();
-    say("\n{}\n", violations ? fmt::format("{} VIOLATIONS", violations)
-                             : "no collision missed, no bound broken, no unexpected change of a result");
-    return violations ? int(ErrorKind::internal) : 0;
+    const std::uint64_t sum = violations();
+    say("\n{}\n", sum ? fmt::format("{} VIOLATIONS", sum)
+                      : "no collision missed, no bound broken, no unexpected change of a result");
+    return sum ? int(ErrorKind::internal) : 0;
 }
 
 } // namespace
@@ -238,7 +195,7 @@ int accuracy(const AccuracyOptions& options)
 void add_accuracy(Arguments app)
 {
     Arguments sub = app.add_command(
-        "accuracy", "Check the results of a scene against FCL: missed collisions, false positives, bounds");
+        "accuracy", "Check the results of a scene against the truth: missed collisions, false positives, bounds");
     auto options = std::make_shared<AccuracyOptions>();
     // Not marked as required: CLI11 would then take a subcommand's name for the scene.
     sub.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")

@@ -13,7 +13,7 @@
 #include <oncollide/base/printable.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
 
-#include "bench/bench.hpp"
+#include "common/text.hpp"
 #include "study/play.hpp"
 #include "study/report.hpp"
 
@@ -153,7 +153,7 @@ int accuracy_study(const StudyOptions& o)
     check_files({{"--html", o.html}, {"--csv", o.csv}, {"--json", o.json}}, inputs);
     StudyWorkload workload(o.workload);
     print_warnings(workload.scene);
-    const Study study = play_study(workload, variants, peers, o.warm_up, o.repeats);
+    const Study study = play_study(workload, variants, peers, {.warm_up = o.warm_up, .repeats = o.repeats});
     const std::string about = fmt::format(
         "workload   {}; {} frames, {} of them to warm up, least of {} {}; all variants{} in alternation\n"
         "truth      exact integers on the triangles of all pairs of bodies whose AABBs overlap, long double for "

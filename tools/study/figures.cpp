@@ -5,8 +5,8 @@
 
 #include <oncollide/base/svg.hpp>
 
-#include "bench/bench.hpp"
-#include "bench/line_plot.hpp"
+#include "common/line_plot.hpp"
+#include "common/text.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -9,54 +9,35 @@ namespace {
 
 constexpr std::size_t most_errors = 10; ///< listed per peer
 
-void judge_false_positive(StudyRow& row, const Sighting& found, double lower)
-{
-    ++row.false_positives;
-    row.false_positive_distances.push_back(found.distance);
-    const double share = found.bound > 0 ? found.distance / found.bound : 0;
-    ++row.false_positives_by_share[std::min(false_positive_bins - 1, std::size_t(share * double(false_positive_bins)))];
-    row.broken += lower > found.bound;
-    if (!row.worst_false_positive || found.distance > row.worst_false_positive->distance)
-        row.worst_false_positive = found;
-}
-
 } // namespace
 
-void judge(StudyRow& row, std::span<const PairResult> answer, StudyTruth& truth, int frame)
+void judge(StudyRow& row, std::span<const PairResult> answer, SceneTruth& truth, const Scene& scene, int frame,
+           std::size_t bounds)
 {
-    std::uint64_t found = 0;
     for (const PairResult& pair : answer) {
         ++row.verdicts[std::size_t(pair.verdict)];
-        if (pair.verdict == Verdict::separate) continue;
-        const BodyPair bodies{index(pair.a), index(pair.b)};
-        row.error = std::max(row.error, pair.bound);
-        if (truth.collide(bodies)) {
-            ++found;
-        } else if (truth.open(bodies)) {
-            continue;
-        } else if (pair.verdict == Verdict::colliding) {
-            ++row.invented;
-        } else {
-            const DistanceTruth distance = truth.distance(bodies);
-            judge_false_positive(row, {frame, bodies, distance.high, pair.bound}, distance.low);
-        }
+        if (pair.verdict != Verdict::separate) row.error = std::max(row.error, pair.bound);
     }
-    if (found == truth.colliding().size()) return;
-    row.missed += truth.colliding().size() - found;
-    if (row.first_miss) return;
-    const auto left_over = [&](BodyPair pair) {
-        return std::ranges::any_of(answer, [&](const PairResult& p) {
-            return BodyPair{index(p.a), index(p.b)} == pair && p.verdict != Verdict::separate;
-        });
-    };
-    for (BodyPair pair : truth.colliding())
-        if (!left_over(pair)) {
-            row.first_miss = Sighting{frame, pair};
-            break;
-        }
+    Settings settings = row.variant.settings; // without an exact level, touching pairs are left over: false positives
+    settings.ignore_touching = truth.request().ignore_touching;
+    row += judge(answer, truth, scene, settings,
+                 {.bounds = bounds,
+                  .start = std::size_t(frame),
+                  .false_positives = true,
+                  .look = [&](BodyPair pair, const Finding& result, const Judgement& judgement) {
+                      const Sighting found{frame, pair, truth.distance(pair).high, result.bound};
+                      if (judgement.fault == Judgement::Fault::missed && !row.first_miss) row.first_miss = found;
+                      if (!judgement.false_positive) return;
+                      row.false_positive_distances.push_back(found.distance);
+                      const double share = found.bound > 0 ? found.distance / found.bound : 0;
+                      ++row.false_positives_by_share[std::min(false_positive_bins - 1,
+                                                              std::size_t(share * double(false_positive_bins)))];
+                      if (!row.worst_false_positive || found.distance > row.worst_false_positive->distance)
+                          row.worst_false_positive = found;
+                  }});
 }
 
-void judge(StudyPeer& peer, std::span<const BodyPair> colliding, StudyTruth& truth, const Scene& scene, int number)
+void judge(StudyPeer& peer, std::span<const BodyPair> colliding, SceneTruth& truth, const Scene& scene, int number)
 {
     peer.colliding += colliding.size();
     const auto tell = [&](BodyPair pair, std::string_view what) {

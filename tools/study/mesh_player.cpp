@@ -7,8 +7,8 @@
 
 #include <oncollide/broadphase/bounds/pose_bounds.hpp>
 
-#include "bench/bench.hpp"
 #include "cli/system.hpp"
+#include "common/text.hpp"
 #include "peers/narrow_peer.hpp"
 
 namespace oncollide::tools {

@@ -7,7 +7,7 @@
 #include <oncollide/pipeline/world/world_access.hpp>
 
 #include "cli/progress.hpp"
-#include "spheres/grown_tree.hpp"
+#include "verify/trees/grown_tree.hpp"
 
 namespace oncollide::tools {
 namespace {

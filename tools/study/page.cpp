@@ -4,8 +4,8 @@
 
 #include <oncollide/base/svg.hpp>
 
-#include "bench/bench.hpp"
-#include "study/base64.hpp"
+#include "common/base64.hpp"
+#include "common/text.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -59,7 +59,7 @@ void write_summary(OutputFile& file, const Study& study)
     std::uint64_t missed = 0, lost = 0, broken = 0, invented = 0;
     for (const StudyRow& row : study.rows) {
         (row.variant.certified() ? missed : lost) += row.missed;
-        broken += row.broken, invented += row.invented;
+        broken += row.broken, invented += row.wrong;
     }
     paragraph(file, fmt::format("{} bodies, {} frames, {} collisions. The median size of a body is {:.3g} m.",
                                 grouped(study.bodies), grouped(std::uint64_t(study.frames)), grouped(study.colliding),

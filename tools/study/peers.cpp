@@ -7,7 +7,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/near_word.hpp>
 
-#include "bench/bench.hpp"
+#include "common/text.hpp"
 #include "peers/fcl_world.hpp"
 #include "peers/narrow_peer.hpp"
 

@@ -7,8 +7,9 @@
 
 #include <oncollide/base/error.hpp>
 
-#include "bench/bench.hpp"
 #include "cli/progress.hpp"
+#include "common/race.hpp"
+#include "common/text.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -43,7 +44,7 @@ void take_times(StudyRow& row, const FrameView& view, int frame)
 
 /// All variants and libraries, in their initial state.
 struct Players {
-    StudyTruth truth;
+    SceneTruth truth;
     std::vector<Pipeline> pipelines;
     std::vector<std::unique_ptr<StudyPlayer>> peers;
 
@@ -56,10 +57,19 @@ struct Players {
     }
 };
 
-void play_once(StudyWorkload& workload, Study& study, Players& all, int repeat, Progress& progress)
+bool left_over(std::span<const PairResult> answer, BodyPair pair)
+{
+    const auto bodies = [](const PairResult& result) { return BodyPair{index(result.a), index(result.b)}; };
+    const auto at = std::ranges::lower_bound(answer, pair, {}, bodies);
+    return at != answer.end() && bodies(*at) == pair && at->verdict != Verdict::separate;
+}
+
+void play_once(StudyWorkload& workload, Study& study, Players& all, int repeat, std::size_t bounds, Progress& progress)
 {
     const bool first = repeat == 0;
-    auto& [truth, pipelines, peers] = all;
+    SceneTruth& truth = all.truth;
+    auto& pipelines = all.pipelines;
+    auto& peers = all.peers;                                      // structured bindings cannot be captured
     const std::size_t players = study.rows.size() + peers.size(); // peers come last
     for (int frame = 0; frame < workload.frames(); ++frame, progress.step()) {
         workload.move(frame);
@@ -68,22 +78,30 @@ void play_once(StudyWorkload& workload, Study& study, Players& all, int repeat, 
             study.colliding += truth.colliding().size();
             if (const auto known = workload.known(frame)) study.contradicted += *known == truth.colliding().empty();
         }
-        for (std::size_t turn = 0; turn < players; ++turn) {
-            const std::size_t k = (turn + std::size_t(frame + repeat)) % players;
+        std::vector<std::span<const PairResult>> answers(study.rows.size());
+        std::vector<BodyPair> fcl;
+        take_turns(players, std::size_t(frame + repeat), [&](std::size_t k) {
             if (k >= study.rows.size()) {
                 StudyPeer& peer = study.peers[k - study.rows.size()];
                 const StudyPlayer::Result result = peers[k - study.rows.size()]->step();
                 take_time(peer.ms, frame, result.ms);
-                if (!first) continue;
+                if (!first) return;
                 peer.candidates += result.candidates;
                 judge(peer, result.colliding, truth, workload.scene, workload.number(frame));
-                continue;
+                if (peer.name == "FCL") fcl = result.colliding;
+                return;
             }
             StudyRow& row = study.rows[k];
             const FrameView view = pipelines[k].step(workload.scene);
             take_times(row, view, frame);
-            if (first) judge(row, view.pairs, truth, frame), add(row.trees, view.trees);
-        }
+            if (!first) return;
+            judge(row, view.pairs, truth, workload.scene, frame, bounds), add(row.trees, view.trees);
+            row.hashes.push_back(view.hash), answers[k] = view.pairs;
+        });
+        std::erase_if(fcl, [&](BodyPair pair) { return truth.collide(pair) || truth.open(pair); });
+        for (std::size_t k = 0; k < study.rows.size() && first; ++k)
+            study.rows[k].fcl_alone +=
+                std::uint64_t(std::ranges::count_if(fcl, [&](BodyPair pair) { return !left_over(answers[k], pair); }));
     }
     if (!first) return;
     for (std::size_t k = 0; k < peers.size(); ++k) study.peers[k].bytes = peers[k]->bytes();
@@ -107,12 +125,12 @@ Settings request_of(const std::vector<StudyVariant>& variants)
 } // namespace
 
 Study play_study(StudyWorkload& workload, const std::vector<StudyVariant>& variants, std::vector<PeerKind> peers,
-                 int warm_up, int repeats)
+                 const PlayOptions& options)
 {
     Study study;
     const Scene& scene = workload.scene;
     study.title = workload.title, study.bodies = scene.size();
-    study.frames = workload.frames(), study.warm_up = std::min(warm_up, workload.frames() - 1);
+    study.frames = workload.frames(), study.warm_up = std::min(options.warm_up, workload.frames() - 1);
     std::vector<double> sizes;
     for (GeometryId geometry : scene.geometry) sizes.push_back(bounds_of(scene.geometries[index(geometry)]).diagonal());
     study.size = median(sizes);
@@ -120,18 +138,18 @@ Study play_study(StudyWorkload& workload, const std::vector<StudyVariant>& varia
         if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) study.triangles += mesh->triangles.size();
     for (const StudyVariant& variant : variants) study.rows.emplace_back().variant = variant;
     const Settings request = request_of(variants);
-    study.left_out = leave_out(peers, workload, request);
+    if (!options.any_peer) study.left_out = leave_out(peers, workload, request);
     for (const PeerKind& kind : peers) study.peers.emplace_back().name = kind.library;
     {
-        Progress progress("frame", std::size_t(workload.frames()) * std::size_t(repeats));
+        Progress progress("frame", std::size_t(workload.frames()) * std::size_t(options.repeats));
         std::optional<Players> players;
-        for (int repeat = 0; repeat < repeats; ++repeat) {
+        for (int repeat = 0; repeat < options.repeats; ++repeat) {
             workload.move(0);
             if (!players || !workload.is_poses()) players.emplace(workload, study.rows, peers, request);
-            play_once(workload, study, *players, repeat, progress);
+            play_once(workload, study, *players, repeat, options.bounds, progress);
         }
     }
-    count_needed(workload, study);
+    if (options.needed) count_needed(workload, study);
     return study;
 }
 

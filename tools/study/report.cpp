@@ -6,7 +6,7 @@
 
 #include <oncollide/runs/report.hpp>
 
-#include "bench/bench.hpp"
+#include "common/text.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -72,7 +72,7 @@ nlohmann::ordered_json json_of(const Study& study, const StudyRow& row)
             {"colliding", count(row, Verdict::colliding)},
             {"missed", row.missed},
             {"false_positives", row.false_positives},
-            {"invented", row.invented},
+            {"invented", row.wrong},
             {"bounds_broken", row.broken},
             {"false_positive_distance_median", false_positive_quantile(row, 0.5)},
             {"false_positive_distance_worst", false_positive_quantile(row, 1)},
@@ -125,7 +125,7 @@ void print_study(const Study& study)
         say("{:<32}{:>10}{:>8.3g}{:>11.4f}{:>7}{:>10}{:>8}{:>8}{}\n", row.variant.name, error_text(row),
             100 * row.error / study.size, study.mean_ms(row.ms), ratio_text(study, row.ms), left_over,
             row.false_positives, row.missed, on_front(study, row) ? "  *" : "");
-        if (row.invented) say("FAULT      {}: {} collisions invented\n", row.variant.name, row.invented);
+        if (row.wrong) say("FAULT      {}: {} collisions invented\n", row.variant.name, row.wrong);
         if (row.broken) say("FAULT      {}: {} bounds broken\n", row.variant.name, row.broken);
     }
     for (const StudyPeer& peer : study.peers)
@@ -164,7 +164,7 @@ void write_study_csv(OutputFile& file, const Study& study)
                 study.mean_ms(row.ms), study.median_ms(row.ms), study.ratio(row.ms).value_or(0), on_front(study, row));
         for (const double ms : mean_stages(study, row)) csv.add(ms);
         csv.row(count(row, Verdict::separate), count(row, Verdict::within), count(row, Verdict::undecided),
-                count(row, Verdict::colliding), row.missed, row.false_positives, row.invented, row.broken,
+                count(row, Verdict::colliding), row.missed, row.false_positives, row.wrong, row.broken,
                 false_positive_quantile(row, 0.5), false_positive_quantile(row, 1), row.trees.node_pairs,
                 row.trees.triangle_pairs, row.trees.queries, row.trees.bytes, row.nodes_needed, row.nodes_all,
                 study.colliding);

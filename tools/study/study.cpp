@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "bench/statistics.hpp"
+#include "common/statistics.hpp"
 
 namespace oncollide::tools {
 

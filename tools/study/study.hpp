@@ -7,6 +7,8 @@
 
 #include <oncollide/runs/pipeline.hpp>
 
+#include "verify/scene_truth.hpp"
+
 // The measurements of a study of time against error. A study plays one workload with many settings, in alternation.
 namespace oncollide::tools {
 
@@ -28,7 +30,8 @@ struct Sighting {
 /// Bins of the distance of a false positive divided by its bound, a tenth each.
 constexpr std::size_t false_positive_bins = 10;
 
-struct StudyRow {
+/// A variant's results; the judgement is of all frames.
+struct StudyRow : FrameJudgement {
     StudyVariant variant;
     std::string backend;
     std::vector<double> ms;                       ///< by frame played; the least of the repeats
@@ -36,10 +39,6 @@ struct StudyRow {
     std::vector<StageStats> stages;               ///< over all frames
     std::array<std::uint64_t, 4> verdicts{};      ///< by Verdict, over all frames
     TreeStats trees;                              ///< sums; maximum for nodes and bytes
-    std::uint64_t false_positives = 0;            ///< left over, but apart
-    std::uint64_t missed = 0;                     ///< colliding, but reported separate
-    std::uint64_t invented = 0;                   ///< reported colliding, but apart
-    std::uint64_t broken = 0;                     ///< false positives farther apart than their bound
     double error = 0;                             ///< the largest bound of a `within` or `undecided` pair, m
     std::vector<double> false_positive_distances; ///< m
     std::array<std::uint64_t, false_positive_bins> false_positives_by_share{};
@@ -47,7 +46,10 @@ struct StudyRow {
     std::uint64_t nodes_needed = 0;         ///< nodes that a test ever reached
     std::optional<std::uint64_t> nodes_all; ///< nodes of the fully grown trees; empty: too many to count
 
-    bool faulty() const { return (variant.certified() && missed) || invented || broken; }
+    std::uint64_t fcl_alone = 0;       ///< reported separate and apart, but colliding for FCL
+    std::vector<std::uint64_t> hashes; ///< by frame played
+
+    bool faulty() const { return (variant.certified() && missed) || wrong || broken; }
 };
 
 /// Another library.

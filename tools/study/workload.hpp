@@ -11,10 +11,10 @@ namespace oncollide::tools {
 struct WorkloadOptions {
     std::vector<std::string> what; ///< a scene, or two mesh files
     SceneOptions scene;
-    bool use_poses = false; ///< a pose file instead of generated poses
-    std::string poses;      ///< that file; empty: the set in the data folder, with its own meshes
-    std::string distances;  ///< of generated poses, as for make_workload()
-    std::optional<int> count;
+    bool use_poses = false;  ///< a pose file instead of generated poses
+    std::string poses{};     ///< that file; empty: the set in the data folder, with its own meshes
+    std::string distances{}; ///< of generated poses, as for make_workload()
+    std::optional<int> count{};
     int every = 1;
 };
 

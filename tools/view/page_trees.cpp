@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "spheres/box_levels.hpp"
-#include "spheres/grown_tree.hpp"
+#include "verify/trees/box_levels.hpp"
+#include "verify/trees/grown_tree.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <oncollide/scenes/scene.hpp>
 
-#include "peers/bounding_volume.hpp"
+#include "verify/trees/bounding_volume.hpp"
 
 namespace oncollide::tools {
 

@@ -12,8 +12,8 @@
 #include <oncollide/base/svg.hpp>
 #include <oncollide/runs/report.hpp>
 
-#include "bench/bench.hpp"
-#include "study/base64.hpp"
+#include "common/base64.hpp"
+#include "common/text.hpp"
 #include "view/page_model.hpp"
 #include "view/page_text.hpp"
 #include "view/page_trees.hpp"

@@ -2,8 +2,8 @@
 #include "bench/bench.hpp"
 #include "bench/broad/aabbs_file.hpp"
 #include "bench/broad/broad_race.hpp"
-#include "bench/line_plot.hpp"
 #include "cli/shard.hpp"
+#include "common/line_plot.hpp"
 
 #include <algorithm>
 #include <map>

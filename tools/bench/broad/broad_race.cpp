@@ -1,6 +1,7 @@
 #include "bench/broad/broad_race.hpp"
 #include "bench/bench.hpp"
 #include "cli/system.hpp"
+#include "common/race.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -48,9 +49,9 @@ struct Entrant {
     std::string trouble; ///< why it is disqualified; empty: it is not
 };
 
-class Race {
+class BroadRace {
 public:
-    Race(BoxScene& scene, std::uint64_t warm_up) : scene_(scene), warm_up_(warm_up), judge_(make_grid_peer())
+    BroadRace(BoxScene& scene, std::uint64_t warm_up) : scene_(scene), warm_up_(warm_up), judge_(make_grid_peer())
     {
         judge_->start(frame());
     }
@@ -71,9 +72,9 @@ public:
         advance(scene_);
         judge_->step(frame(), right_);
         right_set_ = summarise(right_);
-        for (std::size_t k = 0; k < entrants_.size(); ++k)
-            if (Entrant& entrant = entrants_[(k + scene_.frame) % entrants_.size()]; entrant.trouble.empty())
-                play_frame(entrant);
+        take_turns(entrants_.size(), scene_.frame, [&](std::size_t k) {
+            if (entrants_[k].trouble.empty()) play_frame(entrants_[k]);
+        });
     }
 
     RaceResult result() const
@@ -105,9 +106,7 @@ private:
     {
         trim_memory();
         const double before = double(resident_memory());
-        const Clock::time_point from = Clock::now();
-        work();
-        const double ms = milliseconds_since(from);
+        const double ms = least_ms(1, work);
         entrant.row.bytes += std::max(0.0, double(resident_memory()) - before);
         return ms;
     }
@@ -121,9 +120,7 @@ private:
             if (entrant.first_ms > longest_ms)
                 entrant.trouble = fmt::format("{:.0f} s for the start and the first frame", entrant.first_ms / 1e3);
         } else {
-            const Clock::time_point from = Clock::now();
-            step();
-            const double ms = milliseconds_since(from);
+            const double ms = least_ms(1, step);
             if (scene_.frame > warm_up_) entrant.times.push_back(ms);
             if (ms > longest_ms) entrant.trouble = fmt::format("{:.0f} s for frame {}", ms / 1e3, scene_.frame);
         }
@@ -167,7 +164,7 @@ void set_ratios(std::vector<RaceRow>& rows)
 RaceResult race(BoxScene& scene, const std::vector<Contender>& contenders, const std::vector<int>& threads,
                 std::uint64_t frames, std::uint64_t warm_up)
 {
-    Race race(scene, warm_up);
+    BroadRace race(scene, warm_up);
     std::vector<std::string> left;
     for (const Contender& contender : contenders) {
         if (scene.boxes.size() > contender.most) {

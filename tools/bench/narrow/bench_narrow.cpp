@@ -85,7 +85,7 @@ void check(const NarrowOptions& options)
     if (options.use_poses && !options.distances.empty()) usage("--distances: does not apply to the poses of a file");
     check_range("--repeats", options.repeats, 1, 1000);
     check_range("--count", options.count.value_or(1), 1, 100'000);
-    check_files({{"--csv", options.csv}, {"--plot", options.plot}});
+    check_files({{"--csv", options.csv}, {"--plot", options.plot}, {"--csv", options.poses_csv}});
 }
 
 void print_settings(const NarrowOptions& options, const NarrowResult& result, const NarrowContenders& contenders)
@@ -132,6 +132,11 @@ int bench_narrow(const NarrowOptions& options)
     const std::vector<double> percents =
         parse_distances(options.distances.empty() ? "0,0.1,1,5,10,20,40" : options.distances);
     NarrowContenders contenders = narrow_contenders();
+    if (!options.depths.empty()) {
+        std::erase_if(contenders.all, [](const NarrowContender& c) { return c.name.starts_with("walk-"); });
+        for (int depth : parse_depths("--depths", options.depths))
+            for (bool then_fcl : {false, true}) contenders.all.push_back(sphere_walk(depth, then_fcl));
+    }
     contenders.keep(options.only);
     const auto supports_any = [&](const NarrowContender& contender) {
         return std::any_of(result.queries.begin(), result.queries.end(),
@@ -139,7 +144,8 @@ int bench_narrow(const NarrowOptions& options)
     };
     if (std::none_of(contenders.all.begin(), contenders.all.end(), supports_any))
         usage(fmt::format("--only {}: supports none of --query {}", options.only, options.ask));
-    std::optional<OutputFile> csv, plot;
+    std::optional<OutputFile> csv, plot, poses_csv;
+    if (!options.poses_csv.empty()) poses_csv.emplace(options.poses_csv);
     if (!options.csv.empty()) csv.emplace(options.csv);
     if (!options.plot.empty()) plot.emplace(options.plot);
 
@@ -164,6 +170,7 @@ int bench_narrow(const NarrowOptions& options)
                                           options.count.value_or(0), options.seed, options.only)));
         write_narrow_csv(*csv, result), csv->commit();
     }
+    if (poses_csv) write_poses_csv(*poses_csv, result), poses_csv->commit();
     if (plot) draw_narrow_plot(*plot, result), plot->commit();
     return broken_promise(result) ? int(ErrorKind::internal) : 0;
 }

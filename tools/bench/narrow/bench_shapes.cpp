@@ -1,7 +1,8 @@
 // oncollide bench shapes: pairs of shapes close to contact, compared with FCL, which passes most of them to libccd.
 #include "bench/bench.hpp"
 #include "bench/narrow/shape_pairs.hpp"
-#include "differential/convex_truth.hpp"
+#include "common/race.hpp"
+#include "verify/judge.hpp"
 
 #include <algorithm>
 #include <array>
@@ -43,27 +44,19 @@ struct ShapeResults {
     bool fcl;
 };
 
-/// Error of extended precision for bodies of a few metres, and of transformed coordinates.
-constexpr double certain = 1e-14;
-
 void judge(const ClosePair& pair, const ShapeResults& results, ShapeRow& row)
 {
-    const auto of_a = convex_sets(pair.a->model->geometry().data, pair.pose_a),
-               of_b = convex_sets(pair.b->model->geometry().data, pair.pose_b);
-    const TrueDistance truth = convex_distance(of_a[0], of_b[0]);
-    const bool apart = truth.lower > certain, meet = truth.upper == 0;
+    PairTruth truth = truth_of(pair.a->model->geometry().data, pair.pose_a, pair.b->model->geometry().data, pair.pose_b,
+                               {.deep = false});
+    truth.uncertain = true; // one test alone may leave a pair open
+    const bool apart = !truth.collide && !truth.open;
     const Finding& r = results.ours;
     row.colliding += r.verdict == Verdict::colliding;
     row.open += r.verdict == Verdict::within;
-    if (r.verdict == Verdict::colliding)
-        row.wrong += apart;
-    else if (r.verdict == Verdict::separate)
-        row.wrong += r.bound <= 0 || r.bound > truth.upper + certain;
-    else
-        row.wrong += truth.lower > r.bound + certain;
-    row.fcl_missed += meet && !results.fcl;
+    row.wrong += !judge(r, truth, {}).right() || (r.verdict == Verdict::separate && r.bound <= 0);
+    row.fcl_missed += truth.collide && !results.fcl;
     row.fcl_invented += apart && results.fcl;
-    if (apart && results.fcl) row.fcl_worst = std::max(row.fcl_worst, double(truth.lower));
+    if (apart && results.fcl) row.fcl_worst = std::max(row.fcl_worst, truth.distance.low);
 }
 
 /// Processor time of this thread, so that other work on the machine does not count.
@@ -109,7 +102,7 @@ public:
             while (end < count && same(drawn_[end])) ++end;
             ShapeRow& row = rows[std::size_t(drawn_[begin].kind_a)][std::size_t(drawn_[begin].kind_b)];
             row.pairs += end - begin;
-            time(begin, end, row, turn_++ % 2);
+            time(begin, end, row, turn_++);
         }
         judge_all();
     }
@@ -118,9 +111,9 @@ public:
     std::uint64_t hash = 1469598103934665603u; ///< of oncollide's verdicts
 
 private:
-    void time(std::size_t begin, std::size_t end, ShapeRow& row, bool fcl_first)
+    void time(std::size_t begin, std::size_t end, ShapeRow& row, unsigned turn)
     {
-        for (const bool fcl : {fcl_first, !fcl_first}) {
+        take_turns(2, turn, [&](std::size_t fcl) {
             const double from = processor_ns();
             for (std::size_t i = begin; i < end; ++i) {
                 const ClosePair& p = drawn_[i];
@@ -131,7 +124,7 @@ private:
                     results_[i].ours = tests_for(task).decide(worker_, task, {}, nullptr);
             }
             (fcl ? row.fcl_ns : row.ours_ns) += processor_ns() - from;
-        }
+        });
     }
     void judge_all()
     {

@@ -201,8 +201,8 @@ NarrowWorkload workload_of(std::vector<KnownPose> poses)
     for (const KnownPose& pose : poses) farthest[pose.kind] = std::max(farthest[pose.kind], std::abs(pose.offset));
     NarrowWorkload workload;
     for (const auto& [kind, most] : farthest) {
-        for (const KnownPose& pose : poses)
-            if (pose.kind == kind) workload.poses.push_back({pose, workload.groups.size()});
+        for (std::size_t i = 0; i < poses.size(); ++i)
+            if (poses[i].kind == kind) workload.poses.push_back({poses[i], workload.groups.size(), i});
         workload.groups.push_back(fmt::format("within {:g} %", rounded_up(100 * most)));
     }
     return workload;

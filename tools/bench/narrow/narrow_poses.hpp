@@ -15,6 +15,7 @@ namespace oncollide::tools {
 struct NarrowPose {
     KnownPose known;
     std::size_t group;                   ///< in NarrowWorkload::groups
+    std::size_t number = 0;              ///< in the file
     std::optional<double> distance = {}; ///< requested distance of the surfaces
 };
 

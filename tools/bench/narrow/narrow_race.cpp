@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <cmath>
 
 #include <oncollide/base/random.hpp>
@@ -11,16 +10,12 @@
 #include "bench/bench.hpp"
 #include "cli/progress.hpp"
 #include "cli/system.hpp"
+#include "common/race.hpp"
 
 namespace oncollide::tools {
 namespace {
 
-constexpr double long_us = 5'000; // a query that took longer in total is not repeated
-
-double microseconds_since(Clock::time_point from)
-{
-    return 1e3 * milliseconds_since(from);
-}
+constexpr double long_ms = 5; // a query that took longer in total is not repeated
 
 /// The result of any kind of query.
 struct Found {
@@ -78,17 +73,15 @@ public:
             if (supports(contender, query)) entrant.row.queries[std::size_t(query)] = empty_result(query);
         trim_memory();
         const double before = double(resident_memory());
-        Clock::time_point from = Clock::now();
-        entrant.peer = contender.make(a_, b_);
-        entrant.row.build_ms = 1e-3 * microseconds_since(from);
-        from = Clock::now();
+        entrant.row.build_ms = least_ms(1, [&] { entrant.peer = contender.make(a_, b_); });
+        const Clock::time_point from = Clock::now();
         Progress progress("warming up " + contender.name, workload_.poses.size());
         for (const NarrowPose& pose : workload_.poses) {
             for (NarrowQuery query : queries_)
                 if (supports(contender, query)) give(*entrant.peer, query, pose.known.b, found_);
             progress.step();
         }
-        entrant.row.warm_up_ms = 1e-3 * microseconds_since(from);
+        entrant.row.warm_up_ms = milliseconds_since(from);
         trim_memory();
         entrant.row.bytes = std::max(0.0, double(resident_memory()) - before);
         entrants_.push_back(std::move(entrant));
@@ -99,12 +92,14 @@ public:
         Progress progress("measuring", workload_.poses.size());
         for (std::size_t pose = 0; pose < workload_.poses.size(); ++pose, progress.step())
             for (NarrowQuery query : queries_)
-                for (std::size_t k = 0; k < entrants_.size(); ++k)
-                    if (NarrowEntrant& entrant = entrants_[(k + pose) % entrants_.size()];
-                        supports(*entrant.row.contender, query))
-                        measure(entrant, query, pose);
+                take_turns(entrants_.size(), pose, [&](std::size_t k) {
+                    if (supports(*entrants_[k].row.contender, query)) measure(entrants_[k], query, pose);
+                });
         std::vector<NarrowRow> rows;
-        for (NarrowEntrant& entrant : entrants_) rows.push_back(std::move(entrant.row));
+        for (NarrowEntrant& entrant : entrants_) {
+            entrant.row.figures = entrant.peer->figures();
+            rows.push_back(std::move(entrant.row));
+        }
         return rows;
     }
 
@@ -123,15 +118,10 @@ private:
 
     void measure(NarrowEntrant& entrant, NarrowQuery query, std::size_t pose)
     {
-        double least = 1e300, sum = 0;
-        for (int repeat = 0; repeat < repeats_ && sum < long_us; ++repeat) {
-            const Clock::time_point from = Clock::now();
-            give(*entrant.peer, query, workload_.poses[pose].known.b, found_);
-            const double us = microseconds_since(from);
-            least = std::min(least, us), sum += us;
-        }
         QueryResult& result = *entrant.row.queries[std::size_t(query)];
-        result.us[pose] = least;
+        result.us[pose] =
+            1e3 * least_ms(
+                      repeats_, [&] { give(*entrant.peer, query, workload_.poses[pose].known.b, found_); }, long_ms);
         result.hashes[pose] = hash_of(query, found_);
         compare(query, pose, result);
     }

@@ -25,8 +25,8 @@ struct NarrowTruth {
     std::vector<std::string> notes;               ///< the judges, and differences between them
 };
 
-/// Uses the expected results of the poses if there are any; otherwise CGAL's exact results if this build has CGAL, else
-/// FCL's. Distances are FCL's.
+/// Uses the expected results of the poses if there are any; otherwise integers for contacts, and long double for
+/// distances.
 NarrowTruth judge(const Mesh& a, const Mesh& b, const NarrowWorkload& workload,
                   const std::vector<NarrowQuery>& queries);
 
@@ -43,6 +43,7 @@ struct NarrowRow {
     double build_ms = 0;   ///< time to build its data from two meshes
     double warm_up_ms = 0; ///< time of the warm-up pass over all poses
     double bytes = 0;      ///< growth of the process in both
+    std::string figures;   ///< NarrowPeer::figures()
     std::array<std::optional<QueryResult>, 3> queries;
 };
 

@@ -9,7 +9,7 @@
 #include <oncollide/scenes/motion.hpp>
 
 #include "bench/bench.hpp"
-#include "bench/line_plot.hpp"
+#include "common/line_plot.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -61,6 +61,8 @@ void print_contenders(const NarrowResult& result)
         say("  {:<16}{:>10.2f}{:>12.1f}{:>9}  {:<14}{}\n", row.contender->name, row.build_ms, row.warm_up_ms,
             row.bytes < 1e5 ? "-" : fmt::format("{:.1f}", row.bytes / 1e6), name_of(row.contender->promise),
             row.contender->what);
+    for (const NarrowRow& row : result.rows)
+        if (!row.figures.empty()) say("  {:<16}{}\n", row.contender->name, row.figures);
 }
 
 /// Three digits: times are not more precise.
@@ -161,6 +163,27 @@ void write_narrow_csv(OutputFile& file, const NarrowResult& result)
                         Digits{s.error, 3}, Hex{s.hash}, short_of(row.build_ms), short_of(row.warm_up_ms),
                         std::uint64_t(row.bytes));
             }
+}
+
+void write_poses_csv(OutputFile& file, const NarrowResult& result)
+{
+    const auto title = [](const std::string& name) {
+        if (!name.starts_with("walk-")) return name == "fcl-obb" ? std::string("FCL OBB") : "FCL OBBRSS";
+        const std::size_t end = std::min(name.find('+'), name.size());
+        return fmt::format("depth {}{}", name.substr(5, end - 5), end < name.size() ? " + fcl" : "");
+    };
+    std::string header = "pose,colliding,triangle_pairs";
+    for (const NarrowRow& row : result.rows) header += fmt::format(",{} us", title(row.contender->name));
+    CsvWriter csv(file, header);
+    std::vector<std::size_t> order(result.workload.poses.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[result.workload.poses[i].number] = i;
+    for (const std::size_t i : order) {
+        const NarrowPose& pose = result.workload.poses[i];
+        csv.add(pose.number, int(result.truth.colliding[i]), pose.known.triangle_pairs);
+        for (const NarrowRow& row : result.rows)
+            csv.add(Fixed{row.queries[std::size_t(NarrowQuery::boolean)]->us[i], 3});
+        csv.end_row();
+    }
 }
 
 void draw_narrow_plot(OutputFile& file, const NarrowResult& result)

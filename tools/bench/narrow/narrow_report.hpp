@@ -41,6 +41,8 @@ bool broken_promise(const NarrowResult& result);
 void print_narrow(const NarrowResult& result);
 /// Writes one row per contender, query and group.
 void write_narrow_csv(OutputFile& file, const NarrowResult& result);
+/// Writes one row per pose, in the order of the file, with the times of boolean queries.
+void write_poses_csv(OutputFile& file, const NarrowResult& result);
 /// Draws median against group, one panel per query.
 void draw_narrow_plot(OutputFile& file, const NarrowResult& result);
 

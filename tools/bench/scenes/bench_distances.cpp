@@ -13,6 +13,7 @@
 #include "bench/scenes/environment_scenes.hpp"
 #include "cli/progress.hpp"
 #include "cli/shard.hpp"
+#include "common/race.hpp"
 #include "peers/fcl_world.hpp"
 
 namespace oncollide::tools {
@@ -20,7 +21,6 @@ namespace oncollide::tools {
 namespace {
 
 using Eigen::Vector3d;
-using Clock = std::chrono::steady_clock;
 
 /// One environment, kind of bodies, and distance.
 struct DistanceRow {
@@ -28,13 +28,6 @@ struct DistanceRow {
     double percent = 0, metres = 0, fcl_us = 0, our_us = 0;
     int differ = 0; ///< results of FCL outside oncollide's certified bounds
 };
-
-double microseconds(auto query)
-{
-    const auto from = Clock::now();
-    query();
-    return std::chrono::duration<double, std::micro>(Clock::now() - from).count();
-}
 
 /// A scene whose body 0 is the environment, in both libraries. Both keep their trees.
 class DistanceRace {
@@ -58,13 +51,16 @@ public:
         for (std::uint32_t body = 1; body <= bodies; ++body) {
             place(body, 0.01 * percent * diagonal_, o.in.seed);
             Distance ours;
-            double fcl = 0, our_us = HUGE_VAL, fcl_us = HUGE_VAL;
-            for (int repeat = 0; repeat < o.repeats; ++repeat) {
-                our_us =
-                    std::min(our_us, microseconds([&] { ours = world_.distance(ids_[0], ids_[body], o.tolerance); }));
-                fcl_us = std::min(fcl_us, microseconds([&] { fcl = fcl_.distance({0, body}); }));
-            }
-            row.our_us += our_us / bodies, row.fcl_us += fcl_us / bodies, row.metres += ours.upper / bodies;
+            double fcl = 0;
+            take_turns(2, body, [&](std::size_t k) {
+                if (k == 0)
+                    row.our_us += 1e3 / bodies * least_ms(o.repeats, [&] {
+                                      ours = world_.distance(ids_[0], ids_[body], o.tolerance);
+                                  });
+                else
+                    row.fcl_us += 1e3 / bodies * least_ms(o.repeats, [&] { fcl = fcl_.distance({0, body}); });
+            });
+            row.metres += ours.upper / bodies;
             const double rounding = 1e-6 * (1 + ours.upper);
             row.differ += fcl < ours.lower - rounding || fcl > ours.upper + rounding;
         }

@@ -2,17 +2,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/output_file.hpp>
 
 #include "bench/bench.hpp"
-#include "bench/line_plot.hpp"
 #include "bench/scenes/environment_scenes.hpp"
 #include "bench/scenes/scene_race.hpp"
 #include "cli/progress.hpp"
 #include "cli/shard.hpp"
+#include "cli/system.hpp"
+#include "common/line_plot.hpp"
 
 namespace oncollide::tools {
 
@@ -44,15 +44,6 @@ std::vector<Dial> dials_of(const EnvironmentOptions& o)
     return dials;
 }
 
-/// The most memory that the process has held, MB; 0: unknown.
-double peak_mb()
-{
-    std::ifstream status("/proc/self/status");
-    for (std::string word; status >> word;)
-        if (double kb = 0; word == "VmHWM:" && status >> kb) return kb / 1e3;
-    return 0;
-}
-
 /// One environment with one error bound.
 struct Row {
     std::string environment, bodies_of, error;
@@ -81,7 +72,7 @@ Row row_of(const EnvironmentOptions& o, const EnvironmentScene& which, const Dia
     }
     row.fcl_first_ms = median(runs.fcl_cold), row.our_first_ms = median(runs.our_cold);
     row.fcl_mb = double(runs.fcl_bytes.obb) / 1e6, row.our_mb = double(runs.our_bytes) / 1e6;
-    row.peak = peak_mb(), row.hash = runs.hash;
+    row.peak = double(peak_memory()) / 1e6, row.hash = runs.hash;
     return row;
 }
 
@@ -150,7 +141,8 @@ int bench_environment(const EnvironmentOptions& o)
             print(rows.back());
         }
     }
-    say("\nThe process held {:.0f} MB at most, including FCL's models and the environments.\n", peak_mb());
+    say("\nThe process held {:.0f} MB at most, including FCL's models and the environments.\n",
+        double(peak_memory()) / 1e6);
     if (!o.csv.empty())
         write_csv(
             o.csv,

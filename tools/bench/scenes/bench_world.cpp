@@ -1,7 +1,7 @@
 // oncollide bench world: cost of a frame by the number of bodies added, removed or moved, and cost of queries.
 #include "bench/bench.hpp"
-#include "bench/statistics.hpp"
 #include "cli/system.hpp"
+#include "common/statistics.hpp"
 
 #include <algorithm>
 #include <numeric>

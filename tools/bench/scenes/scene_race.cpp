@@ -3,6 +3,8 @@
 #include <optional>
 
 #include "cli/shard.hpp"
+#include "common/race.hpp"
+#include "verify/scene_truth.hpp"
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/results.hpp>
@@ -10,9 +12,52 @@
 namespace oncollide::tools {
 namespace {
 
-class Race {
+/// FCL judges. Where it and oncollide differ, the truth decides: libccd, which FCL uses for shapes, stops within 1e-6.
+Comparison compare(const Scene& scene, const FrameView& frame, const Settings& settings, const FclFrame& fcl)
+{
+    Comparison result;
+    result.pairs = frame.pairs.size(), result.fcl_colliding = fcl.colliding.size();
+    const auto truly_collide = [&](BodyPair pair, bool perhaps) {
+        const auto model = [&](std::uint32_t body) -> const GeometryData& {
+            return scene.geometries[index(scene.geometry[body])].data;
+        };
+        const bool solid = settings.mode == Mode::solid;
+        const TruthModel a(model(pair.a), solid), b(model(pair.b), solid);
+        const PairTruth truth = truth_of(a, scene.poses[pair.a], b, scene.poses[pair.b],
+                                         {.kinds = false, .deep = false, .distance = false});
+        return truth.collide || (perhaps && (truth.open || truth.enclosed));
+    };
+    const auto miss = [&](BodyPair pair) {
+        if (!truly_collide(pair, false)) {
+            ++result.missed_by_rounding;
+            return;
+        }
+        ++result.missed;
+        if (result.first_missed.empty())
+            result.first_missed = fmt::format("frame {}: {}", frame.frame, names_of(scene, pair));
+    };
+    auto theirs = fcl.colliding.begin();
+    for (const PairResult& ours : frame.pairs) { // both lists are sorted
+        const BodyPair pair{index(ours.a), index(ours.b)};
+        while (theirs != fcl.colliding.end() && *theirs < pair) miss(*theirs++);
+        const bool collides = theirs != fcl.colliding.end() && *theirs == pair;
+        theirs += collides;
+        const bool left_over = ours.verdict != Verdict::separate, colliding = ours.verdict == Verdict::colliding;
+        result.left_over += left_over, result.colliding += colliding;
+        result.undecided += ours.verdict == Verdict::undecided;
+        result.false_positives += left_over && !collides;
+        const bool ignored = settings.ignore_touching && ours.kind == ContactKind::touching;
+        if (collides && !left_over && !ignored) miss(pair);
+        if (settings.exact != ExactLevel::off && colliding && !collides)
+            result.wrong_exact += !truly_collide(pair, true);
+    }
+    while (theirs != fcl.colliding.end()) miss(*theirs++);
+    return result;
+}
+
+class SceneRace {
 public:
-    Race(const CompareOptions& options, const Settings& settings, Scene& scene)
+    SceneRace(const CompareOptions& options, const Settings& settings, Scene& scene)
         : options_(options), settings_(settings), scene_(scene), with_fcl_(options.only != "oncollide"),
           with_ours_(options.only != "fcl")
     {
@@ -36,21 +81,17 @@ private:
         for (int run = 0; run < options_.cold_runs; ++run) {
             Mover mover;
             mover.move(scene_, 0), mover.move(scene_, runs_.first);
-            for (const bool fcl : {run % 2 == 0, run % 2 != 0}) {
-                if (!(fcl ? with_fcl_ : with_ours_)) continue;
-                const Clock::time_point from = Clock::now();
-                if (fcl) {
-                    FclWorld world(scene_, octrees_);
-                    world.step(options_.contacts);
-                    runs_.fcl_cold.push_back(milliseconds_since(from));
-                } else {
-                    Pipeline pipeline(scene_, settings_);
-                    const FrameView view = pipeline.step(scene_);
-                    ContactLists contacts;
-                    if (options_.contacts) pipeline.world().contacts(colliding(view), contacts);
-                    runs_.our_cold.push_back(milliseconds_since(from));
-                }
-            }
+            take_turns(2, std::size_t(run) + 1, [&](std::size_t fcl) {
+                if (fcl && with_fcl_)
+                    runs_.fcl_cold.push_back(least_ms(1, [&] { FclWorld(scene_, octrees_).step(options_.contacts); }));
+                if (!fcl && with_ours_)
+                    runs_.our_cold.push_back(least_ms(1, [&] {
+                        Pipeline pipeline(scene_, settings_);
+                        const FrameView view = pipeline.step(scene_);
+                        ContactLists contacts;
+                        if (options_.contacts) pipeline.world().contacts(colliding(view), contacts);
+                    }));
+            });
         }
     }
 
@@ -69,17 +110,15 @@ private:
             SceneRow& row = runs_.rows[static_cast<std::size_t>(frame - runs_.first)];
             FclFrame theirs;
             std::optional<FrameView> ours;
-            const bool fcl_first = (frame + repeat) % 2 == 0;
-            for (const bool fcl : {fcl_first, !fcl_first}) {
+            take_turns(2, std::size_t(frame + repeat) + 1, [&](std::size_t fcl) {
                 if (fcl && world) theirs = world->step(options_.contacts);
-                if (!fcl && pipeline) {
-                    ours.emplace(pipeline->step(scene_));
-                    if (options_.contacts) find_contacts(row, pipeline->world(), contacts, *ours);
-                }
-            }
+                if (fcl || !pipeline) return;
+                ours.emplace(pipeline->step(scene_));
+                if (options_.contacts) find_contacts(row, pipeline->world(), contacts, *ours);
+            });
             if (world) take(row, theirs);
             if (ours) take(row, *ours);
-            if (world && ours) row.counts = compare(scene_, *ours, settings_, theirs, *world);
+            if (world && ours) row.counts = compare(scene_, *ours, settings_, theirs);
         }
         if (!pipeline) return;
         if (repeat > 0 && pipeline->hash() != runs_.hash)
@@ -142,9 +181,18 @@ private:
 
 } // namespace
 
+Comparison& Comparison::operator+=(const Comparison& o)
+{
+    pairs += o.pairs, left_over += o.left_over, undecided += o.undecided, colliding += o.colliding;
+    fcl_colliding += o.fcl_colliding, false_positives += o.false_positives, missed += o.missed;
+    missed_by_rounding += o.missed_by_rounding, wrong_exact += o.wrong_exact;
+    if (first_missed.empty()) first_missed = o.first_missed;
+    return *this;
+}
+
 SceneRuns race(const CompareOptions& options, const Settings& settings, Scene& scene)
 {
-    return Race(options, settings, scene).run();
+    return SceneRace(options, settings, scene).run();
 }
 
 } // namespace oncollide::tools

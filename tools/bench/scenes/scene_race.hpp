@@ -7,12 +7,28 @@
 #include <oncollide/runs/pipeline.hpp>
 
 #include "bench/bench.hpp"
-#include "study/accuracy_check.hpp"
+#include "peers/fcl_world.hpp"
 
 // FCL and oncollide on the same scene, in alternation, frame by frame.
 namespace oncollide::tools {
 
 constexpr std::size_t stage_count = 5;
+
+/// Comparison of a frame's pairs with FCL's. Sums over frames with +=.
+struct Comparison {
+    std::uint64_t pairs = 0;     ///< candidates of the broad phase
+    std::uint64_t left_over = 0; ///< not separate: within, undecided or colliding
+    std::uint64_t undecided = 0;
+    std::uint64_t colliding = 0;       ///< by the exact level
+    std::uint64_t fcl_colliding = 0;   ///< by FCL
+    std::uint64_t false_positives = 0; ///< left over, but not colliding for FCL
+    std::uint64_t missed = 0;          ///< colliding for FCL and in truth, but not left over: must be 0
+    std::uint64_t missed_by_rounding = 0; ///< the same, but apart in truth: rounding of FCL
+    /// `colliding` although FCL and the truth say no. 0 with exact fcl.
+    std::uint64_t wrong_exact = 0;
+    std::string first_missed; ///< names of the bodies
+    Comparison& operator+=(const Comparison& other);
+};
 
 /// One frame with both libraries.
 struct SceneRow {
