@@ -2,7 +2,7 @@
 #include <array>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/outward.hpp>
+#include <oncollide/base/numbers/outward.hpp>
 #include <oncollide/broadphase/aabb_checks.hpp>
 #include <oncollide/broadphase/aabb_kernel.hpp>
 #include <oncollide/broadphase/body_states.hpp>

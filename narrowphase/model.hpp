@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include <oncollide/base/prefetch.hpp>
+#include <oncollide/base/simd/prefetch.hpp>
 #include <oncollide/broadphase/bounds/pose_bounds.hpp>
 #include <oncollide/narrowphase/fcl/exact_fcl.hpp>
 #include <oncollide/narrowphase/hulls/inner_spheres.hpp>

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/near_word.hpp>
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/text/near_word.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
 #include <oncollide/pipeline/settings_table.hpp>
 

@@ -1,8 +1,8 @@
 #include <oncollide/runs/report_kept.hpp>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/output_file.hpp>
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/base/csv_writer.hpp>
-#include <oncollide/base/json_writer.hpp>
-#include <oncollide/base/spool.hpp>
+#include <oncollide/base/files/spool.hpp>
+#include <oncollide/base/text/csv_writer.hpp>
+#include <oncollide/base/text/json_writer.hpp>
 #include <oncollide/runs/pair_list.hpp>
 #include <oncollide/runs/report.hpp>
 #include <oncollide/runs/stage_times.hpp>

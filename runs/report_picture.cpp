@@ -2,8 +2,8 @@
 // of every frame by stage. Plain SVG, readable on a light page and in print.
 #include <oncollide/runs/report_kept.hpp>
 
-#include <oncollide/base/output_file.hpp>
-#include <oncollide/base/svg.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/text/svg.hpp>
 
 #include <algorithm>
 #include <cmath>

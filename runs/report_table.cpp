@@ -1,6 +1,6 @@
 #include <oncollide/runs/report_kept.hpp>
 
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/text/printable.hpp>
 
 #include <algorithm>
 #include <cmath>

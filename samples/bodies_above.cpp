@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/samples/sample_geometry.hpp>
 
 namespace oncollide {

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/near_word.hpp>
+#include <oncollide/base/text/near_word.hpp>
 #include <oncollide/samples/catalogue_scenes.hpp>
 
 namespace oncollide {

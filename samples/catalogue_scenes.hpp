@@ -1,5 +1,5 @@
 #pragma once
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/samples/catalogue.hpp>
 #include <oncollide/samples/sample_geometry.hpp>
 #include <oncollide/scenes/scene_builder.hpp>

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/checksum.hpp>
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/files/checksum.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/samples/catalogue_scenes.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/samples/noise.hpp>

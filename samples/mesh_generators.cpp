@@ -11,7 +11,7 @@
 #include <Eigen/Geometry>
 #include <oncollide/base/error.hpp>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/samples/noise.hpp>
 #include <oncollide/scenes/model/surface_grid.hpp>
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/near_word.hpp>
+#include <oncollide/base/text/near_word.hpp>
 #include <oncollide/samples/catalogue.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/files/generators.hpp>

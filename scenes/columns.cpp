@@ -5,7 +5,7 @@
 #include <atomic>
 #include <cstring>
 
-#include <oncollide/base/large_vector.hpp>
+#include <oncollide/base/memory/large_vector.hpp>
 
 namespace oncollide {
 

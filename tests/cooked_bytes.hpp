@@ -3,7 +3,7 @@
 #include <cstring>
 #include <string>
 
-#include <oncollide/base/checksum.hpp>
+#include <oncollide/base/files/checksum.hpp>
 #include <oncollide/scenes/cooked/cooked_format.hpp>
 
 namespace oncollide::test {

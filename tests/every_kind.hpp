@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/geometry.hpp>
 

@@ -3,7 +3,7 @@
 
 #include <Eigen/Geometry>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 
 namespace oncollide {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <oncollide/base/cpu_features.hpp>
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/broadphase/aabb_kernel.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 
 namespace oncollide {
 

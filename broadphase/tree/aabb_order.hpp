@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 #include <oncollide/base/aabb.hpp>
-#include <oncollide/base/large_vector.hpp>
+#include <oncollide/base/memory/large_vector.hpp>
 
 namespace oncollide {
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include <oncollide/base/cpu_features.hpp>
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/outward.hpp>
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/numbers/outward.hpp>
+#include <oncollide/base/simd/cpu_features.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/broadphase/aabb_checks.hpp>
 
 namespace oncollide {

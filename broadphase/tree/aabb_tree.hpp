@@ -6,8 +6,8 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/function_ref.hpp>
-#include <oncollide/base/large_vector.hpp>
-#include <oncollide/base/prefetch.hpp>
+#include <oncollide/base/memory/large_vector.hpp>
+#include <oncollide/base/simd/prefetch.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/broadphase/tree/aabb_order.hpp>
 #include <oncollide/broadphase/tree/aabb_tree_kernel.hpp>

@@ -1,7 +1,7 @@
 // Compiled once per instruction set; see oncollide_add_kernel.
 #include <cstddef>
 
-#include <oncollide/base/simd.hpp>
+#include <oncollide/base/simd/simd.hpp>
 #include <oncollide/broadphase/tree/aabb_tree_kernel.hpp>
 
 namespace oncollide::ONCOLLIDE_ISA {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/broadphase/tree/aabb_tree.hpp>
 #include <oncollide/broadphase/tree/pair_lists.hpp>

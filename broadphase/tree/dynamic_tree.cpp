@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/prefetch.hpp>
+#include <oncollide/base/simd/prefetch.hpp>
 #include <oncollide/broadphase/aabb_checks.hpp>
 #include <oncollide/broadphase/pair_sort.hpp>
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/base/prefetch.hpp>
+#include <oncollide/base/simd/prefetch.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 
 namespace oncollide {

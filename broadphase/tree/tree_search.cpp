@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/broadphase/aabb_checks.hpp>
 
 namespace oncollide {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include <oncollide/base/cpu_features.hpp>
+#include <oncollide/base/simd/cpu_features.hpp>
 
 namespace oncollide {
 

@@ -7,7 +7,7 @@
 // Y Z bounds the error. A product of two differences that underflows, times the third side, errs by at most 2^-1072 X,
 // and likewise for Y and Z: the 2^-300 in the other sides covers that. Sides above 2^300 might overflow; the bound is
 // then infinite.
-#include <oncollide/base/simd_doubles.hpp>
+#include <oncollide/base/simd/simd_doubles.hpp>
 #include <oncollide/narrowphase/exact/triangle_kernel.hpp>
 
 namespace oncollide::ONCOLLIDE_ISA {

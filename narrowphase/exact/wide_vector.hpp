@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include <oncollide/base/wide_integer.hpp>
+#include <oncollide/base/numbers/wide_integer.hpp>
 
 namespace oncollide {
 

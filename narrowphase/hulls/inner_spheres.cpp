@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include <oncollide/base/cpu_features.hpp>
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
+#include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/shapes/simplex.hpp>
 #include <oncollide/scenes/model/mesh_topology.hpp>

@@ -1,5 +1,5 @@
 // Compiled once per instruction set; see oncollide_add_kernel.
-#include <oncollide/base/simd.hpp>
+#include <oncollide/base/simd/simd.hpp>
 #include <oncollide/narrowphase/hulls/sphere_overlap_kernel.hpp>
 
 namespace oncollide::ONCOLLIDE_ISA {

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 
 namespace oncollide {
@@ -47,7 +47,7 @@ void meet_all(const Mesh& ray, const Mesh& mesh, const RelativePose& into, std::
 
 /// The location according to the triangles that the ray meets; none if the ray only touches one of them.
 std::optional<PointLocation> judge(const Mesh& ray, const Mesh& mesh, const RelativePose& into,
-                                const std::vector<TrianglePair>& hits)
+                                   const std::vector<TrianglePair>& hits)
 {
     const Eigen::Vector3d &point = ray.vertices[0], &tip = ray.vertices[1];
     int winding = 0;
@@ -65,7 +65,8 @@ std::optional<PointLocation> judge(const Mesh& ray, const Mesh& mesh, const Rela
 
 } // namespace
 
-PointLocation PointLocator::place(const Eigen::Vector3d& point, const Mesh& mesh, ObbTree* tree, const RelativePose& into)
+PointLocation PointLocator::place(const Eigen::Vector3d& point, const Mesh& mesh, ObbTree* tree,
+                                  const RelativePose& into)
 {
     const Eigen::Vector3d centre = into(mesh.bounds.centre()), from_centre = point - centre;
     // All of the moved mesh is within this distance of its centre: poses may be 2^-20 from rigid, and coordinates

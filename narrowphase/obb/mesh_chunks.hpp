@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include <oncollide/base/lazy_memory.hpp>
-#include <oncollide/base/lock_order.hpp>
+#include <oncollide/base/memory/lazy_memory.hpp>
+#include <oncollide/base/threads/lock_order.hpp>
 #include <oncollide/narrowphase/obb/node_lines.hpp>
 #include <oncollide/scenes/cooked/chunk_budget.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>

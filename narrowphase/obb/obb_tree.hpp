@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/base/large_vector.hpp>
-#include <oncollide/base/lock_order.hpp>
-#include <oncollide/base/prefetch.hpp>
+#include <oncollide/base/memory/large_vector.hpp>
+#include <oncollide/base/simd/prefetch.hpp>
+#include <oncollide/base/threads/lock_order.hpp>
 #include <oncollide/narrowphase/obb/fits/grid_split.hpp>
 #include <oncollide/narrowphase/obb/hierarchy.hpp>
 #include <oncollide/narrowphase/obb/mesh_chunks.hpp>

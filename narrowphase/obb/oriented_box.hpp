@@ -2,7 +2,7 @@
 #include <span>
 
 #include <oncollide/base/aabb.hpp>
-#include <oncollide/base/cpu_features.hpp>
+#include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/narrowphase/obb/fits/box_fit.hpp>
 #include <oncollide/narrowphase/obb/oriented_box_kernel.hpp>
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/base/lock_order.hpp>
+#include <oncollide/base/threads/lock_order.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 #include <oncollide/narrowphase/obb/hierarchy.hpp>
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/cpu_features.hpp>
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/narrowphase/spheres/listed_surfaces.hpp>
 
 namespace oncollide {

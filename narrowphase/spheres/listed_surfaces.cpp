@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include <oncollide/base/cpu_features.hpp>
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/simd/cpu_features.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 
 namespace oncollide {
 

@@ -9,7 +9,7 @@
 // - Edge axis a = u_k x e: its components come from e without further rounding, so both sides of the comparison err by
 //   at most 24 * 2^-24 |a|_1 M. This is less than slack |a|_1, which the growth of the octant adds.
 // - Face axis: the unit normal errs by 2^-24 per component, the comparison by 12 * 2^-24 M, less than slack.
-#include <oncollide/base/simd.hpp>
+#include <oncollide/base/simd/simd.hpp>
 #include <oncollide/narrowphase/spheres/octant_kernel.hpp>
 
 namespace oncollide::ONCOLLIDE_ISA {

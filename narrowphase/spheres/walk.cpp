@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include <oncollide/base/cpu_features.hpp>
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/narrowphase/spheres/walk_kernel.hpp>
 
 namespace oncollide {

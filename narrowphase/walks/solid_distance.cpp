@@ -5,7 +5,7 @@
 #include <concepts>
 #include <limits>
 
-#include <oncollide/base/cpu_features.hpp>
+#include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/narrowphase/walks/walk_frame.hpp>
 
 namespace oncollide {

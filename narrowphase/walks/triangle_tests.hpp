@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include <oncollide/base/cpu_features.hpp>
+#include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/narrowphase/exact/relative_pose.hpp>
 #include <oncollide/narrowphase/exact/segment_kernel.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>

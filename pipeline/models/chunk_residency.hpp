@@ -4,7 +4,7 @@
 #include <shared_mutex>
 #include <vector>
 
-#include <oncollide/base/lock_order.hpp>
+#include <oncollide/base/threads/lock_order.hpp>
 #include <oncollide/pipeline/models/prepared_trees.hpp>
 
 namespace oncollide {

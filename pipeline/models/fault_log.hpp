@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/base/lock_order.hpp>
+#include <oncollide/base/threads/lock_order.hpp>
 
 namespace oncollide {
 

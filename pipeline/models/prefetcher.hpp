@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <oncollide/base/aabb.hpp>
-#include <oncollide/base/lock_order.hpp>
+#include <oncollide/base/threads/lock_order.hpp>
 #include <oncollide/narrowphase/model.hpp>
 
 namespace oncollide {

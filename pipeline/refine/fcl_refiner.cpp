@@ -1,6 +1,6 @@
 #include <oncollide/pipeline/refine/fcl_refiner.hpp>
 
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/narrowphase/model.hpp>
 
 namespace oncollide {

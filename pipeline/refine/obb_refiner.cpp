@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include <oncollide/base/parallel.hpp>
-#include <oncollide/base/prefetch.hpp>
+#include <oncollide/base/simd/prefetch.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/narrowphase/hulls/outer_hull.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include <oncollide/base/lock_order.hpp>
+#include <oncollide/base/threads/lock_order.hpp>
 #include <oncollide/narrowphase/finding.hpp>
 #include <oncollide/narrowphase/pairs/pair_task.hpp>
 #include <oncollide/pipeline/refine/pair_cache.hpp>

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 
 namespace oncollide {
 

@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/large_vector.hpp>
-#include <oncollide/base/parallel.hpp>
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/memory/large_vector.hpp>
+#include <oncollide/base/numbers/random.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 
 namespace oncollide {
 

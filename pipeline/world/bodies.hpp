@@ -10,7 +10,7 @@
 
 #include <Eigen/Geometry>
 
-#include <oncollide/base/prefetch.hpp>
+#include <oncollide/base/simd/prefetch.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/narrowphase/model.hpp>
 #include <oncollide/pipeline/results.hpp>

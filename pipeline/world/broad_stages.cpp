@@ -1,7 +1,7 @@
 // The stages above refinement: bounds, delimitation, broad.
 #include <algorithm>
 
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/pipeline/world/stage.hpp>
 
 namespace oncollide {

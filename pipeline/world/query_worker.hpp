@@ -2,7 +2,7 @@
 #pragma once
 #include <algorithm>
 
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/pipeline/world/world_impl.hpp>
 

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/pipeline/world/query_worker.hpp> // for the destructor of Impl
 
 namespace oncollide {

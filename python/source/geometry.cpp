@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/text/printable.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>

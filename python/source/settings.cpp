@@ -3,7 +3,7 @@
 
 #include "bindings.hpp"
 
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/text/printable.hpp>
 #include <oncollide/pipeline/settings_table.hpp>
 
 namespace oncollide::python {

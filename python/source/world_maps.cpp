@@ -1,7 +1,7 @@
 // Changes of a World's occupancy maps.
 #include "held_world.hpp"
 
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/text/printable.hpp>
 
 namespace oncollide::python {
 

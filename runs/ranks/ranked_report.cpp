@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/files/output_file.hpp>
 #include <oncollide/runs/report_kept.hpp>
 
 namespace oncollide {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/checksum.hpp>
+#include <oncollide/base/files/checksum.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
 #include <oncollide/runs/report_kept.hpp>
 #include <oncollide/scenes/cooked/cooked_map.hpp>

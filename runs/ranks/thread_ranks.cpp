@@ -4,7 +4,7 @@
 #include <queue>
 #include <thread>
 
-#include <oncollide/base/lock_order.hpp>
+#include <oncollide/base/threads/lock_order.hpp>
 #include <oncollide/runs/ranks/ranks.hpp>
 
 namespace oncollide {

@@ -10,9 +10,9 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/checksum.hpp>
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/file_bytes.hpp>
+#include <oncollide/base/files/checksum.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
 
 namespace oncollide {
 

@@ -14,7 +14,7 @@
 
 #include <oncollide/base/aabb.hpp>
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/lock_order.hpp>
+#include <oncollide/base/threads/lock_order.hpp>
 #include <oncollide/scenes/cooked/chunk_fault.hpp>
 #include <oncollide/scenes/cooked/cooked_format.hpp>
 

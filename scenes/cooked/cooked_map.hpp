@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include <oncollide/base/lazy_memory.hpp>
-#include <oncollide/base/lock_order.hpp>
+#include <oncollide/base/memory/lazy_memory.hpp>
+#include <oncollide/base/threads/lock_order.hpp>
 #include <oncollide/scenes/cooked/chunk_budget.hpp>
 #include <oncollide/scenes/cooked/cooked_file.hpp>
 #include <oncollide/scenes/model/map_access.hpp>

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/base/lock_order.hpp>
+#include <oncollide/base/threads/lock_order.hpp>
 #include <oncollide/scenes/cooked/cooked_file.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 

@@ -1,8 +1,8 @@
 #include <oncollide/scenes/cooked/cooked_writer.hpp>
 
-#include <oncollide/base/checksum.hpp>
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/files/checksum.hpp>
+#include <oncollide/base/files/output_file.hpp>
 
 namespace oncollide {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <oncollide/base/aabb.hpp>
-#include <oncollide/base/large_vector.hpp>
+#include <oncollide/base/memory/large_vector.hpp>
 #include <oncollide/scenes/cooked/cooked_file.hpp>
 #include <oncollide/scenes/geometry.hpp>
 

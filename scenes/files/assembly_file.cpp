@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/file_bytes.hpp>
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/scenes/files/assembly/raw_assembly.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 

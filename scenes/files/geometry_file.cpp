@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <memory>
 
-#include <oncollide/base/file_bytes.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 
 namespace oncollide {

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/file_bytes.hpp>
-#include <oncollide/base/near_word.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
+#include <oncollide/base/text/near_word.hpp>
 #include <oncollide/scenes/cooked/cooked_map.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/text/printable.hpp>
 #include <oncollide/scenes/files/json/json_node.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 #include <oncollide/scenes/scene.hpp>

@@ -6,8 +6,8 @@
 #include <octomap/OcTree.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/file_bytes.hpp>
-#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
+#include <oncollide/base/files/output_file.hpp>
 #include <oncollide/scenes/cooked/cooked_map.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/octomap_nodes.hpp>

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/file_bytes.hpp>
-#include <oncollide/base/near_word.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/reading_progress.hpp>
+#include <oncollide/base/text/near_word.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/geometry_recipe.hpp>
 #include <oncollide/scenes/files/json/json_fault.hpp>

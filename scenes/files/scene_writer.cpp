@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/json_writer.hpp>
-#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/text/json_writer.hpp>
 #include <oncollide/scenes/files/geometry_recipe.hpp>
 #include <oncollide/scenes/files/scene_pose.hpp>
 #include <oncollide/scenes/recording.hpp>

@@ -9,8 +9,8 @@
 #include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/file_bytes.hpp>
-#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
+#include <oncollide/base/files/output_file.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
 #include <oncollide/scenes/files/terrain/height_raster.hpp>

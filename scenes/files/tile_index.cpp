@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/file_bytes.hpp>
-#include <oncollide/base/json_writer.hpp>
-#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/text/json_writer.hpp>
 #include <oncollide/scenes/files/geometry_recipe.hpp>
 #include <oncollide/scenes/files/json/json_fault.hpp>
 #include <oncollide/scenes/files/json/json_node.hpp>

@@ -8,7 +8,7 @@
 #include <span>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/scenes/model/exact_area.hpp>
 
 namespace oncollide {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/large_vector.hpp>
+#include <oncollide/base/memory/large_vector.hpp>
 #include <oncollide/scenes/model/terrain_chunks.hpp>
 
 namespace oncollide {

@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include <oncollide/base/large_vector.hpp>
+#include <oncollide/base/memory/large_vector.hpp>
 #include <oncollide/scenes/model/terrain.hpp>
 
 namespace oncollide {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/large_vector.hpp>
+#include <oncollide/base/memory/large_vector.hpp>
 #include <oncollide/scenes/model/terrain_access.hpp>
 
 namespace oncollide {

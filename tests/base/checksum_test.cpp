@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include <oncollide/base/checksum.hpp>
-#include <oncollide/base/lazy_memory.hpp>
+#include <oncollide/base/files/checksum.hpp>
+#include <oncollide/base/memory/lazy_memory.hpp>
 
 namespace oncollide {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/base/lock_order.hpp>
+#include <oncollide/base/threads/lock_order.hpp>
 
 namespace oncollide::lock_order_test {
 namespace {

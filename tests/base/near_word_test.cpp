@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <oncollide/base/near_word.hpp>
+#include <oncollide/base/text/near_word.hpp>
 
 namespace oncollide {
 namespace {

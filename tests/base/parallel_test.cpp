@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/executor.hpp>
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 
 #include <sys/wait.h>
 #include <unistd.h>

@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/base/csv_reader.hpp>
-#include <oncollide/base/csv_writer.hpp>
-#include <oncollide/base/json_writer.hpp>
-#include <oncollide/base/svg.hpp>
-#include <oncollide/base/utf8.hpp>
+#include <oncollide/base/text/csv_reader.hpp>
+#include <oncollide/base/text/csv_writer.hpp>
+#include <oncollide/base/text/json_writer.hpp>
+#include <oncollide/base/text/svg.hpp>
+#include <oncollide/base/text/utf8.hpp>
 
 namespace oncollide {
 namespace {

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 
 namespace oncollide {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 
 #include "boxes.hpp"
 #include "count_allocations.hpp"

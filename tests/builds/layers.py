@@ -41,13 +41,8 @@ CIRCLES = {
     ("scenes/cooked", "scenes"),
     ("scenes/files", "scenes/files/tables"),
     ("scenes/files", "scenes/files/terrain"),
-    ("scenes/model", "scenes/cooked"),
     ("tools/bench", "tools/bench/scenes"),
     ("tools/bench", "tools/clash"),
-    ("tools/cli", "tools/view"),
-    ("tools/hard", "tools/hard/tangent"),
-    ("tools/hard", "tools/study"),
-    ("tools/peers", "tools/bench/narrow"),
 }
 
 

@@ -8,7 +8,7 @@
 
 #include "scenes/mesh_writers.hpp"
 #include "scenes/xml_writers.hpp"
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>

@@ -4,8 +4,8 @@
 #include "scenes/mesh_writers.hpp"
 #include "tools/command_fixture.hpp"
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/parallel.hpp>
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/text/printable.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 

@@ -3,7 +3,7 @@
 
 #include "scenes/mesh_writers.hpp"
 #include "tools/command_fixture.hpp"
-#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/files/output_file.hpp>
 #include <oncollide/samples/generators.hpp>
 
 namespace oncollide::test {

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 
 namespace oncollide::test {
 

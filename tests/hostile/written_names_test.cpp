@@ -1,8 +1,8 @@
 // Names that contain the syntax of JSON, CSV, XML and HTML, in every file that a command writes; each file is parsed.
 #include "tools/command_fixture.hpp"
 #include "tools/csv_rows.hpp"
-#include <oncollide/base/printable.hpp>
-#include <oncollide/base/utf8.hpp>
+#include <oncollide/base/text/printable.hpp>
+#include <oncollide/base/text/utf8.hpp>
 
 namespace oncollide::test {
 namespace {
@@ -12,7 +12,8 @@ const std::string hostile = "a\"b\\c\nd\r<img src=x onerror=alert(1)>\x01\x1b[31
 const std::string hostile_name = "</script></style></title>" + hostile;
 const std::string hostile_file = hostile + "\xff\xfe";
 
-/// True if every element is closed and no raw markup character is left. Reads only the subset of XML that the writers use.
+/// True if every element is closed and no raw markup character is left. Reads only the subset of XML that the writers
+/// use.
 bool well_formed(std::string_view xml)
 {
     std::vector<std::string> open;

@@ -4,8 +4,8 @@
 #include <cstring>
 #include <numeric>
 
-#include <oncollide/base/cpu_features.hpp>
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
+#include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/broadphase/aabb_kernel.hpp>
 #include <oncollide/narrowphase/spheres/octant_kernel.hpp>
 #include <oncollide/narrowphase/spheres/surface.hpp>

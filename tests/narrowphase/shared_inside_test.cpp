@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/narrowphase/inside/shared_inside.hpp>
 #include <oncollide/samples/generators.hpp>
 

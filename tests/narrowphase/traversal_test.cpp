@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/base/cpu_features.hpp>
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
+#include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/obb/fits/triangle_parts.hpp>
 #include <oncollide/narrowphase/walks/traversal.hpp>

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/base/cpu_features.hpp>
+#include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/exact/relative_pose.hpp>
 #include <oncollide/narrowphase/exact/segment_kernel.hpp>

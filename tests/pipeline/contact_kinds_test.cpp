@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/narrowphase/exact/relative_pose.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>

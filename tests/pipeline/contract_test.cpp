@@ -2,7 +2,7 @@
 // pipelines are compared with the truth, at every depth and with each stage left out or replaced in turn.
 #include <gtest/gtest.h>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/narrowphase/fcl/exact_fcl.hpp>
 #include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/catalogue.hpp>

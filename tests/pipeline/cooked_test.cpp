@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/broadphase/bounds/pose_bounds.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>

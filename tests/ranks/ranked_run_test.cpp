@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/runs/ranks/ranked_run.hpp>
 #include <oncollide/runs/report.hpp>
 #include <oncollide/samples/catalogue.hpp>

@@ -1,7 +1,7 @@
 // Scenes that are read and made in slices: each rank gets its own bodies, and no rank gets all.
 #include <gtest/gtest.h>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/runs/ranks/ranked_run.hpp>
 #include <oncollide/samples/catalogue.hpp>

@@ -1,5 +1,5 @@
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/files/output_file.hpp>
 #include <oncollide/runs/report.hpp>
 #include <oncollide/samples/generators.hpp>
 

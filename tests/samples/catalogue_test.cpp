@@ -8,7 +8,7 @@
 #include "load_with_samples.hpp"
 #include "scenes/same_scene.hpp"
 #include "scenes/test_files.hpp"
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/samples/catalogue.hpp>
 
 namespace oncollide {

@@ -1,4 +1,4 @@
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/scenes/files/json/json_tape.hpp>
 
 #include <optional>

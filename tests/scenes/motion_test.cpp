@@ -4,7 +4,7 @@
 
 #include "same_scene.hpp"
 #include "test_files.hpp"
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {

@@ -8,7 +8,7 @@
 #include "load_with_samples.hpp"
 #include "same_scene.hpp"
 #include "test_files.hpp"
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 

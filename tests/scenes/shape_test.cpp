@@ -1,4 +1,4 @@
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/scenes/model/shape.hpp>
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/model/terrain.hpp>
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/base/csv_reader.hpp>
+#include <oncollide/base/text/csv_reader.hpp>
 
 namespace oncollide::test {
 

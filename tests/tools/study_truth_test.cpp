@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/pipeline/results.hpp>
 #include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/catalogue.hpp>

@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/output_file.hpp>
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 
 #include "cli/options.hpp"

@@ -9,9 +9,9 @@
 #include <random>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/near_word.hpp>
-#include <oncollide/base/output_file.hpp>
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/text/near_word.hpp>
+#include <oncollide/base/text/printable.hpp>
 #include <oncollide/samples/catalogue.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include <oncollide/base/output_file.hpp>
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/numbers/random.hpp>
 
 namespace oncollide::tools {
 namespace {

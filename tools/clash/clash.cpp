@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/parallel.hpp>
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/text/printable.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 
 #include "clash/clash_pictures.hpp"
 #include "clash/report.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <tuple>
 
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 
 #include "clash/tolerance.hpp"
 

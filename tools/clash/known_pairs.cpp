@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <oncollide/base/csv_reader.hpp>
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/file_bytes.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
+#include <oncollide/base/text/csv_reader.hpp>
 
 #include "clash/name_pattern.hpp"
 

@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/file_bytes.hpp>
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/files/output_file.hpp>
 
 #include "clash/planted_assembly.hpp"
 

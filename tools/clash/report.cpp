@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/text/printable.hpp>
 
 #include "common/text.hpp"
 

@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include <oncollide/base/json_writer.hpp>
-#include <oncollide/base/svg.hpp>
+#include <oncollide/base/text/json_writer.hpp>
+#include <oncollide/base/text/svg.hpp>
 
 #include "clash/report.hpp"
 #include "common/text.hpp"

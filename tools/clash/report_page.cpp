@@ -1,5 +1,5 @@
 // The report as a single HTML page.
-#include <oncollide/base/svg.hpp>
+#include <oncollide/base/text/svg.hpp>
 
 #include "clash/report.hpp"
 #include "common/base64.hpp"

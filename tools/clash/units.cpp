@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/file_bytes.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 
 #include "clash/name_pattern.hpp"

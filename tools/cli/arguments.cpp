@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/near_word.hpp>
+#include <oncollide/base/text/near_word.hpp>
 
 #include "cli/system.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/cpu_features.hpp>
+#include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/runs/report.hpp>
 
 namespace oncollide::tools {

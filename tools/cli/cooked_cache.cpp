@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/checksum.hpp>
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/file_bytes.hpp>
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/files/checksum.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/scenes/cooked/cooked_format.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/near_word.hpp>
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/text/near_word.hpp>
+#include <oncollide/base/text/printable.hpp>
 
 #include "cli/system.hpp"
 

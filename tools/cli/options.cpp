@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/files/output_file.hpp>
 #include <oncollide/pipeline/settings_table.hpp>
 #include <oncollide/samples/catalogue.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>

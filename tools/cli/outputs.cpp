@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/file_bytes.hpp>
-#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
+#include <oncollide/base/files/output_file.hpp>
 
 #include "cli/log.hpp"
 #include "cli/system.hpp"

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/printable.hpp>
 #include <oncollide/base/reading_progress.hpp>
+#include <oncollide/base/text/printable.hpp>
 
 #include "cli/system.hpp"
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/files/output_file.hpp>
 
 #ifdef __linux__
 #include <fcntl.h>

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-#include <oncollide/base/svg.hpp>
+#include <oncollide/base/text/svg.hpp>
 
 namespace oncollide::tools {
 namespace {

@@ -12,7 +12,7 @@
 #include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 
 #include "cli/build_info.hpp"
 #include "cli/system.hpp"

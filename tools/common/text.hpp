@@ -10,8 +10,8 @@
 #include "cli/options.hpp"
 #include "common/statistics.hpp"
 
-#include <oncollide/base/csv_writer.hpp>
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/text/csv_writer.hpp>
+#include <oncollide/base/text/printable.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 
 // Commands that measure share this text and these parsers.

@@ -11,7 +11,7 @@
 #pragma GCC diagnostic pop
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/files/output_file.hpp>
 
 namespace oncollide::tools {
 

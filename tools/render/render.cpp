@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/output_file.hpp>
-#include <oncollide/base/parallel.hpp>
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/text/printable.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/pipeline/world/world_access.hpp>
 
 namespace oncollide::tools {

@@ -12,11 +12,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <oncollide/base/csv_writer.hpp>
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/json_writer.hpp>
-#include <oncollide/base/output_file.hpp>
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/text/csv_writer.hpp>
+#include <oncollide/base/text/json_writer.hpp>
+#include <oncollide/base/text/printable.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 
 namespace oncollide::tools {

@@ -11,10 +11,10 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/json_writer.hpp>
-#include <oncollide/base/near_word.hpp>
-#include <oncollide/base/output_file.hpp>
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/text/json_writer.hpp>
+#include <oncollide/base/text/near_word.hpp>
+#include <oncollide/base/text/printable.hpp>
 #include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
 #include <oncollide/samples/catalogue.hpp>
 

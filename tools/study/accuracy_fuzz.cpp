@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 
 #include "cli/outputs.hpp"

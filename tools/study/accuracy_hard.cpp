@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/json_writer.hpp>
-#include <oncollide/base/near_word.hpp>
-#include <oncollide/base/output_file.hpp>
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/text/json_writer.hpp>
+#include <oncollide/base/text/near_word.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/generators.hpp>
 

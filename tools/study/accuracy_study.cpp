@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/output_file.hpp>
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/text/printable.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
 
 #include "common/text.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <oncollide/base/svg.hpp>
+#include <oncollide/base/text/svg.hpp>
 
 #include "common/line_plot.hpp"
 #include "common/text.hpp"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include <oncollide/base/svg.hpp>
+#include <oncollide/base/text/svg.hpp>
 
 #include "common/base64.hpp"
 #include "common/text.hpp"

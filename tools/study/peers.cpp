@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/near_word.hpp>
+#include <oncollide/base/text/near_word.hpp>
 
 #include "common/text.hpp"
 #include "peers/fcl_world.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/files/output_file.hpp>
 
 #include "study/pictures.hpp"
 #include "study/study.hpp"

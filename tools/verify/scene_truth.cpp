@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 
 #include "verify/near_bodies.hpp"
 

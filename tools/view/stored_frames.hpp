@@ -5,7 +5,7 @@
 
 #include <oncollide/runs/pipeline.hpp>
 
-#include "cli/pairs_file.hpp"
+#include "play/pairs_file.hpp"
 
 namespace oncollide::tools {
 

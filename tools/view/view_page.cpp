@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/output_file.hpp>
-#include <oncollide/base/parallel.hpp>
-#include <oncollide/base/printable.hpp>
-#include <oncollide/base/svg.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/text/printable.hpp>
+#include <oncollide/base/text/svg.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/runs/report.hpp>
 
 #include "common/base64.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/play.hpp"
+#include "play/play.hpp"
 #include "view/page_frame.hpp"
 #include "view/three_js.hpp"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <oncollide/base/aabb.hpp>
-#include <oncollide/base/cpu_features.hpp>
+#include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 #include <oncollide/narrowphase/obb/fits/box_fit_kernel.hpp>
 

@@ -1,6 +1,6 @@
 // Compiled once per instruction set; see oncollide_add_kernel.
-#include <oncollide/base/simd.hpp>
-#include <oncollide/base/simd_doubles.hpp>
+#include <oncollide/base/simd/simd.hpp>
+#include <oncollide/base/simd/simd_doubles.hpp>
 #include <oncollide/narrowphase/obb/fits/box_fit_kernel.hpp>
 
 namespace oncollide::ONCOLLIDE_ISA {

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include <oncollide/base/prefetch.hpp>
+#include <oncollide/base/simd/prefetch.hpp>
 #include <oncollide/narrowphase/obb/fits/box_fit.hpp>
 
 namespace oncollide {

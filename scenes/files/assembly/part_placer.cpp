@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 
 namespace oncollide {
 

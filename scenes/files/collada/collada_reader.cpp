@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/text/printable.hpp>
 #include <oncollide/scenes/files/assembly/placed_meshes.hpp>
 #include <oncollide/scenes/files/collada/collada_mesh.hpp>
 #include <oncollide/scenes/files/collada/collada_pose.hpp>

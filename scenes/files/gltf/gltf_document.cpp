@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <oncollide/base/file_bytes.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/scenes/files/json/json_fault.hpp>
 
 namespace oncollide {

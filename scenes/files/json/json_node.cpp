@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/near_word.hpp>
+#include <oncollide/base/text/near_word.hpp>
 
 namespace oncollide {
 

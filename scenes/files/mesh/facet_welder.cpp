@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstring>
 
-#include <oncollide/base/prefetch.hpp>
+#include <oncollide/base/simd/prefetch.hpp>
 
 namespace oncollide {
 

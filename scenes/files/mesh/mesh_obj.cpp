@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/large_vector.hpp>
+#include <oncollide/base/memory/large_vector.hpp>
 #include <oncollide/scenes/files/mesh/decimal.hpp>
 #include <oncollide/scenes/files/mesh/polygon_list.hpp>
 

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/large_vector.hpp>
+#include <oncollide/base/memory/large_vector.hpp>
 #include <oncollide/scenes/files/mesh/ply_header.hpp>
 #include <oncollide/scenes/files/mesh/polygon_list.hpp>
 

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/text/printable.hpp>
 #include <oncollide/scenes/files/mesh/decimal.hpp>
 
 namespace oncollide {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include <oncollide/base/file_bytes.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/reading_progress.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 

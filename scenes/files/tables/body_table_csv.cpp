@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <oncollide/base/csv_reader.hpp>
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/file_bytes.hpp>
-#include <oncollide/base/near_word.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
+#include <oncollide/base/text/csv_reader.hpp>
+#include <oncollide/base/text/near_word.hpp>
 #include <oncollide/scenes/files/mesh/mesh_source.hpp>
 
 namespace oncollide {

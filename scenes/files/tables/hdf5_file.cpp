@@ -7,7 +7,7 @@
 #include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/file_bytes.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/scenes/files/tables/hdf5_library.hpp>
 
 namespace oncollide {

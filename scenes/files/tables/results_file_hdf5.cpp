@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/files/output_file.hpp>
 #include <oncollide/scenes/files/tables/hdf5_file.hpp>
 #include <oncollide/scenes/files/tables/hdf5_library.hpp>
 

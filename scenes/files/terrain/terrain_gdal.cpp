@@ -7,7 +7,7 @@
 #include <gdal.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/file_bytes.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/scenes/files/loaded_library.hpp>
 #include <oncollide/scenes/files/terrain/height_raster.hpp>
 #include <oncollide/scenes/model/terrain.hpp>
@@ -21,7 +21,8 @@ class Gdal {
     const LoadedLibrary library_{ONCOLLIDE_GDAL_LIBRARY, "reads such files", "libgdal32"};
 
 public:
-#define ONCOLLIDE_GDAL_FUNCTION(name) decltype(&::name) const name = reinterpret_cast<decltype(&::name)>(library_.find(#name))
+#define ONCOLLIDE_GDAL_FUNCTION(name)                                                                                  \
+    decltype(&::name) const name = reinterpret_cast<decltype(&::name)>(library_.find(#name))
     ONCOLLIDE_GDAL_FUNCTION(CPLPushErrorHandler);
     ONCOLLIDE_GDAL_FUNCTION(CPLPopErrorHandler);
     ONCOLLIDE_GDAL_FUNCTION(CPLQuietErrorHandler);

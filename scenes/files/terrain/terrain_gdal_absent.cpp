@@ -1,6 +1,6 @@
 // Replaces the reader that needs GDAL in builds without it.
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/file_bytes.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/scenes/files/terrain/height_raster.hpp>
 
 namespace oncollide {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <zip.h>
 
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/text/printable.hpp>
 
 namespace oncollide {
 

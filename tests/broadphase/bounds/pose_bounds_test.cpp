@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/broadphase/bounds/pose_bounds.hpp>
 #include <oncollide/samples/catalogue.hpp>
 #include <oncollide/samples/generators.hpp>

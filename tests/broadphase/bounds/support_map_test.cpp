@@ -2,7 +2,7 @@
 
 #include "random_pose.hpp"
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/broadphase/bounds/support_map.hpp>
 
 namespace oncollide {

@@ -6,7 +6,7 @@
 
 #include "broadphase/boxes.hpp"
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/broadphase/tree/dynamic_tree.hpp>
 
 namespace oncollide {

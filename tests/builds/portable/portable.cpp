@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/spheres/occlusion_backend.hpp>

@@ -9,9 +9,9 @@
 #include <map>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/output_file.hpp>
-#include <oncollide/base/parallel.hpp>
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/text/printable.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 
 namespace oncollide::tools {
 namespace {

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/near_word.hpp>
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
+#include <oncollide/base/text/near_word.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide::tools {

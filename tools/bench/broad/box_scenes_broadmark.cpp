@@ -12,7 +12,7 @@
 #include <numbers>
 #include <numeric>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide::tools {

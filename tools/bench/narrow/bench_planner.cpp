@@ -7,9 +7,9 @@
 #include <filesystem>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/output_file.hpp>
-#include <oncollide/base/parallel.hpp>
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/numbers/random.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>

@@ -9,8 +9,8 @@
 #include <ctime>
 #include <optional>
 
-#include <oncollide/base/output_file.hpp>
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
 
 #include "cli/outputs.hpp"

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 #include "bench/bench.hpp"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 #include "bench/bench.hpp"

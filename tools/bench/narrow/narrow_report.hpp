@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/files/output_file.hpp>
 
 #include "bench/narrow/narrow_race.hpp"
 

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/output_file.hpp>
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
 #include <oncollide/samples/generators.hpp>
 

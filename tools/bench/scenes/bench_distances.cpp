@@ -5,8 +5,8 @@
 #include <vector>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/output_file.hpp>
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/pipeline/world.hpp>
 
 #include "bench/bench.hpp"

@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/files/output_file.hpp>
 
 #include "bench/bench.hpp"
 #include "bench/scenes/environment_scenes.hpp"

@@ -13,9 +13,9 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/output_file.hpp>
-#include <oncollide/base/parallel.hpp>
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/numbers/random.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/runs/ranks/body_record.hpp>
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/output_file.hpp>
+#include <oncollide/base/files/output_file.hpp>
 
 #include "bench/scenes/scene_report.hpp"
 #include "cli/shard.hpp"

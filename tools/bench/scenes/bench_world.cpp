@@ -11,8 +11,8 @@
 #include <tuple>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/output_file.hpp>
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/catalogue.hpp>
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include <oncollide/base/output_file.hpp>
-#include <oncollide/base/printable.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/text/printable.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 
 #include <oncollide/base/function_ref.hpp>
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 

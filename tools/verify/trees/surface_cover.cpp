@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include <oncollide/base/random.hpp>
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide::tools {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <oncollide/base/function_ref.hpp>
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide::tools {

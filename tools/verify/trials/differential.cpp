@@ -11,7 +11,7 @@
 #include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/runs/pipeline.hpp>
 
 #include "verify/judge.hpp"

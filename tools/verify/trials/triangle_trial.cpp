@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/parallel.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 
 #include "verify/oracle/exact_oracle.hpp"
 

@@ -1,0 +1,249 @@
+#include "cli/command.hpp"
+#include "cli/log.hpp"
+#include "cli/numbers.hpp"
+#include "cli/options.hpp"
+#include "cli/progress.hpp"
+#include "cli/system.hpp"
+#include "play/play.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/text/csv_writer.hpp>
+#include <oncollide/base/text/printable.hpp>
+#include <oncollide/pipeline/results.hpp>
+#include <oncollide/scenes/cooked/cooked_mesh.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+struct CheckOptions {
+    std::string a, b, pose_a, pose_b;
+    SettingsOptions settings;
+    CacheOptions cache;
+    std::string json, contacts;
+    std::optional<double> distance; ///< tolerance, metres
+    bool quiet = false;
+};
+
+/// Reads "x y z qx qy qz qw" (or with commas). Empty text is the identity.
+Eigen::Isometry3d parse_pose(const std::string& option, const std::string& text, std::vector<std::string>& warnings)
+{
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    if (text.empty()) return pose;
+    constexpr const char* form = "x y z qx qy qz qw";
+    const std::vector<double> numbers = parse_numbers(option, text, 7, form);
+    Eigen::Quaterniond rotation(numbers[6], numbers[3], numbers[4], numbers[5]);
+    const double norm = rotation.coeffs().stableNorm();
+    if (!(norm > 1e-12) || !std::isfinite(norm)) refuse_numbers(option, text, "the quaternion has no direction", form);
+    if (std::abs(norm - 1) > 1e-6)
+        warnings.push_back(fmt::format("{}: the quaternion has length {:.9g}; normalised", option, norm));
+    rotation.coeffs() /= norm;
+    pose.linear() = rotation.normalized().toRotationMatrix();
+    pose.translation() << numbers[0], numbers[1], numbers[2];
+    return pose;
+}
+
+GeometryId add_file(Scene& scene, const std::string& name, const std::string& path, const SceneReading& cache)
+{
+    if (cache.cooked && kind_of_file(path) == FileKind::mesh)
+        if (const auto cooked = cache.cooked(path, {}))
+            return scene.add(name, std::make_shared<const CookedMesh>(*cooked));
+    return scene.add(name, std::move(load_geometry(path)->data));
+}
+
+Scene load_pair(const CheckOptions& options)
+{
+    Scene scene;
+    scene.name = fmt::format("{} against {}", options.a, options.b);
+    const Eigen::Isometry3d pose_a = parse_pose("--pose-a", options.pose_a, scene.warnings);
+    const Eigen::Isometry3d pose_b = parse_pose("--pose-b", options.pose_b, scene.warnings);
+    const std::string name_b = options.a == options.b ? options.b + " (second)" : options.b;
+    const SceneReading cache = reading_with(options.cache);
+    const GeometryId a = add_file(scene, options.a, options.a, cache);
+    const GeometryId b = options.a == options.b ? a : add_file(scene, options.b, options.b, cache);
+    scene.add_body({.name = options.a, .geometry = a, .pose = pose_a});
+    scene.add_body({.name = name_b, .geometry = b, .pose = pose_b});
+    return scene;
+}
+
+std::string describe(const Scene& scene, const Settings& settings, const PairResult& pair)
+{
+    const std::string both =
+        fmt::format("'{}' and '{}'", printable(scene.label(SceneBodyId{0})), printable(scene.label(SceneBodyId{1})));
+    switch (pair.verdict) {
+    case Verdict::separate:
+        if (pair.kind == ContactKind::touching)
+            return fmt::format(
+                "separate: {} touch without crossing, and touching pairs are ignored (--ignore-touching).", both);
+        if (const double gap = std::max(pair.bound, settings.clearance); gap > 0)
+            return fmt::format("separate: {} are at least {:.6g} m apart (certified).", both, gap);
+        return fmt::format("separate: {} do not meet (tested triangle by triangle).", both);
+    case Verdict::colliding:
+        switch (pair.kind) {
+        case ContactKind::touching:
+            return fmt::format("colliding (touching): {} meet without crossing.", both);
+        case ContactKind::crossing:
+            return fmt::format("colliding (crossing): {} pass through each other.", both);
+        case ContactKind::enclosed:
+            return fmt::format("colliding (enclosed): {}: one lies inside the other and their surfaces do not meet.",
+                               both);
+        default:
+            return fmt::format("colliding: {} intersect (tested triangle by triangle).", both);
+        }
+    case Verdict::within:
+        if (settings.clearance > 0 && pair.bound <= settings.clearance)
+            return fmt::format(
+                "within {:.6g} m{}: {} are at most that far apart (certified), inside the clearance of {:.6g} m.",
+                pair.bound, pair.kind == ContactKind::near ? " (near)" : "", both, settings.clearance);
+        return fmt::format("within {:.6g} m: {} are at most that far apart (certified), and may or may not collide. "
+                           "A smaller --max-error narrows the bound{}.",
+                           pair.bound, both, settings.exact == ExactLevel::off ? "; --exact on decides" : "");
+    case Verdict::undecided:
+        return fmt::format(
+            "undecided: {} are at most {:.6g} m apart (certified); a budget was used up before the pair was decided.",
+            both, pair.bound);
+    }
+    return {};
+}
+
+/// Colours the first word, the verdict.
+std::string tinted_verdict(const std::string& text, Verdict verdict, bool on_stderr)
+{
+    const Tint tint = verdict == Verdict::colliding  ? Tint::red
+                      : verdict == Verdict::separate ? Tint::green
+                                                     : Tint::yellow;
+    const std::size_t end = text.find_first_of(" :");
+    return tinted(tint, text.substr(0, end), on_stderr ? stderr_is_terminal() : stdout_is_terminal()) +
+           text.substr(end);
+}
+
+/// A triangle's number, or a cell as its lowest corner and its side, in units of the map's smallest cells.
+std::string part_text(const BodyPart& part)
+{
+    const MapCell& c = part.cell;
+    return c.side > 0 ? fmt::format("{}/{}/{}/{}", c.x, c.y, c.z, c.side) : std::to_string(part.triangle);
+}
+
+std::string describe(const BodyPart& part, const std::string& name)
+{
+    return fmt::format("{} {} of '{}'", part.cell.side > 0 ? "cell" : "triangle", part_text(part), name);
+}
+
+/// One row per pair of parts that meet.
+void write_contacts(const World& world, OutputFile& file)
+{
+    CsvWriter csv(file, "part_a,part_b,kind,x0,y0,z0,x1,y1,z1,normal_a_x,normal_a_y,normal_a_z,normal_b_x,normal_b_y,"
+                        "normal_b_z");
+    for (const Contact& c : world.contacts(world.body_at(0), world.body_at(1))) {
+        csv.add(part_text(c.a), part_text(c.b), name_of(c.kind));
+        for (const Eigen::Vector3d& v : {c.ends[0], c.ends[1], c.normal_a, c.normal_b})
+            for (const double x : v) csv.add(Digits{x, 17});
+        csv.end_row();
+    }
+    file.commit();
+}
+
+std::string describe_distance(const Scene& scene, const World& world, double tolerance)
+{
+    const Distance d = world.distance(world.body_at(0), world.body_at(1), tolerance);
+    const std::string a = describe(d.a, printable(scene.label(SceneBodyId{0}))),
+                      b = describe(d.b, printable(scene.label(SceneBodyId{1})));
+    if (d.upper == 0) return fmt::format("distance: 0, {} meets {}.", a, b);
+    return fmt::format("distance: from {:.12g} to {:.12g} m (certified), between {} and {}.", d.lower, d.upper, a, b);
+}
+
+int check_pair(const CheckOptions& options)
+{
+    SettingsOptions chosen = options.settings;
+    // --max-error or --depth requests a bound; without them the pair is decided.
+    if (chosen["exact"].text.empty())
+        chosen["exact"].text = chosen["depth"].whole || chosen["max_error"].number ? "off" : "on";
+    Settings settings = settings_from(chosen);
+    if (options.distance && !(*options.distance >= 0))
+        throw Error(ErrorKind::usage,
+                    fmt::format("--distance: a tolerance of {}; must be 0 or more", *options.distance));
+    if (!options.contacts.empty() && settings.exact != ExactLevel::predicates)
+        throw Error(ErrorKind::usage,
+                    "--contacts: needs the exact level: leave out --max-error and --depth, or give --exact on");
+    settings.contact_kinds = settings.exact == ExactLevel::predicates;
+    // Both stages cull without a bound on the distance, and a single pair needs neither.
+    for (const StageId stage : {StageId::delimitation, StageId::broad}) settings.skip.insert(stage);
+    check_files({{"--json", options.json}, {"--contacts", options.contacts}}, {options.a, options.b});
+
+    std::optional<OutputFile> contacts;
+    if (!options.contacts.empty()) contacts.emplace(options.contacts);
+    show_reading(options.quiet);
+    const Scene scene = load_pair(options);
+    if (!options.quiet) print_warnings(scene);
+    Pipeline pipeline(scene, settings);
+    Report report(scene, pipeline, {.csv = false, .trace = false, .separate = true});
+    const FrameView frame = pipeline.step(scene);
+    report.add(frame);
+    const PairResult pair =
+        frame.pairs.empty()
+            ? PairResult{{Verdict::separate, ContactKind::unknown, settings.clearance}, StageId::bounds, {}, {}}
+            : frame.pairs.front();
+    std::ostream& said = options.json == "-" ? std::cerr : std::cout;
+    if (!options.quiet)
+        said << tinted_verdict(describe(scene, settings, pair), pair.verdict, options.json == "-") << "\n";
+    if (!options.quiet && options.distance)
+        said << describe_distance(scene, pipeline.world(), *options.distance) << "\n";
+    if (!options.json.empty()) report.write_json(options.json);
+    if (contacts) write_contacts(pipeline.world(), *contacts);
+    if (const int code = say_file_faults(pipeline.world())) return code;
+    return pair.verdict == Verdict::separate ? 0 : pair.verdict == Verdict::colliding ? 1 : 2;
+}
+
+} // namespace
+
+void add_check(Arguments app)
+{
+    Arguments sub = app.add_command("check", "Check whether two files collide");
+    auto options = std::make_shared<CheckOptions>();
+    sub.add_option("A", options->a,
+                   "mesh (OBJ, STL, PLY, OFF, glTF, COLLADA, 3MF, cooked; '-': standard input), OctoMap (.bt, .ot) or "
+                   "terrain (PGM, PNG, NumPy, GDAL's)")
+        .required()
+        .type_name("FILE");
+    sub.add_option("B", options->b, "the second body, in the same formats; may be the same file")
+        .required()
+        .type_name("FILE");
+    sub.add_option("--pose-a", options->pose_a, "pose of A, metres and unit quaternion (default: identity)")
+        .type_name("\"x y z qx qy qz qw\"");
+    sub.add_option("--pose-b", options->pose_b, "pose of B").type_name("\"x y z qx qy qz qw\"");
+    add_accuracy_options(sub, options->settings, "on, and off with --max-error or --depth");
+    add_cache_options(sub, options->cache);
+    sub.add_option("--json", options->json, "write the result as JSON; '-' is standard output").type_name("FILE");
+    sub.add_option(
+           "--contacts", options->contacts,
+           "write each pair of triangles or cells that meet, with its position and normals, as CSV; not with --exact "
+           "off")
+        .type_name("FILE.csv");
+    sub.add_option(
+           "--distance", options->distance,
+           "also print the distance of two meshes or terrains as two bounds that differ by at most M metres; 0: as "
+           "close as double precision allows")
+        .type_name("M");
+    sub.add_flag("--quiet", options->quiet, "print only errors; the exit code is the result");
+    sub.footer("Exit codes: 0 separate, 1 colliding, 2 within or undecided, 64 and above: error.\n"
+               "The pair is decided exactly, triangle by triangle. --max-error M, --depth D or --exact off requests a\n"
+               "certified bound instead: a pair that may touch is then 'within' that bound, and never 'colliding'.\n"
+               "Examples:\n"
+               "  oncollide check bunny.obj cow.obj --pose-b \"0.4 0 0 0 0 0 1\"\n"
+               "  oncollide check part.stl fixture.stl --clearance 0.002 --json -\n"
+               "  oncollide check arm.stl bench.stl --pose-b \"0 0 0.5 0 0 0 1\" --distance 0.001");
+    sub.action([options] { return check_pair(*options); });
+}
+
+} // namespace oncollide::tools

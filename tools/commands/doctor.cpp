@@ -1,0 +1,200 @@
+#include "cli/arguments.hpp"
+#include "cli/build_info.hpp"
+#include "cli/command.hpp"
+#include "cli/options.hpp"
+#include "cli/outputs.hpp"
+#include "cli/system.hpp"
+
+#include <cstdlib>
+#include <iostream>
+#include <memory>
+
+#include <Eigen/Core>
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/text/printable.hpp>
+#include <oncollide/base/threads/parallel.hpp>
+#include <oncollide/narrowphase/gl/gpu.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+/// The findings, one line per topic, for the terminal and for a report.
+class Findings {
+public:
+    void say(std::string_view topic, const std::string& what)
+    {
+        text_ += fmt::format("{:<14}{}\n", topic, printable(what));
+    }
+    const std::string& text() const { return text_; }
+
+private:
+    std::string text_;
+};
+
+std::string data(const std::string& option)
+{
+    try {
+        const std::filesystem::path folder = data_folder(option);
+        if (folder.empty()) return "none; scenes use generated stand-ins (set ONCOLLIDE_DATA or give --data)";
+        std::string missing;
+        for (const char* part : {"meshes", "octomap"})
+            if (!std::filesystem::is_directory(folder / part)) missing += fmt::format(", without {}/", part);
+        return folder.string() + missing;
+    } catch (const Error& error) {
+        return error.what();
+    }
+}
+
+/// Runs one pair of boxes that overlap and two that do not through the whole pipeline. "" if the results are right.
+std::string self_test(std::string& backend)
+{
+    try {
+        Scene scene;
+        const GeometryId box = scene.add("box", Box{{0.5, 0.5, 0.5}});
+        for (double x : {0.0, 0.9, 5.0}) {
+            BodyInit body{.name = fmt::format("box at {}", x), .geometry = box};
+            body.pose.translation().x() = x;
+            scene.add_body(body);
+        }
+        Settings settings;
+        settings.exact = ExactLevel::fcl;
+        Pipeline pipeline(scene, settings);
+        backend = pipeline.inspect().backend;
+        int colliding = 0;
+        for (const PairResult& pair : pipeline.step(scene).pairs) colliding += pair.verdict == Verdict::colliding;
+        return colliding == 1 ? "" : fmt::format("found {} colliding pairs; expected 1", colliding);
+    } catch (const Error& error) {
+        return error.what();
+    }
+}
+
+/// The version of a library that is loaded when a file first needs it.
+template <class Version>
+std::string loaded_library(const char* what, const char* file, Version version)
+{
+    void* const library = ::dlopen(file, RTLD_NOW | RTLD_LOCAL);
+    return library ? fmt::format("{} {}", what, version(library))
+                   : fmt::format("{}: this build can use {}, which is not installed", what, file);
+}
+
+/// Libraries that are optional at build time and at run time.
+void say_loaded_libraries([[maybe_unused]] Findings& found)
+{
+#ifdef ONCOLLIDE_HDF5_LIBRARY
+    found.say("HDF5 files", loaded_library("HDF5", ONCOLLIDE_HDF5_LIBRARY, [](void* library) {
+                  unsigned version[3]{};
+                  using Get = int (*)(unsigned*, unsigned*, unsigned*);
+                  if (const auto get = reinterpret_cast<Get>(::dlsym(library, "H5get_libversion")))
+                      get(&version[0], &version[1], &version[2]);
+                  return fmt::format("{}.{}.{}", version[0], version[1], version[2]);
+              }));
+#else
+    found.say("HDF5 files", "left out of this build (ONCOLLIDE_HDF5=OFF)");
+#endif
+#ifdef ONCOLLIDE_GDAL_LIBRARY
+    found.say("GeoTIFF files", loaded_library("GDAL", ONCOLLIDE_GDAL_LIBRARY, [](void* library) {
+                  using Get = const char* (*)(const char*);
+                  const auto get = reinterpret_cast<Get>(::dlsym(library, "GDALVersionInfo"));
+                  return std::string(get ? get("RELEASE_NAME") : "of an unknown version");
+              }));
+#else
+    found.say("GeoTIFF files", "left out of this build (ONCOLLIDE_GDAL=OFF)");
+#endif
+}
+
+/// Opens every device: only an open device reports its renderer.
+void say_gpus(Findings& found)
+{
+    try {
+        const std::vector<GpuDevice> devices = gpu_devices();
+        for (std::size_t i = 0; i < devices.size(); ++i) {
+            std::string answer;
+            try {
+                const GpuInfo info = describe_gpu(int(i));
+                answer = fmt::format("{}{}; OpenGL {}; context in {:.0f} ms", info.renderer,
+                                     info.software ? " (software: slower than --backend cpu)" : "", info.version,
+                                     info.start_ms);
+            } catch (const Error& error) {
+                answer = fmt::format("cannot be used: {}", error.what());
+            }
+            found.say(fmt::format("GPU {}", i), fmt::format("{}: {}", devices[i].platform, answer));
+        }
+    } catch (const Error& error) {
+        found.say("GPU", error.what());
+    }
+}
+
+/// Further lines for a bug report. They list only those variables of the environment that affect the program.
+void say_surroundings(Findings& found)
+{
+    found.say("flags", build_flags());
+    found.say("system", system_name());
+    found.say("memory", fmt::format("{:.1f} GB", double(system_memory()) / 1e9));
+    for (const char* name : {"ONCOLLIDE_DATA", "ONCOLLIDE_ISA", "ONCOLLIDE_LOG", "OMP_NUM_THREADS", "OMP_WAIT_POLICY",
+                             "EGL_PLATFORM", "__EGL_VENDOR_LIBRARY_FILENAMES", "LIBGL_ALWAYS_SOFTWARE",
+                             "MESA_LOADER_DRIVER_OVERRIDE", "LD_LIBRARY_PATH", "LD_PRELOAD", "LANG", "LC_ALL"})
+        if (const char* const value = std::getenv(name)) found.say("environment", fmt::format("{}={}", name, value));
+}
+
+struct DoctorOptions {
+    std::string data, report;
+};
+
+int doctor(const DoctorOptions& options)
+{
+    check_files({{"--report", options.report}});
+    std::string backend = "none";
+    const std::string fault = self_test(backend);
+    Findings found;
+    const auto say = [&](std::string_view topic, const std::string& what) { found.say(topic, what); };
+    say("oncollide", std::string(version));
+    say("build", build_text());
+    const std::string without = parts_left_out();
+    say("parts", parts_built() + (without.empty() ? "" : "; without " + without));
+    say("processor", processor_name());
+    say("instructions", fmt::format("{}; backend: {}", instruction_sets_text(), backend));
+    say_gpus(found);
+    say("threads", fmt::format("{} usable", hardware_threads()));
+    say("data", data(options.data));
+    const std::string expat = *ONCOLLIDE_EXPAT_VERSION ? ", Expat " ONCOLLIDE_EXPAT_VERSION : "";
+    say("libraries",
+        fmt::format("Eigen {}.{}.{}, FCL {}, OctoMap {}, Qhull {}, fmt {}.{}.{}, JSON {}, CLI11 {}, libpng {}{}",
+                    EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, ONCOLLIDE_FCL_VERSION,
+                    ONCOLLIDE_OCTOMAP_VERSION, ONCOLLIDE_QHULL_VERSION, FMT_VERSION / 10000, FMT_VERSION / 100 % 100,
+                    FMT_VERSION % 100, ONCOLLIDE_JSON_VERSION, ONCOLLIDE_CLI11_VERSION, ONCOLLIDE_PNG_VERSION, expat));
+    say_loaded_libraries(found);
+    say("self-test", fault.empty() ? "passed" : "FAILED: " + fault);
+    std::cout << found.text();
+    if (!options.report.empty()) {
+        say_surroundings(found);
+        OutputFile file(options.report);
+        file.write(found.text());
+        file.commit();
+        if (options.report != "-")
+            std::cout << fmt::format(
+                "\nWritten to {}. Check its contents, then attach it to your bug report together with the command "
+                "and its output.\n",
+                printable(options.report));
+    }
+    return fault.empty() ? 0 : int(ErrorKind::internal);
+}
+
+} // namespace
+
+void add_doctor(Arguments app)
+{
+    Arguments sub = app.add_command("doctor", "List the capabilities of this machine and this build");
+    auto options = std::make_shared<DoctorOptions>();
+    sub.add_option("--data", options->data, "data folder to check").type_name("DIR");
+    sub.add_option("--report", options->report,
+                   "also write the findings, the system and the relevant environment variables to a file, for a bug "
+                   "report")
+        .type_name("FILE");
+    sub.action([options] { return doctor(*options); });
+}
+
+} // namespace oncollide::tools
