@@ -108,6 +108,7 @@ void Report::add_sums(const FrameView& frame)
     trees_.rounds += trees.rounds, trees_.rows += trees.rows;
     trees_.node_pairs += trees.node_pairs, trees_.triangle_pairs += trees.triangle_pairs;
     trees_.unsure_pairs += trees.unsure_pairs;
+    trees_.kept += trees.kept;
     trees_.narrowed += trees.narrowed, trees_.by_gap += trees.by_gap, trees_.by_hull += trees.by_hull,
         trees_.by_balls += trees.by_balls, trees_.by_witness += trees.by_witness;
     trees_.collapsed += trees.collapsed, trees_.refused += trees.refused;
@@ -171,11 +172,11 @@ void Report::write_header(JsonWriter& json) const
         [&] { write_counts(json, kind_order, kinds()); });
     json.line(2), json.key("trees");
     json.object("rounds", trees_.rounds, "rows", trees_.rows, "node_pairs", trees_.node_pairs, "triangle_pairs",
-                trees_.triangle_pairs, "unsure_pairs", trees_.unsure_pairs, "narrowed", trees_.narrowed, "by_gap",
-                trees_.by_gap, "by_hull", trees_.by_hull, "by_balls", trees_.by_balls, "by_witness", trees_.by_witness,
-                "collapsed", trees_.collapsed, "refused", trees_.refused, "queries", trees_.queries, "gpu_bytes",
-                trees_.gpu_bytes, "repeats", trees_.repeats, "nodes", trees_.nodes, "bytes", trees_.bytes, "peak_nodes",
-                peak_nodes_, "peak_bytes", peak_bytes_);
+                trees_.triangle_pairs, "unsure_pairs", trees_.unsure_pairs, "kept", trees_.kept, "narrowed",
+                trees_.narrowed, "by_gap", trees_.by_gap, "by_hull", trees_.by_hull, "by_balls", trees_.by_balls,
+                "by_witness", trees_.by_witness, "collapsed", trees_.collapsed, "refused", trees_.refused, "queries",
+                trees_.queries, "gpu_bytes", trees_.gpu_bytes, "repeats", trees_.repeats, "nodes", trees_.nodes,
+                "bytes", trees_.bytes, "peak_nodes", peak_nodes_, "peak_bytes", peak_bytes_);
     json.end_object();
 }
 

@@ -110,6 +110,8 @@ void Report::print_table(std::ostream& out) const
             grouped(trees_.narrowed), grouped(trees_.by_gap), grouped(trees_.by_hull), grouped(trees_.by_balls),
             grouped(trees_.by_witness),
             grouped(trees_.narrowed - trees_.by_gap - trees_.by_hull - trees_.by_balls - trees_.by_witness));
+    if (trees_.kept)
+        text += fmt::format("at rest    {} pairs kept the result of the last frame\n", grouped(trees_.kept));
     text += fmt::format("trees      {} cells requested in {} rounds; at the end {} cells, {}", grouped(trees_.rows),
                         grouped(trees_.rounds), grouped(trees_.nodes), bytes_text(trees_.bytes));
     text += trees_.refused ? fmt::format("; {} cells refused by a budget\n", grouped(trees_.refused)) : "\n";

@@ -89,9 +89,9 @@ certified upper bound; colliding: 0).)")
             [](const FrameResult& f) {
                 const TreeStats& t = f.trees;
                 return py::dict("rounds"_a = t.rounds, "rows"_a = t.rows, "node_pairs"_a = t.node_pairs,
-                                "triangle_pairs"_a = t.triangle_pairs, "narrowed"_a = t.narrowed, "by_gap"_a = t.by_gap,
-                                "by_witness"_a = t.by_witness, "nodes"_a = t.nodes, "collapsed"_a = t.collapsed,
-                                "refused"_a = t.refused, "bytes"_a = t.bytes);
+                                "triangle_pairs"_a = t.triangle_pairs, "kept"_a = t.kept, "narrowed"_a = t.narrowed,
+                                "by_gap"_a = t.by_gap, "by_witness"_a = t.by_witness, "nodes"_a = t.nodes,
+                                "collapsed"_a = t.collapsed, "refused"_a = t.refused, "bytes"_a = t.bytes);
             },
             "Counts of refinement (dict).")
         .def("__repr__", [](const FrameResult& f) {
