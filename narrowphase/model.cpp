@@ -182,8 +182,8 @@ std::string Model::validate(std::size_t most) const
         if (!fault.empty() || !tree || size > most) return;
         if (fault = tree->validate(); !fault.empty()) fault = geometry_->name + ": " + name + ": " + fault;
     };
-    look_at(spheres, spheres ? spheres->size() : 0, "sphere-tree");
-    look_at(obb_tree, obb_tree ? obb_tree->nodes() : 0, "OBB tree");
+    look_at(spheres_, spheres_ ? spheres_->size() : 0, "sphere-tree");
+    look_at(obb_tree_, obb_tree_ ? obb_tree_->nodes() : 0, "OBB tree");
     look_at(heights_, terrain() ? terrain()->cells() : 0, "terrain tree");
     return fault;
 }

@@ -1,4 +1,4 @@
-// The stages that decide pairs: ocst, exact.
+// The stages that decide pairs: refine, exact.
 #include <algorithm>
 
 #include <oncollide/pipeline/refine/narrowing.hpp>
