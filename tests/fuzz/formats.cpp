@@ -81,7 +81,8 @@ void check(const Scene& scene)
 void load_tiles(const fs::path& file)
 {
     Scene scene;
-    add_tiles(scene, "tiles", file, {}, {.on_demand = true});
+    SceneBuilder builder(scene);
+    add_tiles(builder, "tiles", file, {}, {.on_demand = true});
     check(scene);
     for (const Geometry& geometry : scene.geometries) {
         const auto& tile = std::get<std::shared_ptr<const CookedMesh>>(geometry.data);

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
+#include <oncollide/pipeline/models/model_store.hpp>
 #include <oncollide/samples/generators.hpp>
 
 #include "random_pose.hpp"
@@ -14,22 +15,21 @@
 namespace oncollide {
 namespace {
 
-/// One model of each kind, by kind, with its trees.
-std::vector<std::unique_ptr<Model>> one_of_each_kind()
+/// One model of each kind, by kind, with its trees, which the store owns.
+std::vector<Model*> one_of_each_kind(ModelStore& store)
 {
     TerrainGrid grid{.columns = 4, .rows = 4};
     grid.spacing = {0.5, 0.5}, grid.origin = {-0.75, -0.75, 0};
     const std::vector<double> heights{0, 0.25, 0, 0.5, 0.25, 0.75, 0.25, 0, 0, 0.25, 0.5, 0.25, 0.5, 0, 0, 0.25};
-    std::vector<std::unique_ptr<Model>> models;
-    static BoxTotals totals;
+    std::vector<Model*> models;
     for (GeometryData data : std::initializer_list<GeometryData>{
              make_torus_knot_mesh(2, 3, 0.5, 0.2, 0.08, 200), make_terrain("hills", grid, heights),
              make_building_map(1, 0.5, 3), Shape(Box{{0.25, 0.5, 0.375}}), Shape(Capsule{0.25, 0.5}),
              Shape(HalfSpace{})}) {
-        auto model = std::make_unique<Model>(std::make_shared<const Geometry>(Geometry{{}, std::move(data), {}}));
-        EXPECT_EQ(std::size_t(model->kind()), models.size());
-        if (model->has_triangles()) model->make_obb_tree(nullptr, totals);
-        models.push_back(std::move(model));
+        Model& model = store[store.add(std::make_shared<const Geometry>(Geometry{{}, std::move(data), {}}))];
+        EXPECT_EQ(std::size_t(model.kind()), models.size());
+        if (model.has_triangles()) store.obb_tree(model, 0);
+        models.push_back(&model);
     }
     return models;
 }
@@ -51,15 +51,17 @@ TEST(PairTests, HaveATestForAllPairsOfKinds)
 
 TEST(PairTests, AgreeInBothOrders)
 {
-    const auto models = one_of_each_kind();
+    const Settings settings;
+    ModelStore store(settings, make_cpu_backend());
+    const auto models = one_of_each_kind(store);
     PairWorker worker;
     int colliding = 0, separate = 0;
     for (std::uint64_t seed = 0; seed < 12; ++seed)
-        for (const auto& a : models)
-            for (const auto& b : models) {
+        for (Model* a : models)
+            for (Model* b : models) {
                 SCOPED_TRACE(testing::Message() << int(a->kind()) << " " << int(b->kind()) << " at " << seed);
                 const Eigen::Isometry3d pose_a = random_pose(2 * seed, 0.5), pose_b = random_pose(2 * seed + 1, 2.5);
-                const PairTask task{0, a.get(), b.get(), &pose_a, &pose_b}, back{0, b.get(), a.get(), &pose_b, &pose_a};
+                const PairTask task{0, a, b, &pose_a, &pose_b}, back{0, b, a, &pose_b, &pose_a};
                 const Finding found = tests_for(task).decide(worker, task, {}, nullptr);
                 EXPECT_EQ(found.verdict, tests_for(back).decide(worker, back, {}, nullptr).verdict);
                 ++(found.verdict == Verdict::colliding ? colliding : separate);
