@@ -18,8 +18,8 @@
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 #include <oncollide/scenes/files/tile_index.hpp>
-#include <oncollide/scenes/scene_builder.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
+#include <oncollide/scenes/scene_builder.hpp>
 
 namespace oncollide::test {
 

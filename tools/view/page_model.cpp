@@ -138,7 +138,7 @@ Mesh shown_mesh(const Scene& scene, const Geometry& geometry, std::uint64_t most
     return drawn_mesh(std::get<Shape>(geometry.data), scene);
 }
 
-std::string_view kind_of(const GeometryData& data)
+std::string_view kind_in_page(const GeometryData& data)
 {
     constexpr std::string_view kinds[] = {"mesh", "shape", "map", "terrain"};
     return kinds[data.index()];
@@ -174,7 +174,7 @@ PageModel make_page_model(const Scene& scene, GeometryId id, std::uint64_t most)
 {
     const Geometry& geometry = scene.geometries[index(id)];
     PageModel model;
-    model.kind = kind_of(geometry.data), model.triangles = triangles_of(geometry);
+    model.kind = kind_in_page(geometry.data), model.triangles = triangles_of(geometry);
     bool exactly = true;
     if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) {
         model.box = mesh->bounds;
