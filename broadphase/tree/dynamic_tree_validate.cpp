@@ -32,7 +32,7 @@ std::string DynamicTree::fault_of_pairs(const BodyColumns& columns) const
 {
     for (const std::vector<BodyPair>* list : {&pairs_, &near_})
         for (std::size_t k = 0; k < list->size(); ++k) {
-            const auto [a, b] = (*list)[k];
+            const std::uint32_t a = (*list)[k].a, b = (*list)[k].b;
             const auto fault = [&](const char* what) { return fmt::format("pair ({}, {}): {}", a, b, what); };
             if (a >= b || (k > 0 && !((*list)[k - 1] < BodyPair{a, b}))) return fault("is not in order");
             if (!contains(a) || !contains(b)) return fault("one of its bodies is absent");

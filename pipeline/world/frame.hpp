@@ -48,9 +48,10 @@ struct Frame {
     PairCache cache;                             ///< of the candidates
     std::vector<PairResult> results;             ///< one per pair, in the same order
     std::vector<PairResult> last_results;
-    std::vector<std::uint32_t> open; ///< pairs to be decided: the others keep their result of the last frame
-    KeptCounts kept;                 ///< of the others
-    bool keeps = false;              ///< the last frame ended, and no budget lets results depend on other pairs
+    std::vector<std::uint32_t> open;     ///< pairs to be decided; the others are at rest and keep their last result
+    std::vector<std::uint32_t> retested; ///< without coherence, pairs at rest: tested, but without their memory
+    KeptCounts kept;                     ///< pairs at rest that are not tested
+    bool keeps = false;                  ///< the last frame ended, and no budget lets results depend on other pairs
 
     /// The result of pair `i` in the last frame if nothing changed since; null: something did, or it was undecided.
     const PairResult* last_result(std::size_t i) const

@@ -25,23 +25,24 @@ public:
     {
     }
 
-    /// Removes all tasks and reserves room for `room`.
-    void clear(std::size_t room)
+    /// Decides the open pairs whose result `wanted` selects. Without coherence, also pairs at rest, without their
+    /// memory, which must stay as if they had not been tested.
+    void run(const Bodies& bodies, Frame& frame, StageStats& stats, auto wanted)
+    {
+        decide(bodies, frame, frame.open, &frame.cache, stats, wanted);
+        if (!frame.retested.empty()) decide(bodies, frame, frame.retested, nullptr, stats, wanted);
+    }
+
+private:
+    void decide(const Bodies& bodies, Frame& frame, std::span<const std::uint32_t> pairs, PairCache* cache,
+                StageStats& stats, auto wanted)
     {
         tasks_.clear(), refined_.clear();
-        tasks_.reserve(room), refined_.reserve(room);
-    }
-    void add(const Bodies& bodies, const PairResult& result, std::uint32_t number)
-    {
-        const std::uint32_t a = result.a.slot, b = result.b.slot;
-        tasks_.push_back({number, &bodies.model(a), &bodies.model(b), &bodies.pose(a), &bodies.pose(b),
-                          bodies.travel(a) + bodies.travel(b)});
-        refined_.push_back(result);
-    }
-    void run(Frame& frame, StageStats& stats)
-    {
-        level_.run(frame.context, tasks_, &frame.cache, refined_);
-        stats.in = tasks_.size();
+        tasks_.reserve(pairs.size()), refined_.reserve(pairs.size());
+        for (const std::uint32_t i : pairs)
+            if (wanted(frame.results[i])) add(bodies, frame.results[i], i);
+        level_.run(frame.context, tasks_, cache, refined_);
+        stats.in += tasks_.size();
         for (std::size_t i = 0; i < tasks_.size(); ++i) {
             PairResult& result = frame.results[tasks_[i].number];
             const Finding& refined = refined_[i];
@@ -53,8 +54,14 @@ public:
             stats.out += refined.verdict != Verdict::separate;
         }
     }
+    void add(const Bodies& bodies, const PairResult& result, std::uint32_t number)
+    {
+        const std::uint32_t a = result.a.slot, b = result.b.slot;
+        tasks_.push_back({number, &bodies.model(a), &bodies.model(b), &bodies.pose(a), &bodies.pose(b),
+                          bodies.travel(a) + bodies.travel(b)});
+        refined_.push_back(result);
+    }
 
-private:
     Narrowing level_;
     StageId stage_;
     std::vector<PairTask> tasks_;
@@ -78,9 +85,7 @@ public:
     void run(Bodies& bodies, Frame& frame, StageStats& stats) override
     {
         begin(bodies, frame);
-        level_.clear(frame.open.size());
-        for (const std::uint32_t i : frame.open) level_.add(bodies, frame.results[i], i);
-        level_.run(frame, stats);
+        level_.run(bodies, frame, stats, [](const PairResult&) { return true; });
         stats.in += frame.kept.pairs, stats.out += frame.kept.left_by_refine;
         for (const Round& round : frame.context.rounds) stats.gpu_ms += round.gpu_ms, stats.wait_ms += round.wait_ms;
     }
@@ -100,7 +105,7 @@ private:
         frame.cache.begin_frame(frame.pairs, frame.fresh_slots.empty() ? none : fresh);
         frame.results.swap(frame.last_results);
         frame.results.clear(), frame.results.reserve(frame.pairs.size());
-        frame.open.clear(), frame.kept = {};
+        frame.open.clear(), frame.retested.clear(), frame.kept = {};
         constexpr std::size_t ahead = 8;
         for (std::size_t i = 0; i < frame.pairs.size(); ++i) {
             if (i + ahead < frame.pairs.size()) {
@@ -109,12 +114,13 @@ private:
                 if (later.a != frame.pairs[i + ahead - 1].a) bodies.prefetch(later.a);
             }
             const BodyPair pair = frame.pairs[i];
-            if (const PairResult* last = frame.settings.coherence ? frame.last_result(i) : nullptr) {
+            const PairResult* const last = frame.last_result(i);
+            if (last && frame.settings.coherence) {
                 frame.results.push_back(*last);
                 frame.kept.add(*last);
             } else {
                 frame.results.push_back(undecided(bodies, pair));
-                frame.open.push_back(static_cast<std::uint32_t>(i));
+                (last ? frame.retested : frame.open).push_back(static_cast<std::uint32_t>(i));
             }
         }
         frame.context.trees.kept = frame.kept.pairs;
@@ -136,11 +142,7 @@ public:
 
     void run(Bodies& bodies, Frame& frame, StageStats& stats) override
     {
-        const auto open = [&](std::uint32_t i) { return is_open(frame.results[i].verdict); };
-        level_.clear(static_cast<std::size_t>(std::ranges::count_if(frame.open, open)));
-        for (const std::uint32_t i : frame.open)
-            if (open(i)) level_.add(bodies, frame.results[i], i);
-        level_.run(frame, stats);
+        level_.run(bodies, frame, stats, [](const PairResult& result) { return is_open(result.verdict); });
         stats.in += frame.kept.exact, stats.out += frame.kept.left_by_exact;
     }
 

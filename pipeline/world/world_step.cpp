@@ -149,6 +149,7 @@ void World::Impl::take_in_changes()
 void World::set_pair_filter(PairFilter filter)
 {
     impl().frame.filter = std::move(filter);
+    impl().frame.same_bodies = false;
 }
 
 FrameView World::step()

@@ -455,7 +455,9 @@ TEST(World, RunsItsLoopsOnTheExecutorOfItsSettings)
         world.add_bodies(bodies, ids);
         QueryHits hits;
         world.query(queries, hits);
-        const std::uint64_t hash = (world.step(), world.step().hash);
+        world.step();
+        world.set_pose(ids[0], at(0.5, 0));
+        const std::uint64_t hash = world.step().hash;
         return std::pair(hash, hits.hits.size());
     };
     const auto alone = run({.depth = 4}), spread = run({.depth = 4, .threads = 0, .executor = &executor});

@@ -23,7 +23,8 @@ SceneTruth::SceneTruth(const Scene& scene, const Settings& request)
     apart_.distance.low = request.clearance * (1 + 0x1p-15); // near_bodies() adds more
     for (const GeometryId used : scene.geometry)
         if (std::unique_ptr<TruthModel>& model = models_[index(used)]; !model)
-            model = std::make_unique<TruthModel>(scene.geometries[index(used)].data, request.mode == Mode::solid);
+            model = std::make_unique<TruthModel>(scene.geometries[index(used)].data,
+                                                 request.mode == Mode::solid || wants_kinds(request));
 }
 
 SceneTruth::~SceneTruth() = default;
