@@ -148,7 +148,7 @@ SceneBodyId read_body_reference(const Node& node, const SceneBuilder& scene)
 
 void read_excluded(SceneBuilder& scene, const Node& list)
 {
-    if (list.size() == 0) return; // size() refuses anything but a list
+    if (list.size() == 0) return; // size() throws for any other kind of node
     for (const Node& pair : list) {
         if (pair.size() != 2) pair.fail(fmt::format("has {} bodies, must have two", pair.size()));
         const SceneBodyId a = read_body_reference(pair[0], scene), b = read_body_reference(pair[1], scene);
