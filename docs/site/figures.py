@@ -426,7 +426,7 @@ def world():
         name = "`--skip refinement`: boxes alone" if skip else "`--exact on`" if exact != "off" else "1 % of the smaller body"
         of = {(r["change"], r["count"]): float(r["changes_ms"]) + float(r["step_ms"]) for r in rows
               if (r["refined_by"], r["exact"], r["skip"]) == (refined, exact, skip)}
-        out.append([name] + [f"{of[c]:,.0f}" for c in columns])
+        out.append([name] + ["below 0.001" if of[c] < 0.001 else f"{of[c]:,.0f}" for c in columns])
     return table([""] + [titles[c].format(number(n), number(n)) for c, n in columns], out)
 
 

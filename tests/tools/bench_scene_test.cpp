@@ -24,6 +24,17 @@ TEST_F(CommandLine, BenchManyFindsTheContactsThatFclFinds)
     EXPECT_NE(outcome.out.find("bytes per triangle"), std::string::npos);
 }
 
+TEST_F(CommandLine, BenchWorldEndsWithTheResultsOfANewWorld)
+{
+    const Outcome outcome = run(
+        {"bench", "world", "--bodies", "300", "--changes", "9", "--frames", "2", "--exact", "on", "--csv", "w.csv"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("results    same as of a newly made World"), std::string::npos) << outcome.out;
+    const auto rows = read_csv(folder_.read("w.csv"));
+    ASSERT_EQ(rows.size(), 4u);
+    EXPECT_LT(std::stod(rows[0].at("step_ms")), std::stod(rows[3].at("step_ms")));
+}
+
 TEST_F(CommandLine, BenchSceneSumsUpARaceInOneRow)
 {
     expect_error(64, {"bench", "scene", "tiles", "--cache", "cache"}, {"--cache", "--only oncollide"});

@@ -26,9 +26,9 @@ public:
         : scene_(make_scene("many", {.bodies = bodies, .frames = {}, .seed = options.seed, .data = {}})),
           world_(options.settings)
     {
-        add_models(world_);
+        models_ = add_models(world_);
         std::vector<BodySpec> specs;
-        for (std::size_t i = 0; i < scene_.size(); ++i) specs.push_back(spec_of(i));
+        for (std::size_t i = 0; i < scene_.size(); ++i) specs.push_back(spec_of(models_, i));
         ids_.resize(specs.size());
         world_.add_bodies(specs, ids_);
     }
@@ -54,7 +54,7 @@ public:
         some_ids_.clear(), some_specs_.clear();
         for (const std::size_t i : chosen) {
             some_ids_.push_back(ids_[i]);
-            some_specs_.push_back(spec_of(i));
+            some_specs_.push_back(spec_of(models_, i));
             some_specs_.back().pose = scene_.poses[place()];
         }
         world_.remove_bodies(some_ids_);
@@ -79,9 +79,9 @@ public:
     bool is_as_made_anew()
     {
         World fresh(world_.settings());
-        add_models(fresh);
+        const std::vector<ModelId> models = add_models(fresh);
         for (std::size_t i = 0; i < ids_.size(); ++i) {
-            BodySpec spec = spec_of(i);
+            BodySpec spec = spec_of(models, i);
             spec.pose = world_.pose(ids_[i]);
             fresh.add_body(spec);
         }
@@ -92,18 +92,24 @@ public:
     std::vector<ModelQuery> queries(std::size_t count)
     {
         std::vector<ModelQuery> queries;
-        for (std::size_t i = 0; i < count; ++i) queries.push_back({model_of(i % size()), scene_.poses[place()]});
+        for (std::size_t i = 0; i < count; ++i)
+            queries.push_back({models_[index(scene_.geometry[i % size()])], scene_.poses[place()]});
         return queries;
     }
 
 private:
-    /// Adds the scene's geometries in order: in a World without models their ids equal their numbers.
-    void add_models(World& world) const
+    /// The models of the scene's geometries, by number.
+    std::vector<ModelId> add_models(World& world) const
     {
-        for (std::size_t g = 0; g < scene_.geometries.size(); ++g) world.add(scene_.geometries.share(g));
+        std::vector<ModelId> models;
+        for (std::size_t g = 0; g < scene_.geometries.size(); ++g)
+            models.push_back(world.add(scene_.geometries.share(g)));
+        return models;
     }
-    ModelId model_of(std::size_t i) const { return {index(scene_.geometry[i])}; }
-    BodySpec spec_of(std::size_t i) const { return {.model = model_of(i), .pose = scene_.poses[i], .user = i}; }
+    BodySpec spec_of(std::span<const ModelId> models, std::size_t i) const
+    {
+        return {.model = models[index(scene_.geometry[i])], .pose = scene_.poses[i], .user = i};
+    }
     std::size_t place() { return std::size_t(u01(7, draws_++, 0) * double(size())); }
     /// The next `count` bodies in rotation.
     std::vector<std::size_t> pick(std::size_t count)
@@ -117,6 +123,7 @@ private:
 
     Scene scene_;
     World world_;
+    std::vector<ModelId> models_;
     std::vector<BodyId> ids_, some_ids_;
     std::vector<Eigen::Isometry3d> some_poses_;
     std::vector<BodySpec> some_specs_;
