@@ -30,9 +30,7 @@ TEST_F(CommandLine, BenchWorldEndsWithTheResultsOfANewWorld)
         {"bench", "world", "--bodies", "300", "--changes", "9", "--frames", "2", "--exact", "on", "--csv", "w.csv"});
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_NE(outcome.out.find("results    same as of a newly made World"), std::string::npos) << outcome.out;
-    const auto rows = read_csv(folder_.read("w.csv"));
-    ASSERT_EQ(rows.size(), 4u);
-    EXPECT_LT(std::stod(rows[0].at("step_ms")), std::stod(rows[3].at("step_ms")));
+    EXPECT_EQ(read_csv(folder_.read("w.csv")).size(), 4u);
 }
 
 TEST_F(CommandLine, BenchSceneSumsUpARaceInOneRow)
