@@ -26,7 +26,7 @@ enum class SettingForm : std::uint8_t {
 struct SettingRow {
     std::string_view member;     ///< in C++ and Python
     std::string_view key;        ///< in JSON
-    std::string_view options;    ///< on the command line, older spellings last; an option "--no-..." clears a flag
+    std::string_view options;    ///< on the command line, older spellings last
     std::string_view group;      ///< heading of the option in --help
     std::string_view value;      ///< value of the option in --help; empty for a flag
     std::string_view help;       ///< without a full stop
@@ -38,6 +38,11 @@ struct SettingRow {
     std::string (*get)(const Settings&); ///< JSON text
     /// Throws nlohmann::json::exception for a value of another type, Error{usage} for an unknown name.
     void (*set)(Settings&, const nlohmann::json&);
+
+    /// The spelling of the option that is not an older one.
+    std::string_view option() const { return options.substr(0, options.find(',')); }
+    /// True if the option of a flag clears the flag.
+    bool option_clears() const { return options.starts_with("--no-"); }
 };
 std::span<const SettingRow> settings_table();
 

@@ -20,6 +20,29 @@ struct KeptCounts {
     }
 };
 
+/// Bodies by slot. Cost of clear(): of the bodies in it.
+class SlotSet {
+public:
+    void resize(std::size_t slots) { marks_.resize(slots); }
+    void add(std::span<const std::uint32_t> slots)
+    {
+        for (const std::uint32_t slot : slots)
+            if (!marks_[slot]) marks_[slot] = 1, slots_.push_back(slot);
+    }
+    void clear()
+    {
+        for (const std::uint32_t slot : slots_) marks_[slot] = 0;
+        slots_.clear();
+    }
+    bool contains(std::uint32_t slot) const { return marks_[slot]; }
+    /// By slot: 1 for a body in it. Empty if there is none.
+    std::span<const std::uint8_t> marks() const { return slots_.empty() ? std::span<const std::uint8_t>{} : marks_; }
+
+private:
+    std::vector<std::uint8_t> marks_;
+    std::vector<std::uint32_t> slots_;
+};
+
 /// Data that stages pass on: columns, kept between frames so that a warm frame allocates no memory.
 /// Column: written by -> read by
 ///   whole: World -> broad
@@ -31,13 +54,10 @@ struct Frame {
     const Settings& settings;
     std::uint32_t number = 0; ///< frames since the World was made
 
-    BodyChanges changes;                         ///< as of this frame
-    std::vector<std::uint8_t> fresh;             ///< by slot: true if since the last frame the body is new or its
-                                                 ///< geometry changed
-    std::vector<std::uint32_t> fresh_slots;      ///< the slots with fresh[slot] set
-    std::vector<std::uint8_t> changed;           ///< by slot: true if since the last frame the body is fresh, or its
-                                                 ///< pose or its filter changed
-    std::vector<std::uint32_t> changed_slots;    ///< the slots with changed[slot] set
+    BodyChanges changes; ///< as of this frame
+    // Since the last frame:
+    SlotSet fresh;                               ///< bodies that are new or have a new geometry
+    SlotSet changed;                             ///< these, and bodies with another pose or filter
     bool same_bodies = false;                    ///< since the last frame no body, filter or exclusion changed
     std::uint64_t exclusions_version = 0;        ///< as of this frame
     std::size_t moved = 0;                       ///< bodies that moved since the last frame
@@ -57,7 +77,7 @@ struct Frame {
     const PairResult* last_result(std::size_t i) const
     {
         const std::uint32_t earlier = keeps ? cache.earlier(i) : PairCache::none;
-        if (earlier == PairCache::none || changed[pairs[i].a] || changed[pairs[i].b]) return nullptr;
+        if (earlier == PairCache::none || changed.contains(pairs[i].a) || changed.contains(pairs[i].b)) return nullptr;
         const PairResult& last = last_results[earlier];
         return last.verdict == Verdict::undecided ? nullptr : &last;
     }

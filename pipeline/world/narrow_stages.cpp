@@ -101,8 +101,7 @@ private:
     /// boxes. An undecided pair is tried again.
     static void begin(const Bodies& bodies, Frame& frame)
     {
-        const std::span<const std::uint8_t> none, fresh = frame.fresh;
-        frame.cache.begin_frame(frame.pairs, frame.fresh_slots.empty() ? none : fresh);
+        frame.cache.begin_frame(frame.pairs, frame.fresh.marks());
         frame.results.swap(frame.last_results);
         frame.results.clear(), frame.results.reserve(frame.pairs.size());
         frame.open.clear(), frame.retested.clear(), frame.kept = {};

@@ -22,7 +22,7 @@ struct World::Impl {
     std::vector<std::unique_ptr<Stage>> stages;
     std::vector<std::uint8_t> skipped;            ///< by stage: skipped by request
     std::vector<StageStats> stats, totals, blank; ///< blank: initial values of a frame
-    MotionForecast courses;
+    MotionForecast forecast;
     std::vector<PairOfBodies> active, last_active, began, ended; ///< active: not separate in the last frame
     std::string backend_note;
     std::uint64_t hash = 0, frame_hash = 0; ///< of all frames; of the last frame

@@ -130,13 +130,8 @@ void World::Impl::take_in_changes()
 {
     BodyChanges& changes = frame.changes;
     bodies.take_changes(changes);
-    frame.fresh.resize(bodies.slots());
-    for (std::uint32_t slot : changes.fresh)
-        if (!frame.fresh[slot]) frame.fresh[slot] = 1, frame.fresh_slots.push_back(slot);
-    frame.changed.resize(bodies.slots());
-    for (const auto* slots : {&changes.fresh, &changes.moved})
-        for (std::uint32_t slot : *slots)
-            if (!frame.changed[slot]) frame.changed[slot] = 1, frame.changed_slots.push_back(slot);
+    frame.fresh.resize(bodies.slots()), frame.changed.resize(bodies.slots());
+    frame.fresh.add(changes.fresh), frame.changed.add(changes.fresh), frame.changed.add(changes.moved);
     frame.same_bodies &= changes.empty() && frame.exclusions_version == bodies.exclusions_version();
     frame.exclusions_version = bodies.exclusions_version();
     frame.moved += changes.added_dynamic.size() + changes.moved.size();
@@ -169,21 +164,19 @@ FrameView World::step()
     } else {
         try {
             p.run_stages();
+            if (!p.settings.coherence) keep_bounds(frame);
+            p.find_events();
+            p.look_ahead();
+            p.frame_hash = hash_of(frame.results, wants_kinds(p.settings));
         } catch (...) {
             frame.keeps = false; // some results are of this frame
             throw;
         }
-        if (!p.settings.coherence) keep_bounds(frame);
-        p.find_events();
-        p.look_ahead();
-        p.frame_hash = hash_of(frame.results, wants_kinds(p.settings));
     }
     ONCOLLIDE_ASSERT_VALID(p.validate());
     frame.keeps = !p.settings.node_budget && !p.settings.memory_budget && !p.settings.resident_budget;
     for (std::size_t i = 0; i < p.stages.size(); ++i) add_to(p.totals[i], p.stats[i]);
-    for (std::uint32_t slot : frame.fresh_slots) frame.fresh[slot] = 0;
-    for (std::uint32_t slot : frame.changed_slots) frame.changed[slot] = 0;
-    frame.fresh_slots.clear(), frame.changed_slots.clear(), frame.moved = 0, frame.same_bodies = true;
+    frame.fresh.clear(), frame.changed.clear(), frame.moved = 0, frame.same_bodies = true;
 
     TreeStats& trees = frame.context.trees;
     trees.collapsed = p.models.age(frame.number);
@@ -249,8 +242,8 @@ std::string World::Impl::validate() const
 void World::Impl::look_ahead()
 {
     if (settings.look_ahead == 0 || !reads_on_demand(settings)) return;
-    std::vector<PrefetchPart> parts = courses.find(bodies, frame.changes.moved, *broad, frame.number,
-                                                   static_cast<std::uint32_t>(settings.look_ahead));
+    std::vector<PrefetchPart> parts = forecast.find(bodies, frame.changes.moved, *broad, frame.number,
+                                                    static_cast<std::uint32_t>(settings.look_ahead));
     if (!parts.empty()) models.look_ahead(std::move(parts));
 }
 

@@ -72,9 +72,8 @@ std::string settings_text()
 {
     std::string text;
     for (const SettingRow& row : settings_table()) {
-        const bool on = row.options.starts_with("--no-");
-        text += fmt::format("  {}: {}", row.member, on ? "False: " : row.form == SettingForm::flag ? "True: " : "");
-        text += row.help;
+        const char* const when = row.form != SettingForm::flag ? "" : row.option_clears() ? "False: " : "True: ";
+        text += fmt::format("  {}: {}{}", row.member, when, row.help);
         if (row.form == SettingForm::name || row.form == SettingForm::names) text += fmt::format("; {}", row.value);
         text += row.by_default.empty() ? "\n" : fmt::format(" (default {})\n", row.by_default);
     }

@@ -32,7 +32,7 @@ fs::path must_be_folder(const fs::path& path, std::string_view who)
 
 /// A count with an optional suffix K, M or G (thousands, millions, billions). CLI11 would read -1 as a very large
 /// number.
-std::size_t parse_amount(const char* option, const std::string& text)
+std::size_t parse_amount(std::string_view option, const std::string& text)
 {
     std::uint64_t value = 0, factor = 1;
     const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -90,16 +90,15 @@ void add_group(Arguments command, SettingsOptions& o, std::string_view group, st
 /// The value of an option; null: not given.
 nlohmann::json given(const SettingRow& row, const SettingsOptions::Value& value)
 {
-    const std::string option(row.options.substr(0, row.options.find(',')));
     switch (row.form) {
     case SettingForm::flag:
-        return value.flag ? nlohmann::json(!option.starts_with("--no-")) : nlohmann::json();
+        return value.flag ? nlohmann::json(!row.option_clears()) : nlohmann::json();
     case SettingForm::whole:
         return value.whole ? nlohmann::json(*value.whole) : nlohmann::json();
     case SettingForm::number:
         return value.number ? nlohmann::json(*value.number) : nlohmann::json();
     case SettingForm::amount:
-        return value.text.empty() ? nlohmann::json() : nlohmann::json(parse_amount(option.c_str(), value.text));
+        return value.text.empty() ? nlohmann::json() : nlohmann::json(parse_amount(row.option(), value.text));
     case SettingForm::name:
         return value.text.empty() ? nlohmann::json() : nlohmann::json(value.text);
     case SettingForm::names:
@@ -112,11 +111,11 @@ nlohmann::json given(const SettingRow& row, const SettingsOptions::Value& value)
 
 SettingsOptions::SettingsOptions() : values_(settings_table().size()) {}
 
-SettingsOptions::Value& SettingsOptions::operator[](std::string_view member)
+std::size_t SettingsOptions::index(std::string_view member)
 {
     const SettingRow* row = setting_of(member);
     ONCOLLIDE_ASSERT(row);
-    return values_[static_cast<std::size_t>(row - settings_table().data())];
+    return static_cast<std::size_t>(row - settings_table().data());
 }
 
 void add_accuracy_options(Arguments command, SettingsOptions& o, std::string_view exact)

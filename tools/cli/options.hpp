@@ -31,11 +31,13 @@ public:
         std::vector<std::string> list;
     };
     SettingsOptions();
-    Value& operator[](std::string_view member);
-    const Value& operator[](std::string_view member) const { return const_cast<SettingsOptions&>(*this)[member]; }
+    Value& operator[](std::string_view member) { return values_[index(member)]; }
+    const Value& operator[](std::string_view member) const { return values_[index(member)]; }
     std::span<const Value> values() const { return values_; } ///< by row
 
 private:
+    static std::size_t index(std::string_view member);
+
     std::vector<Value> values_;
 };
 

@@ -27,12 +27,12 @@ std::string joined_names(const OptionText& option)
     return option.value.empty() ? names : names + " " + option.value;
 }
 
-/// Escapes characters that Markdown interprets.
-std::string escaped_markdown(std::string_view text)
+/// Escapes characters that Markdown interprets: in code within a table, only the bar.
+std::string escaped_markdown(std::string_view text, std::string_view interpreted = "|<*_")
 {
     std::string result;
     for (const char c : text) {
-        if (c == '|' || c == '<' || c == '*' || c == '_') result += '\\';
+        if (interpreted.find(c) != std::string_view::npos) result += '\\';
         result += c;
     }
     return result;
@@ -43,13 +43,8 @@ void add_rows(std::string& out, const std::vector<OptionText>& options, std::str
     if (options.empty()) return;
     out += fmt::format("\n| {} | |\n|---|---|\n", heading);
     for (const OptionText& option : options) {
-        std::string names;
-        for (const char c : joined_names(option)) {
-            if (c == '|') names += '\\';
-            names += c;
-        }
-        out += fmt::format("| `{}` | {}{} |\n", names, escaped_markdown(option.help),
-                           option.required ? " (required)" : "");
+        out += fmt::format("| `{}` | {}{} |\n", escaped_markdown(joined_names(option), "|"),
+                           escaped_markdown(option.help), option.required ? " (required)" : "");
     }
 }
 
@@ -155,13 +150,9 @@ std::string settings_markdown()
     std::string out =
         "| `Settings`, Python | option | JSON | meaning | default | changes results |\n|---|---|---|---|---|---|\n";
     for (const SettingRow& row : settings_table()) {
-        const std::string_view option = row.options.substr(0, row.options.find(','));
-        const std::string value(row.value);
-        std::string names;
-        for (const char c : value) names += c == '|' ? std::string("\\|") : std::string(1, c);
-        out +=
-            fmt::format("| `{}` | `{}{}{}` | `{}` | {} | {} | {} |\n", row.member, option, names.empty() ? "" : " ",
-                        names, row.key, escaped_markdown(row.help), row.by_default, row.affects_results ? "yes" : "no");
+        out += fmt::format("| `{}` | `{}{}{}` | `{}` | {} | {} | {} |\n", row.member, row.option(),
+                           row.value.empty() ? "" : " ", escaped_markdown(row.value, "|"), row.key,
+                           escaped_markdown(row.help), row.by_default, row.affects_results ? "yes" : "no");
     }
     return out;
 }
