@@ -90,7 +90,7 @@ TEST(SettingsTable, RefusesEachValueOutOfRangeByItsName)
                                       {"look_ahead", -1}}) {
         Settings settings;
         setting_of(member)->set(settings, bad);
-        const std::string_view options = setting_of(member)->options, option = options.substr(0, options.find(','));
+        const std::string_view option = setting_of(member)->option();
         EXPECT_EQ(refusal(settings).substr(0, option.size() - 2), option.substr(2)) << member;
     }
     EXPECT_EQ(setting_of("nothing"), nullptr);
