@@ -167,6 +167,29 @@ TEST_F(HostileOutputs, ASymbolicLinkIsFollowed)
     expect_error(73, {"check", "c.off", "c.off", "--json", "loop.json"}, {"loop.json: cannot write"});
 }
 
+TEST_F(HostileOutputs, AStandardErrorThatCannotBeWrittenLeavesTheExitCode)
+{
+    write_cube("c.off");
+    folder_.write("warns.json", R"({"geometries": {"b": {"shape": {"kind": "box", "half": [1, 1, 1]}}},
+                                    "bodies": [{"geometry": "b", "rotation": [0, 0, 0, 2]}]})");
+    folder_.write("damaged.obj", "v 0 0");
+    const auto code = [&](std::vector<std::string> arguments, const char* level = "note") {
+        return run(std::move(arguments), {.folder = {}, .err = "/dev/full", .environment = {{"ONCOLLIDE_LOG", level}}})
+            .code;
+    };
+    EXPECT_EQ(code({"run", "none.json"}), 66);
+    EXPECT_EQ(code({"check", "c.off", "damaged.obj"}), 65);
+    EXPECT_EQ(code({"run"}), 64);
+    EXPECT_EQ(code({"run", "many"}, "everything"), 64);
+    EXPECT_EQ(code({"check", "c.off", "c.off", "--json", "none/out.json"}), 73);
+    EXPECT_EQ(code({"check", "c.off", "c.off"}, "debug"), 1);
+    EXPECT_EQ(code({"run", "warns.json"}, "debug"), 0);
+    // The table of results goes to standard error where a file of results takes standard output.
+    EXPECT_EQ(code({"check", "c.off", "c.off", "--json", "-"}), 1);
+    EXPECT_EQ(code({"spheres", "c.off", "--json", "-"}), 0);
+    EXPECT_EQ(code({"run", "many", "--bodies", "20", "--frames", "2", "--json", "-"}), 0);
+}
+
 TEST_F(HostileOutputs, ClosedStandardFilesAreNotTakenByOutputs)
 {
     write_cube("c.off");

@@ -25,6 +25,7 @@ struct Surroundings {
     std::filesystem::path folder; ///< where it runs
     std::string in = "/dev/null"; ///< file that is standard input
     std::string out = {};         ///< file to which standard output goes instead of Outcome::out
+    std::string err = {};         ///< the same for standard error
     std::vector<std::pair<std::string, std::string>> environment = {};
     std::function<void(pid_t)> meanwhile = {}; ///< called while it runs
 };
@@ -34,7 +35,7 @@ inline Outcome run_program(const std::string& program, std::vector<std::string> 
 {
     TemporaryFolder catcher;
     const std::string out = around.out.empty() ? (catcher / "out").string() : around.out;
-    const std::string err = (catcher / "err").string();
+    const std::string err = around.err.empty() ? (catcher / "err").string() : around.err;
     arguments.insert(arguments.begin(), program);
     const pid_t child = ::fork();
     if (child == 0) {
@@ -53,7 +54,7 @@ inline Outcome run_program(const std::string& program, std::vector<std::string> 
     int status = 0;
     ::waitpid(child, &status, 0);
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status),
-            around.out.empty() ? catcher.read("out") : "", catcher.read("err")};
+            around.out.empty() ? catcher.read("out") : "", around.err.empty() ? catcher.read("err") : ""};
 }
 
 } // namespace oncollide::test

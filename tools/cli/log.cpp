@@ -43,6 +43,11 @@ void set_log_level()
                                               valid_names(variable, {level_names.begin(), level_names.end()})));
 }
 
+void write_to_stderr(std::string_view text)
+{
+    [[maybe_unused]] const std::size_t written = std::fwrite(text.data(), 1, text.size(), stderr);
+}
+
 bool logged(LogLevel level)
 {
     return level <= level_said;
@@ -59,8 +64,7 @@ void log(LogLevel level, std::string_view text)
     if (level > LogLevel::note)
         label += fmt::format(" {}: {:.3f} s:", level_names[std::size_t(level)],
                              std::chrono::duration<double>(std::chrono::steady_clock::now() - program_begin).count());
-    // A single call, so that lines of several threads do not mix. Overwrites a progress line.
-    fmt::print(stderr, "{}{} {}\n", terminal ? "\r\033[K" : "", label, printable(text));
+    write_to_stderr(fmt::format("{}{} {}\n", terminal ? clear_line : "", label, printable(text)));
 }
 
 void log_warnings(const std::vector<std::string>& warnings)

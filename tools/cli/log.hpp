@@ -12,6 +12,13 @@ enum class LogLevel { error, warning, note, info, debug };
 /// Throws Error{usage} for another value.
 void set_log_level();
 
+/// Writes `text` as it is to standard error, in one call, so that texts of several threads and processes do not mix. A
+/// standard error that cannot be written, such as a log on a full disk, is no error of the program.
+void write_to_stderr(std::string_view text);
+
+/// Clears the line of a terminal, which may show progress.
+constexpr std::string_view clear_line = "\r\033[K";
+
 /// True if messages of this level are printed. Check it first where building a text is expensive.
 bool logged(LogLevel level);
 /// Prints `text` on one line, with control characters escaped; errors always. Info and debug lines begin with the time

@@ -47,9 +47,9 @@ int main(int argc, char** argv)
         log(LogLevel::error, error.what());
         return int(ErrorKind::usage);
     } catch (const std::bad_alloc&) {
-        std::cerr << "oncollide: out of memory\n";
+        tools::write_to_stderr("oncollide: out of memory\n");
     } catch (const std::length_error&) { // a vector larger than the address space
-        std::cerr << "oncollide: out of memory\n";
+        tools::write_to_stderr("oncollide: out of memory\n");
     } catch (const std::exception& error) {
         log(LogLevel::error, std::string("internal fault: ") + error.what());
     }

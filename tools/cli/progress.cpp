@@ -1,6 +1,5 @@
 #include "cli/progress.hpp"
 
-#include <cstdio>
 #include <filesystem>
 #include <mutex>
 #include <utility>
@@ -10,6 +9,7 @@
 #include <oncollide/base/reading_progress.hpp>
 #include <oncollide/base/text/printable.hpp>
 
+#include "cli/log.hpp"
 #include "cli/system.hpp"
 
 namespace oncollide::tools {
@@ -39,15 +39,15 @@ public:
         if (file_.empty()) file_ = file, start_ = shown_ = now;
         if (file != file_) return;
         if (bytes == total) {
-            if (shown_ != start_) fmt::print(stderr, "\r\033[K");
+            if (shown_ != start_) write_to_stderr(clear_line);
             file_.clear();
         } else if (now - shown_ >= between_lines) {
             shown_ = now;
             const double rate = double(bytes) / std::chrono::duration<double>(now - start_).count();
             const std::string name = printable(std::filesystem::path(file).filename().string());
-            fmt::print(stderr, "\r\033[Kreading {}: {:.0f} of {:.0f} MB, {:.1f} MB per second, {} left",
-                       name.substr(0, 30), double(bytes) / 1e6, double(total) / 1e6, rate / 1e6,
-                       duration_text(double(total - bytes) / rate));
+            write_to_stderr(fmt::format("{}reading {}: {:.0f} of {:.0f} MB, {:.1f} MB per second, {} left", clear_line,
+                                        name.substr(0, 30), double(bytes) / 1e6, double(total) / 1e6, rate / 1e6,
+                                        duration_text(double(total - bytes) / rate)));
         }
     }
 
@@ -66,7 +66,7 @@ Progress::Progress(std::string what, std::size_t total, bool quiet)
 
 Progress::~Progress()
 {
-    if (shown_ != start_) fmt::print(stderr, "\r\033[K");
+    if (shown_ != start_) write_to_stderr(clear_line);
 }
 
 void Progress::step()
@@ -77,8 +77,8 @@ void Progress::step()
     if (now - shown_ < between_lines) return;
     shown_ = now;
     const double rate = double(done_) / std::chrono::duration<double>(now - start_).count();
-    fmt::print(stderr, "\r\033[K{}: {} of {}, {:.1f} per second, {} left", what_, done_, total_, rate,
-               duration_text(double(total_ - done_) / rate));
+    write_to_stderr(fmt::format("{}{}: {} of {}, {:.1f} per second, {} left", clear_line, what_, done_, total_, rate,
+                                duration_text(double(total_ - done_) / rate)));
 }
 
 void show_reading(bool quiet)

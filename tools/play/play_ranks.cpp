@@ -53,10 +53,9 @@ private:
         std::unique_lock lock(mutex_);
         while (!wake_.wait_for(lock, std::chrono::milliseconds(100), [&] { return over_; })) {
             if (Clock::now() - last_ < limit_) continue;
-            std::cerr << fmt::format("oncollide: process {}: {} has not ended for {} s; another process hangs, or "
-                                     "--patience is too short\n",
-                                     rank_, phase_, limit_.count())
-                      << std::flush;
+            write_to_stderr(fmt::format("oncollide: process {}: {} has not ended for {} s; another process hangs, or "
+                                        "--patience is too short\n",
+                                        rank_, phase_, limit_.count()));
             std::_Exit(int(ErrorKind::internal)); // mpirun then ends the other processes
         }
     }
@@ -125,8 +124,8 @@ public:
         print_warnings_of_all(slice.warnings);
         together(ranks_, [&] { partition = make_partitioner(); });
         if (speaks_ && slice.bodies < std::uint32_t(ranks_.size()))
-            std::cerr << fmt::format("oncollide: note: {} processes for {} bodies: some processes have no body\n",
-                                     ranks_.size(), slice.bodies);
+            log(LogLevel::note,
+                fmt::format("{} processes for {} bodies: some processes have no body", ranks_.size(), slice.bodies));
         title_ = slice.name.empty() ? "scene" : slice.name;
         const int frames = slice.frames;
         RankedRun run(ranks_, std::move(partition), std::move(slice), settings, ranked);
@@ -179,7 +178,7 @@ private:
         report(run, frames);
         if (run.frame() == frames) return release_interrupts(), 0;
         if (ranks_.rank() == 0)
-            std::cerr << fmt::format("oncollide: interrupted after {} of {} frames\n", run.frame(), frames);
+            log(LogLevel::error, fmt::format("interrupted after {} of {} frames", run.frame(), frames));
         return 130;
     }
 
@@ -217,12 +216,6 @@ private:
     bool speaks_;
     std::string title_;
 };
-
-/// In a single write: mpirun mixes the output of several processes.
-void say_error(const std::string& what)
-{
-    std::cerr << "oncollide: " + what + "\n" << std::flush;
-}
 
 /// Process 0 prints the error; the others wait, because mpirun ends all processes when one ends.
 [[noreturn]] void refuse_without_mpi()
@@ -280,13 +273,13 @@ int play_on_ranks(const SceneOptions& scene, const SettingsOptions& settings, co
     } catch (const ErrorOfAll& error) {
         // mpirun ends all processes when the first one ends with a code, so no process ends before this is printed.
         code = int(error.kind());
-        if (ranks->rank() == 0) say_error(error.what());
+        if (ranks->rank() == 0) log(LogLevel::error, error.what());
         std::uint64_t said = 1;
         ranks->sum({&said, 1});
     } catch (const std::exception& error) { // only this process failed: the others wait for it
         const Error* known = dynamic_cast<const Error*>(&error);
         code = int(known ? known->kind() : ErrorKind::internal);
-        say_error(fmt::format("process {}: {}", ranks->rank(), printable(error.what())));
+        log(LogLevel::error, fmt::format("process {}: {}", ranks->rank(), error.what()));
         ranks->abort(code);
     }
     return code;

@@ -6,7 +6,7 @@
 #include "verify/trees/level_quality.hpp"
 
 #include <algorithm>
-#include <cstdio>
+#include <iostream>
 #include <memory>
 
 #include <fmt/format.h>
@@ -88,29 +88,30 @@ double volume_of(const RootCell& root)
 }
 
 void print_table(const Judged& judged, const GrownTree& tree, const ObbTree& boxes, const SpheresOptions& options,
-                 std::FILE* to)
+                 std::ostream& to)
 {
-    fmt::print(to,
-               "mesh       {}: {} triangles, {}; longest side {:.6g} m\n"
-               "spheres    depth {}; {} cells stored, {} bytes\n"
-               "boxes      {} nodes, {} bytes; every triangle has its own box on the last level\n"
-               "over-reach worst, mean, certified: largest distance of a sphere's or box's points from the surface, m\n"
-               "           worst out, mean out: only points outside a closed mesh, in thousandths of the longest side\n"
-               "volume     sum of all spheres or boxes, relative to the root cell\n",
-               printable(options.mesh), judged.mesh.triangles.size(), judged.closed ? "closed" : "open", judged.side,
-               tree.depth(), tree.tree().size(), tree.bytes(), boxes.nodes(), boxes.bytes());
+    to << fmt::format(
+        "mesh       {}: {} triangles, {}; longest side {:.6g} m\n"
+        "spheres    depth {}; {} cells stored, {} bytes\n"
+        "boxes      {} nodes, {} bytes; every triangle has its own box on the last level\n"
+        "over-reach worst, mean, certified: largest distance of a sphere's or box's points from the surface, m\n"
+        "           worst out, mean out: only points outside a closed mesh, in thousandths of the longest side\n"
+        "volume     sum of all spheres or boxes, relative to the root cell\n",
+        printable(options.mesh), judged.mesh.triangles.size(), judged.closed ? "closed" : "open", judged.side,
+        tree.depth(), tree.tree().size(), tree.bytes(), boxes.nodes(), boxes.bytes());
     const double cell = volume_of(tree.tree().root());
     const auto out = [&](double length) {
         return judged.closed ? fmt::format("{:.2f}", 1000 * length / judged.side) : std::string("-");
     };
     for (const Row& row : judged.rows) {
         if (row.level == 0)
-            fmt::print(to, "\n{:>5}  {:<6}{:>9}{:>12}{:>12}{:>12}{:>12}{:>10}{:>10}{:>9}  {}\n", "level", "kind",
-                       "count", "radius", "worst", "mean", "certified", "worst out", "mean out", "volume", "uncovered");
+            to << fmt::format("\n{:>5}  {:<6}{:>9}{:>12}{:>12}{:>12}{:>12}{:>10}{:>10}{:>9}  {}\n", "level", "kind",
+                              "count", "radius", "worst", "mean", "certified", "worst out", "mean out", "volume",
+                              "uncovered");
         const LevelQuality& q = row.quality;
-        fmt::print(to, "{:>5}  {:<6}{:>9}{:>12.4g}{:>12.4g}{:>12.4g}{:>12.4g}{:>10}{:>10}{:>9.4f}  {}\n", row.level,
-                   row.name(), row.volumes.size(), row.radius(), q.worst.either, q.mean.either, row.certified,
-                   out(q.worst.beyond), out(q.mean.beyond), q.volume / cell, uncovered(q));
+        to << fmt::format("{:>5}  {:<6}{:>9}{:>12.4g}{:>12.4g}{:>12.4g}{:>12.4g}{:>10}{:>10}{:>9.4f}  {}\n", row.level,
+                          row.name(), row.volumes.size(), row.radius(), q.worst.either, q.mean.either, row.certified,
+                          out(q.worst.beyond), out(q.mean.beyond), q.volume / cell, uncovered(q));
     }
 }
 
@@ -239,7 +240,7 @@ int spheres(const SpheresOptions& options)
     ObbTree boxes(mesh);
     judge(judged, tree, boxes, options);
     const bool stdout_taken = options.csv == "-" || options.json == "-" || options.levels == "-";
-    if (!options.quiet) print_table(judged, tree, boxes, options, stdout_taken ? stderr : stdout);
+    if (!options.quiet) print_table(judged, tree, boxes, options, stdout_taken ? std::cerr : std::cout);
     if (!options.csv.empty()) write_csv(options.csv, judged, kind);
     if (!options.levels.empty()) write_levels(options.levels, judged, tree, boxes);
     if (!options.json.empty()) write_json(options.json, options, judged, tree.depth(), kind);
