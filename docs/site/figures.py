@@ -155,7 +155,15 @@ def many_totals(*names):
 
 
 def environment_ratios():
-    return span([float(r["ratio"]) for r in rows_of("environments")])
+    return span([float(r["ratio"]) for r in rows_of("environments") if r["error"] == "exact"])
+
+
+def halved_error():
+    """Returns the middle half of the ratios of times when the error of spheres is halved, from 50 % to 0.8 % of a body."""
+    ms = {name: {r["variant"]: float(r["ms_median"]) for r in rows_of(name)} for name in STUDIES}
+    lower, _, upper = statistics.quantiles(ms[name][f"spheres, depth {d + 1}"] / ms[name][f"spheres, depth {d}"]
+                                           for name in STUDIES for d in range(2, 8))
+    return span([lower, upper])
 
 
 def narrow_ratios(query, contender):
@@ -166,7 +174,6 @@ def narrow_ratios(query, contender):
 
 def headline():
     """The main ratios: the time of another library over the time of oncollide."""
-    environments = [float(r["ratio"]) for r in rows_of("environments") if r["error"] == "exact"]
     worlds = [float(r["fcl_ms"]) / float(r["ms"]) for name in WORLDS for r in rows_of(f"worlds/{name}") if r["fcl_ms"]]
     to_environments = [float(r["ratio"]) for r in rows_of("distances", "map_distances")]
     of_shapes = [float(r["ratio"]) for r in rows_of("shape_distances")]
@@ -176,7 +183,7 @@ def headline():
                    [(scene, c) for c in ("kd", "octree", "dynamic")]) for scene in dict.fromkeys(r["scene"] for r in boxes)]
     rows = [["1,000 and 10,000 moving meshes, exact", "FCL", many_totals("1k-exact", "10k-exact"), "many-moving-bodies"],
             ["the same, error 1 % of the smaller body", "FCL", many_totals("1k", "10k"), "many-moving-bodies"],
-            ["500 bodies in large environments, exact", "FCL", span(environments), "large-environments"],
+            ["500 bodies in large environments, exact", "FCL", environment_ratios(), "large-environments"],
             ["worlds from files, exact", "FCL", span(worlds), "worlds-from-files"]]
     for library, contender in (("FCL", "fcl-obbrss"), ("ODE", "ode"), ("Bullet GImpact", "bullet-gimpact"), ("CGAL", "cgal"),
                                ("Embree, refitted", "embree-refit")):
@@ -463,18 +470,23 @@ TABLES = {f.__name__: f for f in (headline, many, many_pairs, narrow, narrow_lar
                                   world, broad, hard, spheres, sphere_levels, occlusion_losses, delimitation,
                                   environments, worlds, distances, shape_distances, shapes, reading, clash,
                                   python, view)}
-# How many times as fast as FCL in Release, as ranges: tumbling meshes (1,000 and 10,000), and large environments.
+# Ranges of ratios. many, environments: how many times as fast as FCL in Release, on tumbling meshes (1,000 and 10,000) and in large
+# environments.
 PHRASES = {
     "many_exact": lambda: many_totals("1k-exact", "10k-exact"),
     "many_bound": lambda: many_totals("1k", "10k"),
     "environments": environment_ratios,
+    "halved_error": halved_error,
 }
+# On these pages every speed comes from the data.
+HEADLINES = [DOCS.parent / "README.md", DOCS / "index.md", DOCS / "choosing.md"]
+TYPED = re.compile(r"\b[\d.,]+ times\b|\b(?:half|third|quarter|fifth|sixth|seventh|eighth|tenth) (?:as|of (?:the|its|FCL's) time)\b")
 PHRASE = re.compile(r"(<!-- figure: (\w+) -->)(.*?)(<!-- end -->)")
 BLOCK = re.compile(r"(<!-- figures: (\w+) -->\n)(.*?)(<!-- end -->)", re.S)
 
 
 def update(write):
-    wrong, seen = [], set()
+    wrong, typed, seen = [], [], set()
     for page in [DOCS.parent / "README.md", *sorted(DOCS.glob("*.md")), *sorted(DOCS.glob("notes/*.md"))]:
         text = page.read_text(encoding="utf-8")
 
@@ -498,10 +510,14 @@ def update(write):
             return match[1] + made + match[4]
 
         new = PHRASE.sub(phrase, BLOCK.sub(block, text))
+        if page in HEADLINES:
+            typed += [f"{page.name}: {match[0]}" for match in TYPED.finditer(PHRASE.sub("", text))]
         if write and new != text:
             page.write_text(new, encoding="utf-8")
     for name in TABLES.keys() - seen:
         sys.exit(f"no page shows the figures '{name}'")
+    if typed:
+        sys.exit("typed speeds; use <!-- figure: NAME -->: " + "; ".join(typed))
     if wrong and not write:
         sys.exit("not what docs/data says (docs/site/figures.py --write): " + "; ".join(wrong))
 

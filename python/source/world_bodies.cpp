@@ -100,7 +100,8 @@ Adds a body and returns its id (int).
 pose: (4, 4) or (7,), metres; None: the identity. static: two static bodies never form a pair;
 fixed: its older name. layer, mask: bits; a pair
 is tested if the layer of each has a bit in common with the mask of the other. group: bodies of one group other than 0
-never collide. user: any number up to 2^64 - 1, which World.user() returns.)");
+never collide; to keep only neighbours apart, as the links of a robot, use exclude().
+user: any number up to 2^64 - 1, which World.user() returns.)");
     world.def("add_bodies", &add_bodies, "model"_a, "poses"_a, "static"_a = false, "layer"_a = 1, "mask"_a = all,
               "group"_a = 0, "fixed"_a = none,
               R"(add_bodies(self, model, poses, static=False, layer=1, mask=4294967295, group=0, fixed=None)
@@ -173,7 +174,7 @@ Sets the layers that a body is on, and the layers that it collides with: bits.)"
         "body"_a, "group"_a, R"(set_group(self, body, group)
 --
 
-Sets a body's group. Bodies of one group other than 0 never collide.)");
+Sets a body's group. Bodies of one group other than 0 never collide; exclude() keeps one pair apart.)");
     world.def(
         "set_model",
         [](HeldWorld& held, py::handle which, py::handle model) {

@@ -10,8 +10,8 @@ HeightRaster read_with_gdal(const std::filesystem::path& path)
     check_readable(path);
     throw Error(ErrorKind::usage,
                 path.string() +
-                    ": this is a build without GDAL, which reads such files: install Debian's libgdal-dev and "
-                    "configure with -DONCOLLIDE_GDAL=ON");
+                    ": this is a build without GDAL, which reads such files: install Debian's libgdal-dev, then "
+                    "configure with 'cmake --preset release -DONCOLLIDE_GDAL=ON' and build again");
 }
 
 } // namespace oncollide
