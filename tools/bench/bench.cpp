@@ -171,13 +171,14 @@ void add_narrow(Arguments bench)
     sub.add_option("--seed", options->seed, "seed of the poses (default 12345)").type_name("S");
     sub.add_option("--data", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
         .type_name("DIR");
-    sub.footer("Examples:\n"
-               "  oncollide bench narrow                                     two generated knots, no files needed\n"
-               "  oncollide bench narrow cup.obj spoon.stl --distances 0,1,10 --plot narrow.svg\n"
-               "  oncollide bench narrow --poses --query boolean --only walk-6,fcl-obb,fcl-obbrss\n"
-               "Every result is checked by exact arithmetic. In 'results', +k are k false positives and\n"
-               "MISSED k is k missed collisions (of 'all': pairs of triangles). Exit code 70: oncollide missed a\n"
-               "collision, or an exact result is wrong. Definitions for each contender: docs/benchmarks.md.");
+    sub.footer(
+        "Examples:\n"
+        "  oncollide bench narrow                                     two generated knots, no files needed\n"
+        "  oncollide bench narrow cup.obj spoon.stl --distances 0,1,10 --plot narrow.svg\n"
+        "  oncollide bench narrow --poses --query boolean --only walk-6,fcl-obb,fcl-obbrss\n"
+        "Every result is checked by exact arithmetic. In 'results', +k are k false positives and\n"
+        "MISSED k is k missed collisions (of 'all': pairs of triangles). Exit code 70: oncollide missed a\n"
+        "collision, or an exact result is wrong. Definitions for each contender: docs/notes/benchmark-methods.md.");
     sub.action([options, poses] {
         options->use_poses = poses.given();
         return bench_narrow(*options);
@@ -437,13 +438,14 @@ void add_bench(Arguments app)
         .type_name("SCENE.json|NAME");
     add_compare_options(scene, *options);
     scene.action([options] { return bench_scene(*options); });
-    bench.footer("Examples:\n"
-                 "  oncollide bench many --bodies 1000 --exact fcl\n"
-                 "  oncollide bench scene paper-5k --depth 5 --repeats 3 --timeline 100\n"
-                 "  oncollide bench poses --depths 5-7\n"
-                 "  oncollide bench broad --scene brown,static --sizes 1k,10k,100k --threads 1,2 --plot broad.svg\n"
-                 "  oncollide bench narrow cup.obj spoon.stl --distances 0,1,10 --plot narrow.svg\n"
-                 "For reading and repeating results see docs/benchmarks.md. Exit code 70: a collision was missed.");
+    bench.footer(
+        "Examples:\n"
+        "  oncollide bench many --bodies 1000 --exact fcl\n"
+        "  oncollide bench scene paper-5k --depth 5 --repeats 3 --timeline 100\n"
+        "  oncollide bench poses --depths 5-7\n"
+        "  oncollide bench broad --scene brown,static --sizes 1k,10k,100k --threads 1,2 --plot broad.svg\n"
+        "  oncollide bench narrow cup.obj spoon.stl --distances 0,1,10 --plot narrow.svg\n"
+        "For reading and repeating results see docs/notes/benchmark-methods.md. Exit code 70: a collision was missed.");
 }
 
 } // namespace oncollide::tools
