@@ -6,6 +6,13 @@ pairs that collide; Queries test many pairs at many poses at once. Lengths are m
 
 import enum
 
+try:
+    import numpy as _numpy
+except ModuleNotFoundError as _missing:
+    if _missing.name != "numpy":
+        raise
+    raise ImportError("oncollide needs NumPy: apt install python3-numpy, or pip install numpy") from None
+
 from ._core import (
     Error,
     Frame,
@@ -41,9 +48,42 @@ __version__ = "0.1.0"
 
 def slots(ids):
     """The slots of bodies from their ids, uint32 (N,): small numbers for tables and messages; free slots are reused."""
-    import numpy
+    return (_numpy.asarray(ids, dtype=_numpy.uint64) & 0xFFFFFFFF).astype(_numpy.uint32)
 
-    return (numpy.asarray(ids, dtype=numpy.uint64) & 0xFFFFFFFF).astype(numpy.uint32)
+
+MeshQueries = Queries  # the name in C++
+
+
+def _sides(a, pose_a, b, pose_b):
+    world = World(exact="predicates")
+    return world, (world.add(a), pose_a), (world.add(b), pose_b)
+
+
+def collide(a, pose_a, b, pose_b):
+    """Whether two geometries at two poses collide, exactly; touching counts. Returns a result as World.decide().
+
+    This call and distance(), contacts() and penetration() build their trees anew; a World or Queries keep them.
+    """
+    world, one, other = _sides(a, pose_a, b, pose_b)
+    return world.decide(one, other)
+
+
+def distance(a, pose_a, b, pose_b, tolerance=0.0, cutoff=None):
+    """Certified bounds on the distance of two geometries at two poses, as World.distance()."""
+    world, one, other = _sides(a, pose_a, b, pose_b)
+    return world.distance(one, other, tolerance, cutoff)
+
+
+def contacts(a, pose_a, b, pose_b):
+    """All pairs of parts of two geometries at two poses that meet, as World.contacts()."""
+    world, one, other = _sides(a, pose_a, b, pose_b)
+    return world.contacts(one, other)
+
+
+def penetration(a, pose_a, b, pose_b):
+    """How deep two geometries at two poses penetrate each other, as World.penetration()."""
+    world, one, other = _sides(a, pose_a, b, pose_b)
+    return world.penetration(one, other)
 
 
 class Verdict(enum.IntEnum):

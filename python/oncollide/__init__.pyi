@@ -223,10 +223,25 @@ class Queries:
         poses_b: ArrayLike,
         tolerance: float = 0.0,
         farthest: float | None = None,
+        cutoff: float | None = None,
     ) -> NDArray[np.void]: ...
     def __len__(self, /) -> int: ...
     @property
     def bytes(self) -> int: ...
+
+MeshQueries = Queries
+
+def collide(a: Geometry, pose_a: ArrayLike | None, b: Geometry, pose_b: ArrayLike | None) -> np.void: ...
+def distance(
+    a: Geometry,
+    pose_a: ArrayLike | None,
+    b: Geometry,
+    pose_b: ArrayLike | None,
+    tolerance: float = 0.0,
+    cutoff: float | None = None,
+) -> np.void: ...
+def contacts(a: Geometry, pose_a: ArrayLike | None, b: Geometry, pose_b: ArrayLike | None) -> NDArray[np.void]: ...
+def penetration(a: Geometry, pose_a: ArrayLike | None, b: Geometry, pose_b: ArrayLike | None) -> np.void: ...
 
 _Path = str | bytes | os.PathLike[str] | os.PathLike[bytes]
 

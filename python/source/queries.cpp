@@ -122,11 +122,13 @@ py::tuple run(HeldQueries& held, py::handle a, py::handle b, py::handle poses_a,
 }
 
 py::array distances(HeldQueries& held, py::handle a, py::handle b, py::handle poses_a, py::handle poses_b,
-                    py::handle tolerance, py::handle farthest)
+                    py::handle tolerance, py::handle farthest, py::handle cutoff)
 {
     const char* const call = "Queries.distances";
     const Columns columns(held, call, a, b, poses_a, poses_b);
-    const double within = number(tolerance, {call, "tolerance"}), limit = limit_of(farthest, {call, "farthest"});
+    const double within = number(tolerance, {call, "tolerance"});
+    const double limit =
+        farthest.is_none() ? limit_of(cutoff, {call, "cutoff"}) : limit_of(farthest, {call, "farthest"});
     std::vector<Distance> found;
     {
         const Users::Alone alone(held.users, call);
@@ -175,11 +177,12 @@ Returns (verdict, bound): uint8 (N,), a Verdict each, and float64 (N,), metres, 
 of the thread count and of the other queries in the batch. Other Python threads can run meanwhile; Ctrl-C ends it soon.
 Raises ValueError for other shapes and lengths, Error naming the query whose pose is not rigid.)")
         .def("distances", &distances, "a"_a, "b"_a, "poses_a"_a, "poses_b"_a, "tolerance"_a = 0.0,
-             "farthest"_a = py::none(),
-             R"(distances(self, a, b, poses_a, poses_b, tolerance=0.0, farthest=None)
+             "farthest"_a = py::none(), "cutoff"_a = py::none(),
+             R"(distances(self, a, b, poses_a, poses_b, tolerance=0.0, farthest=None, cutoff=None)
 --
 
-Distances. Arguments as in run(); result, tolerance and farthest as in World.distance(), structured (N,).)")
+Distances. Arguments as in run(); result, tolerance and cutoff as in World.distance(), structured (N,). farthest: the older
+name of cutoff.)")
         .def(
             "__len__", [](const HeldQueries& held) { return held.queries.size(); }, R"(__len__(self, /)
 --

@@ -56,7 +56,8 @@ def test_distances_are_those_of_a_world():
         world.set_pose(moving, pose)
         exact = world.distance(still, moving)
         assert found["lower"][i] <= exact["upper"] and exact["lower"] <= found["upper"][i] <= found["lower"][i] + 1.1e-3
-    assert np.isinf(Queries(ALL).distances(0, 2, np.eye(4), at(9), farthest=1.0)["upper"]).all()
+    for name in ("cutoff", "farthest"):
+        assert np.isinf(Queries(ALL).distances(0, 2, np.eye(4), at(9), **{name: 1.0})["upper"]).all()
 
 
 def test_contiguous_doubles_are_not_copied():

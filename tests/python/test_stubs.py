@@ -52,9 +52,13 @@ def test_stubs_and_runtime_agree(module):
         assert found == parameters(stub), name
     tree = ast.parse((FOLDER / (module.__name__.partition(".")[2] or "__init__")).with_suffix(".pyi").read_text())
     classes = {node.name for node in tree.body if isinstance(node, ast.ClassDef)}
+    aliases = {t.id: node.value.id for node in tree.body if isinstance(node, ast.Assign) and isinstance(node.value, ast.Name) for t in node.targets}
     for name in module.__all__:
         item = getattr(module, name)
         if inspect.ismodule(item):
+            continue
+        if name in aliases:
+            assert item is getattr(module, aliases[name]), name
             continue
         assert name in classes or name in seen, f"{name} has no stub"
         assert inspect.getdoc(item), name

@@ -1,5 +1,8 @@
 """World: bodies, frames, queries, contacts, distances."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -207,3 +210,22 @@ def test_the_numbers_of_verdicts_and_kinds_are_the_librarys():
     skipped = oncollide.World(skip=["ocst"])
     skipped.add_bodies(skipped.add(oncollide.sphere(1.0)), [at(0), at(1)])
     assert skipped.step().pairs["verdict"].tolist() == [Verdict.UNDECIDED]
+
+
+def test_two_geometries_at_two_poses_need_no_world(cubes):
+    world, _, ids = cubes
+    cube = oncollide.box_mesh([0.5, 0.5, 0.5])
+    assert oncollide.collide(cube, at(0), cube, at(0.75)) == world.decide(ids[0], ids[1])
+    assert oncollide.distance(cube, at(0.75), cube, at(2.75)) == world.distance(ids[1], ids[2])
+    assert np.isinf(oncollide.distance(cube, at(0.75), cube, at(2.75), cutoff=0.5)["upper"])
+    assert np.array_equal(oncollide.contacts(cube, at(0), cube, at(0.75)), world.contacts(ids[0], ids[1]))
+    assert oncollide.penetration(cube, at(0), cube, at(0.75)) == world.penetration(ids[0], ids[1])
+    ball = oncollide.sphere(0.5)
+    assert oncollide.collide(ball, None, cube, at(0.99))["verdict"] == Verdict.COLLIDING
+    assert oncollide.collide(ball, None, cube, at(1.01))["verdict"] == Verdict.SEPARATE
+
+
+def test_an_import_without_numpy_says_so_in_one_line():
+    program = "import sys; sys.modules['numpy'] = None\ntry: import oncollide\nexcept ImportError as error: print(error)"
+    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert ran.stdout == "oncollide needs NumPy: apt install python3-numpy, or pip install numpy\n", ran.stderr
