@@ -17,6 +17,21 @@ using walk_tests::WalkPair, walk_tests::walk_pair;
 
 using Contacts = std::vector<Contact>;
 
+using Decide = Finding (*)(PairWorker&, const PairTask&, const PairOptions&, PairMemory*);
+
+/// Decides equally in both orders of a pair: by `there` or, if b is first, by `back`.
+inline Finding decide_in_one_order(PairWorker& worker, const PairTask& task, const PairOptions& options,
+                                   PairMemory* memory, Decide there, Decide back)
+{
+    if (!decides_b_first(task)) return there(worker, task, options, memory);
+    PairTask swapped = task;
+    std::swap(swapped.a, swapped.b), std::swap(swapped.pose_a, swapped.pose_b);
+    if (memory) memory->swap_witness();
+    const Finding found = back(worker, swapped, options, memory);
+    if (memory) memory->swap_witness();
+    return found;
+}
+
 // Makers of rows. `swapped`: the pair's b is the first operand, in whose frame the test computes.
 
 /// Two bodies with triangles.
@@ -24,7 +39,11 @@ template <class A, class B>
 constexpr PairTests surfaces()
 {
     return {.trees = TreesNeeded::always,
-            .decide = surface_tests::decide<A, B>,
+            .decide =
+                [](PairWorker& worker, const PairTask& task, const PairOptions& options, PairMemory* memory) {
+                    return decide_in_one_order(worker, task, options, memory, surface_tests::decide<A, B>,
+                                               surface_tests::decide<B, A>);
+                },
             .near = surface_tests::near<A, B>,
             .distance =
                 [](PairWorker& worker, const PairTask& task, double tolerance, double farthest, bool solid) {
@@ -134,13 +153,39 @@ constexpr PairTests direct(TreesNeeded trees)
             .penetration = nullptr};
 }
 
+constexpr PairTests two_planes()
+{
+    return direct<OnHalfSpace<Plane>, false>(TreesNeeded::never);
+}
+
+/// Two bodies of one kind, each of which the test may take first.
+template <PairTests (*row)()>
+constexpr PairTests in_one_order()
+{
+    PairTests tests = row();
+    tests.decide = [](PairWorker& worker, const PairTask& task, const PairOptions& options, PairMemory* memory) {
+        return decide_in_one_order(worker, task, options, memory, row().decide, row().decide);
+    };
+    return tests;
+}
+
+/// Two shapes, of which at most one is a box or a hull.
+constexpr PairTests two_shapes()
+{
+    PairTests tests = direct<TwoShapes, false>(TreesNeeded::never);
+    tests.decide = [](PairWorker&, const PairTask& task, const PairOptions& options, PairMemory*) {
+        return direct_tests::decide(TwoShapes(task, decides_b_first(task)), options.clearance);
+    };
+    return tests;
+}
+
 /// Two boxes or hulls: their triangles decide kinds of contact only.
 constexpr PairTests two_polytopes()
 {
     PairTests tests = direct<TwoShapes, false>(TreesNeeded::for_kinds);
     tests.decide = [](PairWorker& worker, const PairTask& task, const PairOptions& options, PairMemory* memory) {
-        return options.kinds ? surface_tests::decide<Polytope, Polytope>(worker, task, options, memory)
-                             : direct_tests::decide(TwoShapes(task, false), options.clearance);
+        return options.kinds ? surfaces<Polytope, Polytope>().decide(worker, task, options, memory)
+                             : two_shapes().decide(worker, task, options, memory);
     };
     return tests;
 }
@@ -156,7 +201,7 @@ constexpr Table make_table()
     at(mesh, terrain) = surfaces<Triangles, Heights>(), at(terrain, mesh) = surfaces<Heights, Triangles>();
     at(terrain, terrain) = surfaces<Heights, Heights>();
 
-    at(map, map) = walked<Cells, Cells, false>();
+    at(map, map) = in_one_order<walked<Cells, Cells, false>>();
     at(map, mesh) = walked<Cells, Triangles, false>(), at(mesh, map) = walked<Cells, Triangles, true>();
     at(map, terrain) = walked<Cells, Heights, false>(), at(terrain, map) = walked<Cells, Heights, true>();
     at(map, polytope) = map_and_polytope<false>(), at(polytope, map) = map_and_polytope<true>();
@@ -170,7 +215,7 @@ constexpr Table make_table()
     at(round, terrain) = round_and_surface<Heights, false>(), at(terrain, round) = round_and_surface<Heights, true>();
 
     at(polytope, polytope) = two_polytopes();
-    at(round, round) = at(round, polytope) = at(polytope, round) = direct<TwoShapes, false>(TreesNeeded::never);
+    at(round, round) = at(round, polytope) = at(polytope, round) = two_shapes();
 
     const auto on_half_space = [&]<class Body>(Body, Kind body, TreesNeeded trees) {
         at(half_space, body) = direct<OnHalfSpace<Body>, false>(trees);
@@ -181,7 +226,7 @@ constexpr Table make_table()
     on_half_space(Cells(), map, TreesNeeded::always);
     on_half_space(Solid(), polytope, TreesNeeded::never);
     on_half_space(Solid(), round, TreesNeeded::never);
-    at(half_space, half_space) = direct<OnHalfSpace<Plane>, false>(TreesNeeded::never);
+    at(half_space, half_space) = in_one_order<two_planes>();
 
     for (const Kind a : {mesh, polytope})
         for (const Kind b : {mesh, polytope}) at(a, b).penetration = surface_tests::penetration;

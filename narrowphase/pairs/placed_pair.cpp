@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <oncollide/narrowphase/model.hpp>
+
 namespace oncollide {
 
 double stretch(const Eigen::Isometry3d& pose)
@@ -12,6 +14,16 @@ double stretch(const Eigen::Isometry3d& pose)
     const double angles = std::max({std::abs(x.dot(y)), std::abs(y.dot(z)), std::abs(z.dot(x))});
     if (lengths == 0 && angles == 0 && (pose.linear().array().square() == pose.linear().array().abs()).all()) return 0;
     return 3 * std::max(lengths, angles) + 0x1p-50;
+}
+
+bool decides_b_first(const PairTask& task)
+{
+    // Bodies at one pose have one frame.
+    const auto before = [](const Eigen::Isometry3d& x, const Eigen::Isometry3d& y) {
+        return std::ranges::lexicographical_compare(x.matrix().reshaped(), y.matrix().reshaped());
+    };
+    if (before(*task.pose_b, *task.pose_a)) return true;
+    return !before(*task.pose_a, *task.pose_b) && task.b->kind() < task.a->kind();
 }
 
 PlacedPair::PlacedPair(const Eigen::Isometry3d& pose_a, const Eigen::Isometry3d& pose_b)

@@ -18,6 +18,10 @@ struct PlacedPair {
     double above(double bound) const { return bound * (1 + slack); }
 };
 
+/// True if exact decisions take b first, in whose frame they compute. It depends on the bodies alone, and not on which
+/// of them is called a: rounding in another frame could give another result.
+bool decides_b_first(const PairTask& task);
+
 /// Upper bound on the relative change of lengths by a pose; 0 for quarter turns.
 double stretch(const Eigen::Isometry3d& pose);
 

@@ -54,6 +54,9 @@ ConvexDistance convex_distance(const ConvexDifference& cores, const EnoughDistan
     const double rounding = cores.rounding();
     ConvexDistance found{std::max(cores.least(), 0.0), std::numeric_limits<double>::infinity(), {}, {}};
     double nearest = std::numeric_limits<double>::infinity(); ///< distance of the simplex from 0
+    // A new point of a curved core may change the direction and not, within rounding, the distance; the next point may
+    // then be much nearer.
+    int stalls = cores.flat_sided() ? 0 : 8; ///< steps without progress that are left
     Simplex4 simplex;
     Eigen::Vector3d v = first ? *first : cores.middle();
     if (v.isZero(0)) v = Eigen::Vector3d::UnitX();
@@ -72,8 +75,8 @@ ConvexDistance convex_distance(const ConvexDifference& cores, const EnoughDistan
         v = simplex.nearest();
         length = v.norm();
         const double upper = length + rounding;
-        if (!(upper < nearest)) break;
-        nearest = upper;
+        if (!(upper < nearest) && stalls-- == 0) break;
+        nearest = std::min(nearest, upper);
         if (upper < found.upper) found.upper = upper, found.on_a = simplex.on_a(), found.on_b = found.on_a + v;
         if (upper <= enough.below || simplex.count == 4) break;
     }

@@ -23,10 +23,14 @@ WalkPair SphereRefiner::pair_of(std::uint32_t pair) const
 
 void SphereRefiner::settle(std::uint32_t pair, const WalkResult& walk)
 {
-    const Verdict verdict = walk.status == WalkStatus::touching   ? Verdict::within
-                            : walk.status == WalkStatus::separate ? Verdict::separate
-                                                                  : Verdict::undecided;
-    if (cache_) (*cache_)[tasks_[pair].number].leaves = verdict == Verdict::within ? walk.leaves : LeafPair{};
+    const PairTask& task = tasks_[pair];
+    const bool touching = walk.status == WalkStatus::touching;
+    Verdict verdict = walk.status == WalkStatus::separate ? Verdict::separate : Verdict::undecided;
+    // The deepest level and the rounding of floats limit the error that spheres reach.
+    const Settings& settings = context_->settings;
+    if (touching && (settings.depth || walk.bound <= settings.clearance + models_.max_error(*task.a, *task.b)))
+        verdict = Verdict::within;
+    if (cache_) (*cache_)[task.number].leaves = touching ? walk.leaves : LeafPair{};
     results_[pair] = {verdict, ContactKind::unknown, walk.bound};
 }
 

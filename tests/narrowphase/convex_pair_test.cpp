@@ -4,10 +4,11 @@
 #include <random>
 
 #include <oncollide/narrowphase/model.hpp>
+#include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/narrowphase/shapes/convex_pair.hpp>
 
-#include "verify/oracle/convex_truth.hpp"
 #include "random_pose.hpp"
+#include "verify/oracle/convex_truth.hpp"
 
 namespace oncollide {
 namespace {
@@ -129,6 +130,49 @@ TEST(ConvexPair, FlatAndLongShapesThatAllButTouchAreNeverDecidedWrongly)
     EXPECT_GT(meet, 3000);
     EXPECT_GT(apart, 3000);
     EXPECT_LT(open, 2500); // the gap is below rounding
+}
+
+TEST(ConvexPair, OneVerdictInBothOrdersAndAsSharpAtAnySize)
+{
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    const auto direction = [&] { return Vector3d(unit(random), unit(random), unit(random)).normalized(); };
+    PairWorker worker;
+    int open = 0, wide = 0;
+    for (int k = 0; k < 12000; ++k) {
+        const double size = std::pow(10.0, int(random() % 19) - 9), thinnest = std::pow(10.0, -double(random() % 6));
+        Drawn a(draw_shape(random, size, thinnest), random_pose(random(), size)),
+            b(draw_shape(random, size, thinnest), random_pose(random(), size));
+        if (k % 4 == 0) b.pose.linear() = a.pose.linear();
+        const auto farthest = [](const Drawn& d, const Vector3d& u) -> Vector3d {
+            const Convex& c = d.model->convex();
+            return d.pose * c.support(d.pose.linear().transpose() * u) + c.radius * u;
+        };
+        Vector3d u = direction();
+        if (k % 3 == 0) u = a.pose.linear() * Vector3d(unit(random), unit(random), 0).normalized();
+        const double gap = size * std::pow(10.0, -4 - 6 * (1 + unit(random))) * (random() % 2 ? 1 : -1);
+        b.pose.translation() += farthest(a, u) - farthest(b, -u) + gap * u;
+        if (random() % 2) { // the nearest points are not where the support points are
+            const Vector3d along = size * thinnest * direction();
+            b.pose.translation() += along - u * along.dot(u);
+        }
+        const PairTask task{0, a.model.get(), b.model.get(), &a.pose, &b.pose},
+            back{0, b.model.get(), a.model.get(), &b.pose, &a.pose};
+        const Finding found = tests_for(task).decide(worker, task, {}, nullptr);
+        ASSERT_EQ(found, tests_for(back).decide(worker, back, {}, nullptr)) << k;
+        if (found.verdict != Verdict::within) continue;
+        const auto extent = [](const Drawn& d) { return d.model->convex().extent + d.model->convex().radius; };
+        const double scale = extent(a) + extent(b) + (a.pose.translation() - b.pose.translation()).norm();
+        const auto truth = tools::true_distance(tools::convex_sets(a.model->geometry().data, a.pose),
+                                                tools::convex_sets(b.model->geometry().data, b.pose));
+        ASSERT_LE(truth.lower, found.bound + 1e-17 * scale) << k;
+        const double excess = (found.bound - static_cast<double>(truth.lower)) / scale;
+        ++open;
+        if (excess > 0x1p-44) ++wide;
+        ASSERT_LE(excess, 0x1p-38) << k << " at the size " << size;
+    }
+    EXPECT_GT(open, 500);
+    EXPECT_LT(wide, open / 50);
 }
 
 int sign_of(const Shape& a, const Shape& b, const Vector3d& at,

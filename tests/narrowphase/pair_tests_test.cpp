@@ -83,5 +83,35 @@ TEST(PairTests, AgreeInBothOrders)
     EXPECT_GT(separate, 40);
 }
 
+TEST(PairTests, GiveOneVerdictInBothOrdersWhereBodiesTouch)
+{
+    const Settings settings;
+    ModelStore store(settings, make_cpu_backend());
+    const auto models = one_of_each_kind(store);
+    PairWorker worker;
+    int colliding = 0, separate = 0;
+    for (std::uint64_t seed = 0; seed < 24; ++seed)
+        for (Model* a : models)
+            for (Model* b : models) {
+                SCOPED_TRACE(testing::Message() << int(a->kind()) << " " << int(b->kind()) << " at " << seed);
+                const Eigen::Isometry3d pose_a = random_pose(2 * seed, 0.5);
+                Eigen::Isometry3d pose_b = random_pose(2 * seed + 1, 2.5);
+                if (seed % 3 == 0) pose_b.linear() = pose_a.linear();
+                const PairTask task{0, a, b, &pose_a, &pose_b}, back{0, b, a, &pose_b, &pose_a};
+                const Distance apart =
+                    tests_for(task).distance(worker, task, 0, std::numeric_limits<double>::infinity(), false);
+                pose_b.translation() += apart.point_a - apart.point_b;
+                for (const bool kinds : {false, true}) {
+                    PairMemory memory; // both orders share it
+                    const Finding found = tests_for(task).decide(worker, task, {.kinds = kinds}, &memory);
+                    memory.swap_witness();
+                    EXPECT_EQ(found, tests_for(back).decide(worker, back, {.kinds = kinds}, &memory));
+                    if (apart.lower > 0) ++(found.verdict == Verdict::separate ? separate : colliding);
+                }
+            }
+    EXPECT_GT(colliding, 50);
+    EXPECT_GT(separate, 50);
+}
+
 } // namespace
 } // namespace oncollide

@@ -72,6 +72,26 @@ TEST_P(Dial, GivesEachPairOnePercentOfTheSmallerBody)
     EXPECT_GE(wide, 2) << "the towers, whose error is larger";
 }
 
+TEST_P(Dial, IsKeptByWithinHoweverSmallItIs)
+{
+    const bool spheres = GetParam() == BoundingVolume::sphere;
+    for (const double error : {4e-6, 1e-3}) {
+        World world({.max_error = error, .bounding_volume = GetParam()});
+        const ModelId ball = world.add(make_sphere_mesh(1, 800), "ball"),
+                      box = world.add(make_box_mesh({1, 2, 3}), "box");
+        Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+        const BodyId a = world.add_body({.model = box, .pose = pose});
+        pose.translation() << 1.9, 0.3, 0.2;
+        const BodyId b = world.add_body({.model = ball, .pose = pose});
+        for (const Finding& found : {world.decide(a, b), Finding(world.step().pairs[0])}) {
+            // The deepest spheres are 2^-16 of the bodies.
+            EXPECT_EQ(found.verdict, spheres && error < 1e-4 ? Verdict::undecided : Verdict::within);
+            if (found.verdict == Verdict::within) EXPECT_LE(found.bound, error);
+            EXPECT_LT(found.bound, 0.01);
+        }
+    }
+}
+
 TEST_P(Dial, IsThatOfThePairWhateverOtherPairsNeed)
 {
     const auto results = [&](std::vector<int> order, int together) {

@@ -59,8 +59,11 @@ void try_pair(const PlacedBody& a, const PlacedBody& b, const PairTruth& given, 
         if (result.distance.lower > truth.distance.high + truth.slack ||
             result.distance.upper < truth.distance.low - truth.slack)
             tally.fault(&Tally::broken, fmt::format("distance: {}", what));
+        return result.finding.verdict;
     };
-    run({.exact = ExactLevel::predicates}, "exact");
+    const Settings exact{.exact = ExactLevel::predicates};
+    if (run(exact, "exact") != result_of(exact, b, a).finding.verdict)
+        tally.fault(&Tally::changed, fmt::format("in the other order: {}", what));
     run({.bounding_volume = BoundingVolume::obb}, "boxes");
     run({.depth = 5, .bounding_volume = BoundingVolume::sphere}, "spheres");
     if (truth.uncertain) return;
