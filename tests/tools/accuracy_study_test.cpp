@@ -203,6 +203,8 @@ TEST_F(Study, ThePageNeedsNothingElse)
     expect_self_contained(page);
     EXPECT_EQ(count_of(page, "<svg "), 4u);
     EXPECT_EQ(count_of(page, "<tr>"), 2 * (1u + 8 + 1)) << "two tables: header, variants, FCL";
+    EXPECT_NE(page.find("<pre>oncollide accuracy study cubes.json --depths 2-4 --html s.html --peers fcl</pre>"),
+              std::string::npos);
     for (const char* word : {"b &lt;&amp;&gt;", "false positive: 0.05 m apart", ">exact</text>", "★", "FCL missed 0"})
         EXPECT_NE(page.find(word), std::string::npos) << word;
     // Without colour, lines are distinguished by their markers and labels.
@@ -213,6 +215,19 @@ TEST_F(Study, ThePageNeedsNothingElse)
     EXPECT_EQ(markers.size(), front ? 6u : 5u) << "two dials, two exact levels, FCL, the front";
     EXPECT_EQ(count_of(page, "src=\"data:image/png;base64,iVBORw0KGgo"), count_of(page, "<figcaption>"));
     EXPECT_GT(count_of(page, "<figcaption>"), 0u);
+}
+
+TEST_F(Study, UnlessToldItMeasuresErrorsInMetres)
+{
+    const nlohmann::json all = study({"cubes.json", "--warm-up", "0", "--peers", "none", "--exact", "off"});
+    // The diagonal of a cube of side 1 is 1.7 m; half of it is 0.87 m.
+    for (const char* error : {"0.87", "0.35", "0.17", "0.087", "0.035", "0.017"})
+        for (const char* volume : {"spheres", "OBBs"}) {
+            const nlohmann::json row = variant(all, fmt::format("{}, {} m", volume, error));
+            EXPECT_LE(row["error"].get<double>(), std::stod(error)) << row;
+        }
+    EXPECT_EQ(all["variants"].size(), 12u);
+    EXPECT_NE(all.dump().find("least of 3 runs"), std::string::npos) << all["header"];
 }
 
 TEST_F(Study, WithoutARendererThePageGoesWithoutPictures)

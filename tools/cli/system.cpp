@@ -1,6 +1,7 @@
 #include "cli/system.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -95,6 +96,27 @@ void prepare_process()
     }
 }
 
+std::string command_text()
+{
+    std::ifstream file("/proc/self/cmdline");
+    std::string text, word;
+    while (std::getline(file, word, '\0')) {
+        if (text.empty()) word = std::filesystem::path(word).filename();
+        const bool plain = !word.empty() && std::ranges::all_of(word, [](unsigned char c) {
+            return std::isalnum(c) || std::string_view("-_./,:=+@%").find(char(c)) != std::string_view::npos;
+        });
+        if (!text.empty()) text += ' ';
+        if (plain) {
+            text += word;
+            continue;
+        }
+        text += '\'';
+        for (const char c : word) c == '\'' ? text += "'\\''" : text += c;
+        text += '\'';
+    }
+    return text;
+}
+
 std::string processor_name()
 {
     std::ifstream file("/proc/cpuinfo");
@@ -181,6 +203,11 @@ void prepare_process()
             remove_unfinished_files();
             std::raise(number);
         });
+}
+
+std::string command_text()
+{
+    return {};
 }
 
 std::string processor_name()

@@ -24,6 +24,8 @@ bool interrupted();
 /// From now on these signals end the program at once again: nothing polls interrupted() any more.
 void release_interrupts();
 
+/// The command line of this process as one would type it, without the folder of the program; empty: not available.
+std::string command_text();
 /// The processor's name, or "unknown".
 std::string processor_name();
 /// The operating system and its version, and the machine's memory in bytes; "unknown" and 0 if not available.

@@ -1,9 +1,11 @@
 // oncollide accuracy study: time against error of a scene, with other libraries for comparison, as a table and a page.
 #include "cli/command.hpp"
 #include "cli/shard.hpp"
+#include "cli/system.hpp"
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <memory>
 
 #include <fmt/format.h>
@@ -25,7 +27,7 @@ struct StudyOptions {
     SettingsOptions settings;
     std::string depths, max_errors, backends = "cpu", bounding_volumes = "sphere,obb", exact = "off,predicates";
     std::string viewports = "16", peers, html, csv, json, shard;
-    int warm_up = 3, repeats = 1;
+    int warm_up = 3, repeats = 3;
 };
 
 /// The numbers of a list, in its order.
@@ -43,6 +45,12 @@ std::vector<Number> parse_list(const char* option, const std::string& list, cons
     return numbers;
 }
 
+/// Rounded to two significant digits, so that names are short.
+double two_digits(double value)
+{
+    return std::stod(fmt::format("{:.1e}", value));
+}
+
 /// One setting of the accuracy: a depth or a maximum error.
 struct Dial {
     std::optional<int> depth;
@@ -50,15 +58,20 @@ struct Dial {
     std::string text() const { return depth ? fmt::format("depth {}", *depth) : fmt::format("{} m", *max_error); }
 };
 
-std::vector<Dial> dials_of(const StudyOptions& o)
+/// @param size  median diagonal of the bodies' boxes, m: the errors are parts of it unless the options list them
+std::vector<Dial> dials_of(const StudyOptions& o, double size)
 {
+    constexpr int default_percents[] = {50, 20, 10, 5, 2, 1};
+    if (!(size > 0 && std::isfinite(size))) size = 1; // half-spaces
     if (!o.depths.empty() && !o.max_errors.empty())
         usage("--depths and --max-errors: give only one of them; both set the accuracy");
     std::vector<Dial> dials;
     if (!o.max_errors.empty())
         for (double error : parse_list<double>("--max-errors", o.max_errors, "0.1,0.01")) dials.push_back({{}, error});
+    else if (!o.depths.empty())
+        for (int depth : parse_depths("--depths", o.depths)) dials.push_back({depth, {}});
     else
-        for (int depth : parse_depths("--depths", o.depths.empty() ? "2-8" : o.depths)) dials.push_back({depth, {}});
+        for (int percent : default_percents) dials.push_back({{}, two_digits(0.01 * percent * size)});
     return dials;
 }
 
@@ -87,10 +100,10 @@ std::vector<Source> sources_of(const StudyOptions& o)
 }
 
 /// All distinct combinations: a GPU only finds spheres, and an exact result has no accuracy setting.
-std::vector<StudyVariant> variants_of(const StudyOptions& o)
+std::vector<StudyVariant> variants_of(const StudyOptions& o, double size)
 {
     std::vector<StudyVariant> variants;
-    const std::vector<Dial> dials = dials_of(o);
+    const std::vector<Dial> dials = dials_of(o, size);
     for (const Source& source : sources_of(o))
         for (const std::string& volume : split(o.bounding_volumes))
             for (const std::string& exact : split(o.exact)) {
@@ -142,17 +155,18 @@ std::string names_of(const std::vector<StudyPeer>& peers)
 int accuracy_study(const StudyOptions& o)
 {
     check_range("--repeats", o.repeats, 1, 1000), check_range("--warm-up", o.warm_up, 0);
-    std::vector<StudyVariant> variants = variants_of(o);
+    const std::size_t all = variants_of(o, 1).size(); // refuses wrong options before anything is read
     std::vector<PeerKind> peers = peers_from_names(o.peers);
     const Shard shard = shard_from(o.shard);
-    const std::size_t all = variants.size();
-    keep_part(shard, variants, "variants");
+    check_parts(shard, all, "variants");
     if (shard.part < shard.parts) peers.clear(); // their rows are the last ones
     std::vector<std::string> inputs = o.workload.what;
     inputs.push_back(o.workload.poses);
     check_files({{"--html", o.html}, {"--csv", o.csv}, {"--json", o.json}}, inputs);
     StudyWorkload workload(o.workload);
     print_warnings(workload.scene);
+    std::vector<StudyVariant> variants = variants_of(o, median_size(workload.scene));
+    keep_part(shard, variants, "variants");
     const Study study = play_study(workload, variants, peers, {.warm_up = o.warm_up, .repeats = o.repeats});
     const std::string about = fmt::format(
         "workload   {}; {} frames, {} of them to warm up, least of {} {}; all variants{} in alternation\n"
@@ -175,8 +189,9 @@ int accuracy_study(const StudyOptions& o)
         write_study_csv(file, study);
     });
     write_file(o.json, [&](OutputFile& file) { write_study_json(file, study, about); });
-    write_file(o.html,
-               [&](OutputFile& file) { write_study_page(file, study, draw_study_pictures(workload, study), about); });
+    write_file(o.html, [&](OutputFile& file) {
+        write_study_page(file, study, draw_study_pictures(workload, study), command_text(), about);
+    });
     return study.faulty() ? int(ErrorKind::internal) : 0;
 }
 
@@ -197,8 +212,10 @@ Option add_study_options(Arguments sub, StudyOptions& o)
                    "(default all)")
         .type_name("N");
     sub.add_option("--every", o.workload.every, "process only every N-th frame or pose").type_name("N");
-    sub.add_option("--depths", o.depths, "depths of the trees (default 2-8)").type_name("LIST");
-    sub.add_option("--max-errors", o.max_errors, "instead of depths: errors in metres, such as 0.1,0.03,0.01")
+    sub.add_option("--depths", o.depths, "instead of errors: depths of the trees, such as 2-8").type_name("LIST");
+    sub.add_option(
+           "--max-errors", o.max_errors,
+           "errors in metres, such as 0.1,0.03,0.01 (default: 50, 20, 10, 5, 2 and 1 % of the bodies' median size)")
         .type_name("LIST");
     sub.add_option("--backend", o.backends, "comma-separated list of cpu, gl-compute, gl-query (default cpu)")
         .type_name("LIST");
@@ -214,7 +231,7 @@ Option add_study_options(Arguments sub, StudyOptions& o)
     sub.add_option("--warm-up", o.warm_up, "frames at the start that are not timed (default 3)").type_name("N");
     sub.add_option("--repeats", o.repeats,
                    "number of runs; each frame's least time counts. A scene starts anew, poses reuse the grown trees "
-                   "(default 1)")
+                   "(default 3)")
         .type_name("N");
     sub.add_option("--html", o.html, "write a page with all results, figures and pictures; needs no network")
         .type_name("FILE");

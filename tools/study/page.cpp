@@ -127,11 +127,13 @@ void write_pictures(OutputFile& file, const StudyPictures& pictures)
 
 } // namespace
 
-void write_study_page(OutputFile& file, const Study& study, const StudyPictures& pictures, const std::string& about)
+void write_study_page(OutputFile& file, const Study& study, const StudyPictures& pictures, const std::string& command,
+                      const std::string& about)
 {
     file.print("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><title>{}: speed against "
                "error</title>\n<style>{}</style></head>\n<body>\n<h1>{}: speed against error</h1>\n",
                xml_escaped(study.title), style, xml_escaped(study.title));
+    if (!command.empty()) file.print("<pre>{}</pre>\n", xml_escaped(command));
     write_summary(file, study);
     file.print("<figure>");
     draw_speed_error(file, study);

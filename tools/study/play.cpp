@@ -124,6 +124,13 @@ Settings request_of(const std::vector<StudyVariant>& variants)
 
 } // namespace
 
+double median_size(const Scene& scene)
+{
+    std::vector<double> sizes;
+    for (GeometryId geometry : scene.geometry) sizes.push_back(bounds_of(scene.geometries[index(geometry)]).diagonal());
+    return median(sizes);
+}
+
 Study play_study(StudyWorkload& workload, const std::vector<StudyVariant>& variants, std::vector<PeerKind> peers,
                  const PlayOptions& options)
 {
@@ -131,9 +138,7 @@ Study play_study(StudyWorkload& workload, const std::vector<StudyVariant>& varia
     const Scene& scene = workload.scene;
     study.title = workload.title, study.bodies = scene.size();
     study.frames = workload.frames(), study.warm_up = std::min(options.warm_up, workload.frames() - 1);
-    std::vector<double> sizes;
-    for (GeometryId geometry : scene.geometry) sizes.push_back(bounds_of(scene.geometries[index(geometry)]).diagonal());
-    study.size = median(sizes);
+    study.size = median_size(scene);
     for (const Geometry& geometry : scene.geometries)
         if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) study.triangles += mesh->triangles.size();
     for (const StudyVariant& variant : variants) study.rows.emplace_back().variant = variant;

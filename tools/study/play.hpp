@@ -8,6 +8,9 @@
 
 namespace oncollide::tools {
 
+/// The median diagonal of the bodies' boxes, m.
+double median_size(const Scene& scene);
+
 /// How a study is played.
 struct PlayOptions {
     int warm_up = 0, repeats = 1;

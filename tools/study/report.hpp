@@ -25,7 +25,9 @@ double false_positive_quantile(const StudyRow& row, double q);
 
 /// Writes a self-contained HTML page: no network, scripts or fonts; pictures embedded. Well-formed as XML, too.
 /// @param about  settings and program, lines of plain text
-void write_study_page(OutputFile& file, const Study& study, const StudyPictures& pictures, const std::string& about);
+/// @param command  that made the study, as typed; empty: unknown
+void write_study_page(OutputFile& file, const Study& study, const StudyPictures& pictures, const std::string& command,
+                      const std::string& about);
 
 // The figures of the page, as inline SVG. No information is shown by colour alone.
 /// Time per frame against certified error, one line per series; exact results and peers at the left edge.
