@@ -20,6 +20,8 @@ if(ONCOLLIDE_OPENMP)
   string(APPEND pc_libs " ${OpenMP_CXX_FLAGS}")
 endif()
 file(RELATIVE_PATH up_to_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+# Compilers take a folder that is given by -I and -isystem for one of the system, whose headers give no warnings.
+get_target_property(pc_eigen Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
 configure_file(${CMAKE_CURRENT_LIST_DIR}/oncollide.pc.in ${PROJECT_BINARY_DIR}/oncollide.pc @ONLY)
 configure_file(${CMAKE_CURRENT_LIST_DIR}/oncollide-samples.pc.in ${PROJECT_BINARY_DIR}/oncollide-samples.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/oncollide.pc ${PROJECT_BINARY_DIR}/oncollide-samples.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
