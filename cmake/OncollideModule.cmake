@@ -23,10 +23,12 @@ set(ONCOLLIDE_EIGEN_LAYOUT EIGEN_MAX_STATIC_ALIGN_BYTES=16)
 add_library(oncollide_flags INTERFACE)
 target_compile_definitions(oncollide_flags INTERFACE ${ONCOLLIDE_EIGEN_LAYOUT})
 target_compile_features(oncollide_flags INTERFACE cxx_std_20)
+if(NOT ONCOLLIDE_DEMO) # the demo builds faster without warnings; in large units -Wshadow would warn of names of other files
+  target_compile_options(oncollide_flags INTERFACE -Wall -Wextra -Wpedantic $<$<NOT:$<BOOL:$<TARGET_PROPERTY:ONCOLLIDE_LARGE_UNITS>>>:-Wshadow>)
+endif()
 # No contraction: every path and every optimisation level must compute the same bits. No straight-line vectoriser: GCC
 # 12's omits the rounding of double -> float -> double, on which the bounds rely.
-# In large units -Wshadow would warn of names of other files.
-target_compile_options(oncollide_flags INTERFACE -Wall -Wextra -Wpedantic $<$<NOT:$<OR:$<BOOL:${ONCOLLIDE_DEMO}>,$<BOOL:$<TARGET_PROPERTY:ONCOLLIDE_LARGE_UNITS>>>>:-Wshadow> -ffp-contract=off -fno-tree-slp-vectorize
+target_compile_options(oncollide_flags INTERFACE -ffp-contract=off -fno-tree-slp-vectorize
                        $<$<CONFIG:Debug>:-DONCOLLIDE_ASSERTIONS>)
 
 # Precompiles the headers that nearly every unit includes: Eigen alone takes three seconds. A header must not depend on
@@ -130,7 +132,9 @@ endfunction()
 # code for functions that run on a machine without AVX.
 set(ONCOLLIDE_ISAS baseline)
 set(ONCOLLIDE_ISA_FLAGS_baseline)
-if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
+if(ONCOLLIDE_DEMO)
+  target_compile_definitions(oncollide_flags INTERFACE ONCOLLIDE_BASELINE_ALONE)
+elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
   list(APPEND ONCOLLIDE_ISAS avx2 avx512)
 endif()
 set(ONCOLLIDE_ISA_FLAGS_avx2 -mavx2 -mbmi -mbmi2 -mpopcnt)

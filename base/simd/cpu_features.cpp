@@ -13,7 +13,7 @@ std::string_view name_of(InstructionSet set)
 
 InstructionSet best_instruction_set()
 {
-#if defined(__x86_64__)
+#if defined(__x86_64__) && !defined(ONCOLLIDE_BASELINE_ALONE)
     const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") &&
                       __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt");
     if (!avx2) return InstructionSet::baseline;

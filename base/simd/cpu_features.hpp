@@ -23,8 +23,8 @@ Kernel choose(Kernel baseline, Kernel avx2, Kernel avx512)
 }
 
 /// ONCOLLIDE_CHOOSE(walk_kernel) calls walk_kernel() in the namespace of instruction_set(): baseline, avx2 or avx512
-/// (see oncollide_add_kernel).
-#if defined(__x86_64__)
+/// (see oncollide_add_kernel; the demo has the baseline alone).
+#if defined(__x86_64__) && !defined(ONCOLLIDE_BASELINE_ALONE)
 #define ONCOLLIDE_CHOOSE(kernel) choose(baseline::kernel(), avx2::kernel(), avx512::kernel())
 /// The same for kernels that are not built for AVX-512.
 #define ONCOLLIDE_CHOOSE_TO_AVX2(kernel) choose(baseline::kernel(), avx2::kernel(), avx2::kernel())

@@ -12,7 +12,7 @@ namespace oncollide {
 
 const AabbKernel& aabb_kernel()
 {
-    static const AabbKernel kernel = choose(baseline::aabb_kernel(), avx2::aabb_kernel(), avx512::aabb_kernel());
+    static const AabbKernel kernel = ONCOLLIDE_CHOOSE(aabb_kernel);
     return kernel;
 }
 

@@ -5,7 +5,7 @@
 namespace oncollide {
 namespace {
 
-[[noreturn]] void refuse()
+[[noreturn]] void refuse_without_fcl()
 {
     throw Error(ErrorKind::usage, "this is a build without FCL (ONCOLLIDE_FCL=OFF)");
 }
@@ -21,12 +21,12 @@ class FclModel {};
 
 std::shared_ptr<const FclModel> make_fcl_model(const GeometryData&)
 {
-    refuse();
+    refuse_without_fcl();
 }
 
 bool fcl_collides(const FclModel&, const Eigen::Isometry3d&, const FclModel&, const Eigen::Isometry3d&)
 {
-    refuse();
+    refuse_without_fcl();
 }
 
 } // namespace oncollide

@@ -1,4 +1,5 @@
 #include "command_fixture.hpp"
+#include "decoded_png.hpp"
 
 #include <cmath>
 #include <set>
@@ -343,6 +344,14 @@ TEST_F(CommandLine, TheDemoGivesEveryLevelSomethingToDo)
     EXPECT_GT(results.at("header").at("verdicts").at("colliding"), 0);
     for (const char* file : {"results.csv", "trace.json", "picture.svg"})
         EXPECT_GT(folder_.read(std::string("a/b/") + file).size(), 500u) << file;
+    const Decoded collision = decode(folder_.read("a/b/collision.png"));
+    EXPECT_GT(collision.count([](const std::uint8_t* c) { return c[0] > 2 * c[1]; }), 200) << "triangles that meet";
+    EXPECT_LT(collision.count([](const std::uint8_t* c) { return c[0] == 255 && c[1] == 255; }),
+              9 * collision.width * collision.height / 10);
+    if (std::filesystem::exists("/usr/share/javascript/three/three.min.js")) {
+        EXPECT_NE(folder_.read("a/b/page.html").find("<html"), std::string::npos);
+        EXPECT_NE(outcome.out.find("xdg-open a/b/page.html"), std::string::npos) << outcome.out;
+    }
 }
 
 } // namespace

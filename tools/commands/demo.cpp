@@ -1,12 +1,19 @@
 #include "cli/command.hpp"
 #include "cli/outputs.hpp"
 #include "play/play.hpp"
+#include "render/flat_picture.hpp"
+#include "render/framing.hpp"
+#include "render/render_scene.hpp"
+#include "view/view_page.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <numbers>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -20,6 +27,7 @@ namespace {
 
 constexpr std::uint64_t seed = 2006;
 constexpr int frames = 60;
+constexpr int halls = 16, pillars = 4, parts_of_hall = 24;
 constexpr double hall = 3.5, half_plain = 150; // half-extents, metres
 
 /// The k-th vector of body `index`; coordinates are uniform in [-1, 1).
@@ -44,13 +52,13 @@ void add_hall(Scene& scene, int number, const Eigen::Vector3d& centre, GeometryI
               const std::vector<GeometryId>& parts, std::uint64_t& index)
 {
     const Aabb walls{centre.array() - hall, centre.array() + hall};
-    for (int corner = 0; corner < 4; ++corner) {
+    for (int corner = 0; corner < pillars; ++corner) {
         Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
         pose.translation() = centre + Eigen::Vector3d(corner & 1 ? hall : -hall, corner & 2 ? hall : -hall, 0);
         scene.add_body(
             {.name = fmt::format("pillar {}.{}", number, corner), .geometry = pillar, .pose = pose, .is_static = true});
     }
-    for (int p = 0; p < 24; ++p) {
+    for (int p = 0; p < parts_of_hall; ++p) {
         const GeometryId geometry = parts[std::size_t(p) % parts.size()];
         const std::string& kind = scene.geometries[oncollide::index(geometry)].name;
         const Eigen::Vector3d position = centre + hall * random_vector(++index, 1);
@@ -65,7 +73,7 @@ void add_hall(Scene& scene, int number, const Eigen::Vector3d& centre, GeometryI
 /// regions that hold only static masts, overlapping AABBs, sphere-trees to grow, triangles to test.
 Scene make_demo_scene()
 {
-    constexpr int halls = 16, masts = 1500, drones = 40;
+    constexpr int masts = 1500, drones = 40;
     Scene scene;
     scene.name = "demo";
     scene.frames = frames;
@@ -106,6 +114,41 @@ Scene make_demo_scene()
     return scene;
 }
 
+/// Keeps the pairs of the last frame.
+struct LastPairs final : FrameSink {
+    std::vector<PairResult> pairs;
+    void add(const FrameView& frame) override { pairs.assign(frame.pairs.begin(), frame.pairs.end()); }
+    void close() override {}
+};
+
+/// Draws the hall in which most meshes collide, without the parts that collide with none; triangles that meet are red.
+void draw_hall(const Scene& scene, const World& world, std::span<const PairResult> pairs,
+               const std::filesystem::path& file)
+{
+    constexpr std::uint32_t bodies_of_hall = pillars + parts_of_hall; // the halls are the first bodies
+    const auto is_mesh = [&](BodyId body) {
+        return std::holds_alternative<Mesh>(scene.geometries[index(scene.geometry[index(body)])].data);
+    };
+    std::array<std::vector<std::uint32_t>, halls> colliding;
+    for (const PairResult& pair : pairs) {
+        const std::uint32_t hall = index(pair.a) / bodies_of_hall;
+        if (pair.verdict == Verdict::colliding && hall < halls && index(pair.b) / bodies_of_hall == hall &&
+            is_mesh(pair.a) && is_mesh(pair.b))
+            colliding[hall].insert(colliding[hall].end(), {index(pair.a), index(pair.b)});
+    }
+    ScenePictures::Shown shown{
+        .meshes = true, .spheres = false, .bodies = std::vector<std::uint8_t>(scene.size()), .meeting = true};
+    for (const std::uint32_t body : *std::ranges::max_element(colliding, {}, &std::vector<std::uint32_t>::size))
+        shown.bodies[body] = 1;
+    ScenePictures pictures(scene, std::move(shown));
+    ScenePicture picture = pictures.make(world, {}, pairs, std::nullopt);
+    picture.width = 960, picture.height = 640;
+    Framing framing;
+    framing.add(picture);
+    picture.camera = framing.camera();
+    save_png(draw_bodies(picture), file);
+}
+
 struct DemoOptions {
     std::string out = "demo-results";
 };
@@ -125,11 +168,14 @@ int demo(const DemoOptions& options)
     outputs.trace = folder / "trace.json";
     outputs.picture = folder / "picture.svg";
     check_outputs(outputs, "");
+    const fs::path page_file = folder / "page.html", collision = folder / "collision.png";
+    check_files({{"--out", page_file}, {"--out", collision}});
 
     Scene scene = make_demo_scene();
     Settings settings;
     settings.depth = 6;
-    settings.exact = ExactLevel::fcl;
+    settings.exact = ExactLevel::predicates;
+    settings.bounding_volume = BoundingVolume::sphere; // the paper's
     settings.threads = 0;
     std::cout << fmt::format(
         "Machine parts tumble in halls on a plain of masts, and drones fly between the masts: {} bodies, {} "
@@ -139,14 +185,31 @@ int demo(const DemoOptions& options)
     std::cout.flush();
     Pipeline pipeline(scene, settings);
     Report report(scene, pipeline, parts_of(outputs));
-    const int code = play(scene, pipeline, report, frames, outputs);
+    LastPairs last;
+    std::vector<FrameSink*> sinks{&last};
+    std::optional<ViewPage> page;
+    std::string page_line = "the run in 3D, frame by frame, for a browser";
+    try {
+        page.emplace(scene, pipeline, ViewPage::Options{.file = page_file, .threads = settings.threads});
+        sinks.push_back(&*page);
+    } catch (const Error& without_three_js) {
+        if (without_three_js.kind() != ErrorKind::no_input) throw;
+        page_line = fmt::format("not written: {}", without_three_js.what());
+    }
+    const int code = play(scene, pipeline, report, frames, outputs, 0, sinks);
+    if (page) page->close();
+    draw_hall(scene, pipeline.world(), last.pairs, collision);
     write_outputs(report, outputs);
-    std::cout << fmt::format("\nWritten to {}/:\n"
-                             "  picture.svg   stages and times, for a browser\n"
-                             "  results.json  settings, counts and every pair of every frame\n"
-                             "  results.csv   the same pairs as a table\n"
-                             "  trace.json    for https://ui.perfetto.dev or chrome://tracing\n",
-                             printable(folder.string()));
+    std::cout << printable_lines(fmt::format("\nWritten to {0}/:\n"
+                                             "  page.html      {1}\n"
+                                             "  collision.png  parts that collide in the last frame; triangles that "
+                                             "meet are red\n"
+                                             "  picture.svg    stages and times, for a browser\n"
+                                             "  results.json   settings, counts and every pair of every frame\n"
+                                             "  results.csv    the same pairs as a table\n"
+                                             "  trace.json     for https://ui.perfetto.dev or chrome://tracing\n"
+                                             "To open them: xdg-open {2}\n",
+                                             folder.string(), page_line, (page ? page_file : collision).string()));
     return code;
 }
 
@@ -154,7 +217,7 @@ int demo(const DemoOptions& options)
 
 void add_demo(Arguments app)
 {
-    Arguments sub = app.add_command("demo", "Run a built-in scene and write its results and a picture");
+    Arguments sub = app.add_command("demo", "Run a built-in scene and write its results, a 3D page and pictures");
     auto options = std::make_shared<DemoOptions>();
     sub.add_option("--out", options->out, "folder for the results (default demo-results)").type_name("DIR");
     sub.footer("Needs no data, no display and no network.");

@@ -7,13 +7,13 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/text/number_text.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/base/text/svg.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/runs/report.hpp>
 
 #include "common/base64.hpp"
-#include "common/text.hpp"
 #include "view/page_model.hpp"
 #include "view/page_text.hpp"
 #include "view/page_trees.hpp"
