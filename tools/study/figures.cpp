@@ -18,23 +18,24 @@ struct BarRow {
     std::vector<std::string> texts;
 };
 
-constexpr double width = 960, left = 310, row_height = 22, head = 34;
+constexpr double bars_width = 960, bars_left = 310, row_height = 22, head = 34;
 
 void draw_bars(OutputFile& file, std::string_view title, const std::vector<std::string>& columns,
                const std::vector<BarRow>& rows)
 {
-    const double height = head + row_height * double(rows.size()) + 4, pitch = (width - left) / double(columns.size());
+    const double height = head + row_height * double(rows.size()) + 4,
+                 pitch = (bars_width - bars_left) / double(columns.size());
     const double room = std::min(46.0, 0.5 * pitch); // for a number
     Svg svg(file);
-    svg.begin_inline(width, height, title);
+    svg.begin_inline(bars_width, height, title);
     for (std::size_t k = 0; k < columns.size(); ++k)
-        svg.text(left + pitch * double(k), 16, Svg::Anchor::start, "head", columns[k]);
+        svg.text(bars_left + pitch * double(k), 16, Svg::Anchor::start, "head", columns[k]);
     for (std::size_t r = 0; r < rows.size(); ++r) {
         const double y = head + row_height * double(r);
-        if (r % 2 == 0) svg.rectangle(0, y - 3, width, row_height, "band");
-        svg.text(left - 12, y + 12, Svg::Anchor::end, "name", rows[r].name);
+        if (r % 2 == 0) svg.rectangle(0, y - 3, bars_width, row_height, "band");
+        svg.text(bars_left - 12, y + 12, Svg::Anchor::end, "name", rows[r].name);
         for (std::size_t k = 0; k < columns.size(); ++k) {
-            const double x = left + pitch * double(k), length = rows[r].lengths[k] * (pitch - room - 8);
+            const double x = bars_left + pitch * double(k), length = rows[r].lengths[k] * (pitch - room - 8);
             svg.rectangle(x, y, length, 14, "bar");
             svg.text(x + length + 4, y + 12, Svg::Anchor::start, "number", rows[r].texts[k]);
         }
