@@ -31,7 +31,53 @@ void check_chunks(const std::string& place, hid_t dataset, int dimensions, std::
         refuse(place, fmt::format("its chunks are larger than {} bytes", most_bytes));
 }
 
+constexpr const char* in_other_file =
+    "is a link to another file, or has its data there; everything must be in one file";
+
+/// HDF5 calls it before it opens the file of an external link.
+herr_t refuse_link(const char*, const char*, const char*, const char*, unsigned*, hid_t, void* found)
+{
+    *static_cast<bool*>(found) = true;
+    return -1;
+}
+
+/// open(property list)
+/// @param access  class of the property list
+template <class Open>
+hid_t open_without_links(hid_t access, const std::string& place, Open open)
+{
+    const Hdf5& h5 = hdf5();
+    bool found = false;
+    const Hdf5Handle plan(h5.H5Pcreate(access), h5.H5Pclose);
+    if (!plan.valid() || h5.H5Pset_elink_cb(plan.id(), &refuse_link, &found) < 0) return -1;
+    const hid_t opened = open(plan.id());
+    if (found) refuse(place, in_other_file);
+    return opened;
+}
+
 } // namespace
+
+Hdf5Handle open_group(std::int64_t file, const std::string& path, const std::string& place)
+{
+    const Hdf5& h5 = hdf5();
+    return {
+        open_without_links(h5.group_access, place, [&](hid_t plan) { return h5.H5Gopen2(file, path.c_str(), plan); }),
+        h5.H5Gclose};
+}
+
+Hdf5Handle open_dataset(std::int64_t file, const std::string& path, const std::string& place)
+{
+    const Hdf5& h5 = hdf5();
+    Hdf5Handle opened(
+        open_without_links(h5.dataset_access, place, [&](hid_t plan) { return h5.H5Dopen2(file, path.c_str(), plan); }),
+        h5.H5Dclose);
+    if (!opened.valid()) return opened;
+    const Hdf5Handle plan(h5.H5Dget_create_plist(opened.id()), h5.H5Pclose);
+    if (!plan.valid()) return {};
+    if (h5.H5Pget_layout(plan.id()) == H5D_VIRTUAL || h5.H5Pget_external_count(plan.id()) > 0)
+        refuse(place, in_other_file);
+    return opened;
+}
 
 Hdf5File::Hdf5File(const std::filesystem::path& path) : name_(path.string())
 {
@@ -43,7 +89,7 @@ Hdf5File::Hdf5File(const std::filesystem::path& path) : name_(path.string())
 std::vector<std::string> Hdf5File::names_in(const std::string& group) const
 {
     const Hdf5& h5 = hdf5();
-    const Hdf5Handle opened(h5.H5Gopen2(file_.id(), group.c_str(), H5P_DEFAULT), h5.H5Gclose);
+    const Hdf5Handle opened = open_group(file_.id(), group, fmt::format("{}: {}", name_, group));
     H5G_info_t info{};
     if (!opened.valid() || h5.H5Gget_info(opened.id(), &info) < 0)
         refuse(name_, fmt::format("has no group '{}'", group));
@@ -67,7 +113,7 @@ Hdf5Column Hdf5File::column(const std::string& path, Numbers numbers, const std:
     std::string wanted =
         fmt::format("must be a dataset of {} numbers, rows", numbers == Numbers::real ? "real" : "whole");
     for (const std::uint64_t extent : row) wanted += extent ? fmt::format(" x {}", extent) : " x any";
-    column.dataset_ = {h5.H5Dopen2(file_.id(), path.c_str(), H5P_DEFAULT), h5.H5Dclose};
+    column.dataset_ = open_dataset(file_.id(), path, column.place_);
     if (!column.dataset_.valid()) refuse(column.place_, "cannot be opened; it " + wanted);
     column.space_ = {h5.H5Dget_space(column.dataset_.id()), h5.H5Sclose};
     const Hdf5Handle type(h5.H5Dget_type(column.dataset_.id()), h5.H5Tclose);

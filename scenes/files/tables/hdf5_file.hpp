@@ -33,6 +33,12 @@ private:
     Close close_ = nullptr;
 };
 
+/// Opens a group or a dataset of a file; invalid if there is none. No other file is opened: throws Error{bad_data} for
+/// external links, external storage and virtual datasets, which could name any file or a pipe.
+/// @param place  for errors
+Hdf5Handle open_group(std::int64_t file, const std::string& path, const std::string& place);
+Hdf5Handle open_dataset(std::int64_t file, const std::string& path, const std::string& place);
+
 /// A dataset of numbers, whose first dimension counts rows. Its data stays in the file.
 class Hdf5Column {
 public:

@@ -22,6 +22,7 @@ Hdf5::Hdf5()
     native_uint8 = variable("H5T_NATIVE_UINT8_g"), native_uint32 = variable("H5T_NATIVE_UINT32_g");
     native_uint64 = variable("H5T_NATIVE_UINT64_g"), text = variable("H5T_C_S1_g");
     file_access = variable("H5P_CLS_FILE_ACCESS_ID_g"), dataset_creation = variable("H5P_CLS_DATASET_CREATE_ID_g");
+    dataset_access = variable("H5P_CLS_DATASET_ACCESS_ID_g"), group_access = variable("H5P_CLS_GROUP_ACCESS_ID_g");
 }
 
 const Hdf5& hdf5()

@@ -17,7 +17,8 @@ class Hdf5 {
 
 public:
     Hdf5();
-#define ONCOLLIDE_HDF5_FUNCTION(name) const decltype(&::name) name = reinterpret_cast<decltype(&::name)>(library_.find(#name))
+#define ONCOLLIDE_HDF5_FUNCTION(name)                                                                                  \
+    const decltype(&::name) name = reinterpret_cast<decltype(&::name)>(library_.find(#name))
     ONCOLLIDE_HDF5_FUNCTION(H5open);
     ONCOLLIDE_HDF5_FUNCTION(H5Eset_auto2);
     ONCOLLIDE_HDF5_FUNCTION(H5Fopen);
@@ -35,6 +36,8 @@ public:
     ONCOLLIDE_HDF5_FUNCTION(H5Dread);
     ONCOLLIDE_HDF5_FUNCTION(H5Pget_layout);
     ONCOLLIDE_HDF5_FUNCTION(H5Pget_chunk);
+    ONCOLLIDE_HDF5_FUNCTION(H5Pget_external_count);
+    ONCOLLIDE_HDF5_FUNCTION(H5Pset_elink_cb);
     ONCOLLIDE_HDF5_FUNCTION(H5Pclose);
     ONCOLLIDE_HDF5_FUNCTION(H5Screate_simple);
     ONCOLLIDE_HDF5_FUNCTION(H5Sget_simple_extent_ndims);
@@ -72,7 +75,8 @@ public:
     ONCOLLIDE_HDF5_FUNCTION(H5Aclose);
 #undef ONCOLLIDE_HDF5_FUNCTION
     hid_t native_double = -1, native_int64 = -1, native_uint8 = -1, native_uint32 = -1, native_uint64 = -1, text = -1;
-    hid_t file_access = -1, dataset_creation = -1; ///< classes of property lists
+    hid_t file_access = -1, dataset_creation = -1, dataset_access = -1,
+          group_access = -1; ///< classes of property lists
 };
 
 /// Throws Error{usage} if this machine has no HDF5.

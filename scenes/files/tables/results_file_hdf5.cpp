@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/scenes/files/tables/hdf5_file.hpp>
 #include <oncollide/scenes/files/tables/hdf5_library.hpp>
@@ -354,6 +355,7 @@ StoredResults::StoredResults(const fs::path& path, const ResultsHeader& words)
     : name_(path.string()), open_(std::make_unique<Open>())
 {
     const Hdf5& h5 = hdf5();
+    if (!fs::is_regular_file(path)) check_readable(path); // a file that a run continues is no input
     try {
         // Each attempt to read data that a writer may be changing waits twice as long as the one before: 17 ms in
         // total, so that a damaged file does not block forever.
@@ -366,7 +368,9 @@ StoredResults::StoredResults(const fs::path& path, const ResultsHeader& words)
         const Hdf5Handle bodies(sure(h5.H5Aopen(file, "bodies", H5P_DEFAULT)), h5.H5Aclose);
         sure(h5.H5Aread(bodies.id(), h5.native_uint64, &header_.bodies));
         const auto dataset = [&](const char* name) {
-            return Hdf5Handle(sure(h5.H5Dopen2(file, name, H5P_DEFAULT)), h5.H5Dclose);
+            Hdf5Handle opened = open_dataset(file, name, fmt::format("{}: {}", name_, name));
+            sure(opened.id());
+            return opened;
         };
         open_->frames = {dataset("frames"), frame_type(words)}, open_->pairs = {dataset("pairs"), pair_type(words)};
         frames_.resize(open_->frames.stored(sizeof(FrameRow)));
@@ -386,7 +390,7 @@ StoredResults::~StoredResults() = default;
 std::string StoredResults::unlike(const NameColumn& names) const
 {
     const Hdf5& h5 = hdf5();
-    Rows rows{{h5.H5Dopen2(open_->file.id(), "names", H5P_DEFAULT), h5.H5Dclose}, text_type()};
+    Rows rows{open_dataset(open_->file.id(), "names", name_ + ": names"), text_type()};
     if (!rows.dataset.valid()) return {}; // no body has a name
     constexpr hsize_t block = 65'536;
     std::vector<char*> letters;
