@@ -1,5 +1,8 @@
 // COLLADA and 3MF files: as meshes, as assemblies, as scenes, and their errors.
 #include <gtest/gtest.h>
+#ifdef ONCOLLIDE_XML
+#include <zip.h>
+#endif
 
 #include "scenes/test_files.hpp"
 #include "scenes/xml_writers.hpp"
@@ -245,6 +248,25 @@ TEST_F(XmlAssembly, Bad3mfIsRefusedWithItsLine)
     expect_bad("a.3mf", damaged, "3D/3dmodel.model: ");
     for (std::size_t size = 0; size < zip.size(); size += 101) expect_bad("a.3mf", zip.substr(0, size), "");
 }
+
+#ifdef ONCOLLIDE_XML
+TEST_F(XmlAssembly, AnArchiveThatUnpacksToAMultipleIsRefusedBeforeItIsRead)
+{
+    const std::filesystem::path path = folder_.path() / "bomb.3mf";
+    zip_t* const archive = zip_open(path.c_str(), ZIP_CREATE, nullptr);
+    const std::string files[] = {test::relationships_xml(),
+                                 model_xml(box_object_ + std::string(100'000'000, ' '), R"(<item objectid="7"/>)")};
+    const auto add = [&](const char* name, const std::string& text) {
+        zip_file_add(archive, name, zip_source_buffer(archive, text.data(), text.size(), 0), 0);
+    };
+    add("_rels/.rels", files[0]), add("3D/3dmodel.model", files[1]);
+    ASSERT_EQ(zip_close(archive), 0);
+    ASSERT_LT(std::filesystem::file_size(path), 200'000u);
+    expect_error(
+        ErrorKind::bad_data, [&] { load_mesh(path); },
+        "bomb.3mf: 3D/3dmodel.model: it unpacks to more than 100 times the archive");
+}
+#endif
 
 TEST_F(XmlAssembly, RunAsScenesWithANameForEachBody)
 {

@@ -61,13 +61,16 @@ inline std::string model_xml(const std::string& resources, const std::string& bu
                        unit, resources, build);
 }
 
+inline std::string relationships_xml()
+{
+    return R"(<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">)"
+           R"(<Relationship Target="/3D/3dmodel.model" Id="r" Type=")"
+           R"(http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>)";
+}
+
 inline std::string as_3mf(const std::string& model, const std::string& other = "")
 {
-    const std::string relationships =
-        R"(<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">)"
-        R"(<Relationship Target="/3D/3dmodel.model" Id="r" Type=")"
-        R"(http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>)";
-    return as_zip({{"_rels/.rels", relationships}, {"3D/3dmodel.model", model}, {"3D/other.model", other}});
+    return as_zip({{"_rels/.rels", relationships_xml()}, {"3D/3dmodel.model", model}, {"3D/other.model", other}});
 }
 
 inline std::string object_xml(const Mesh& mesh, int id, const std::string& attributes = "")

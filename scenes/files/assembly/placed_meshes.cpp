@@ -8,15 +8,18 @@ namespace {
 
 class Adder {
 public:
-    Adder(const MeshSource& source, const PlacedMeshes& placed, ExpansionLimit& expansion)
-        : source_(source), placed_(placed), expansion_(expansion)
+    Adder(const MeshSource& source, const PlacedMeshes& placed) : source_(source), placed_(placed) {}
+
+    /// Vertices and triangles of a mesh, and 1.
+    std::uint64_t pieces(std::uint32_t number) const
     {
+        const RawMesh& mesh = placed_.meshes[number];
+        return 1 + mesh.vertices.size() + mesh.triangles.size();
     }
 
     void operator()(std::uint32_t number, const Eigen::Affine3d& pose, WeldedMesh& to) const
     {
         const RawMesh& mesh = placed_.meshes[number];
-        expansion_.spend(1 + mesh.vertices.size() + mesh.triangles.size());
         std::vector<Eigen::Vector3d> points(mesh.vertices.size());
         for (std::size_t i = 0; i < points.size(); ++i) {
             points[i] = pose * mesh.vertices[i];
@@ -32,14 +35,14 @@ public:
 private:
     const MeshSource& source_;
     const PlacedMeshes& placed_;
-    ExpansionLimit& expansion_;
 };
 
 } // namespace
 
 RawMesh whole_mesh(const MeshSource& source, const PlacedMeshes& placed, ExpansionLimit& expansion)
 {
-    const Adder add(source, placed, expansion);
+    const Adder add(source, placed);
+    for (const PlacedMeshes::Show& show : placed.shows) expansion.spend(add.pieces(show.mesh)); // all before the work
     WeldedMesh mesh;
     for (const PlacedMeshes::Show& show : placed.shows) add(show.mesh, show.pose, mesh);
     return mesh.take();
@@ -59,7 +62,12 @@ RawAssembly parts_of(const MeshSource& source, const PlacedMeshes& placed, Expan
             source.fail(fmt::format("{} places its mesh beyond 1e15 m", oncollide::quoted(name_of(show.node))));
     std::vector<std::uint32_t> above;
     for (const PlacedMeshes::Node& node : placed.nodes) above.push_back(node.above);
-    return placer.take(above, name_of, Adder(source, placed, expansion), threads);
+    const Adder add(source, placed);
+    const auto add_within_limit = [&](std::uint32_t mesh, const Eigen::Affine3d& pose, WeldedMesh& to) {
+        expansion.spend(add.pieces(mesh));
+        add(mesh, pose, to);
+    };
+    return placer.take(above, name_of, add_within_limit, threads);
 }
 
 } // namespace oncollide

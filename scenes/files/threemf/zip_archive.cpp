@@ -9,6 +9,7 @@ namespace oncollide {
 
 struct ZipArchive::Handle {
     zip_t* archive = nullptr;
+    std::uint64_t unpacked = 0; ///< bytes
 
     explicit Handle(const MeshSource& source)
     {
@@ -35,7 +36,7 @@ bool ZipArchive::has(const std::string& name) const
 
 void ZipArchive::read(const std::string& name, const std::function<void(std::string_view)>& visit) const
 {
-    constexpr std::uint64_t most = std::uint64_t{2} << 30;
+    constexpr std::uint64_t most = std::uint64_t{2} << 30, always = std::uint64_t{16} << 20, ratio = 100;
     const auto fail = [&](const std::string& why) { source_.fail(fmt::format("{}: {}", printable(name), why)); };
     // Opened by index: OPC names are compared without regard to case.
     const zip_int64_t index = zip_name_locate(handle_->archive, name.c_str(), ZIP_FL_NOCASE);
@@ -51,6 +52,9 @@ void ZipArchive::read(const std::string& name, const std::function<void(std::str
         if (length == 0) return;
         total += static_cast<std::uint64_t>(length);
         if (total > most) fail("it unpacks to more than 2 GiB");
+        handle_->unpacked += static_cast<std::uint64_t>(length);
+        if (handle_->unpacked > always + ratio * source_.bytes.size())
+            fail(fmt::format("it unpacks to more than {} times the archive", ratio));
         visit(std::string_view(piece).substr(0, static_cast<std::size_t>(length)));
     }
 }
