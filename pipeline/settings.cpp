@@ -22,13 +22,15 @@ constexpr std::array<std::string_view, 3> broad_names{"kd", "octree", "brute"};
 constexpr std::array<std::string_view, 3> bounding_volume_names{"auto", "sphere", "obb"};
 constexpr std::array<std::string_view, stage_count> stage_names{"bounds", "delimitation", "broad", "refine", "exact"};
 
+/// @param offered  the names that an error lists; empty: all
 template <class Enum, std::size_t n>
-Enum from_name(std::string_view what, const std::array<std::string_view, n>& names, std::string_view name)
+Enum from_name(std::string_view what, const std::array<std::string_view, n>& names, std::string_view name,
+               std::vector<std::string_view> offered = {})
 {
     for (std::size_t i = 0; i < n; ++i)
         if (names[i] == name) return static_cast<Enum>(i);
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: no '{}'{}", what, name, valid_names(name, {names.begin(), names.end()})));
+    if (offered.empty()) offered.assign(names.begin(), names.end());
+    throw Error(ErrorKind::usage, fmt::format("{}: no '{}'{}", what, name, valid_names(name, offered)));
 }
 
 } // namespace
@@ -56,7 +58,7 @@ std::string_view name_of(BoundingVolume v)
 ExactLevel exact_from_name(std::string_view name)
 {
     if (name == "on") return ExactLevel::predicates;
-    return from_name<ExactLevel>("exact", exact_names, name);
+    return from_name<ExactLevel>("exact", exact_names, name, {"off", "on", "predicates", "fcl"});
 }
 Mode mode_from_name(std::string_view name)
 {
@@ -64,7 +66,7 @@ Mode mode_from_name(std::string_view name)
 }
 BackendKind backend_from_name(std::string_view name)
 {
-    return from_name<BackendKind>("backend", backend_names, name);
+    return from_name<BackendKind>("backend", backend_names, name, {"auto", "cpu", "gl-compute", "gl-query"});
 }
 BroadPhaseKind broad_phase_from_name(std::string_view name)
 {

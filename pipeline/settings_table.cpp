@@ -118,7 +118,7 @@ constexpr std::string_view accuracy = "Accuracy", computation = "Computation";
 using enum SettingForm;
 
 constexpr std::array table{
-    row<&Settings::max_error>("max_error", "max_error", number, true,
+    row<&Settings::max_error>("max_error", "max_error", length, true,
                               {"--max-error", accuracy, "M",
                                "accuracy in metres: bodies that are 'within' a bound are at most this far apart",
                                "1 % of the diagonal of the AABB of the smaller body of each pair"},
@@ -139,7 +139,7 @@ constexpr std::array table{
             require(depth >= 1 && depth <= deepest_level, "depth", depth, fmt::format("1 to {}", deepest_level));
         }),
     row<&Settings::clearance>(
-        "clearance", "clearance", number, true,
+        "clearance", "clearance", length, true,
         {"--clearance", accuracy, "M", "metres: bodies at most this far apart are not separate", "0"},
         [](const Settings& s) {
             require(std::isfinite(s.clearance) && s.clearance >= 0 && s.clearance <= 1e15, "clearance", s.clearance,

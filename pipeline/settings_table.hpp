@@ -17,7 +17,7 @@ enum class SettingForm : std::uint8_t {
     flag,   ///< true or false
     whole,  ///< an int
     amount, ///< a size_t; the command accepts the suffixes K, M and G
-    number, ///< a double
+    length, ///< a double, metres; the command accepts units, such as 1mm
     name,   ///< one of a list of names
     names,  ///< any of a list of names
 };

@@ -144,7 +144,7 @@ void Report::write_json(const std::filesystem::path& path) const
     refuse_unless(kept_->json.has_value(), "JSON");
     OutputFile file(path);
     JsonWriter json(file);
-    json.begin_object();
+    json.begin_object(), json.schema("oncollide.results", 1);
     json.line(), json.key("header"), write_header(json);
     json.line(), json.key("stages"), write_stages(json);
     json.line(), json.key("delimitation"), write_delimitation(json);
@@ -280,7 +280,7 @@ void Report::write_trace(const std::filesystem::path& path) const
     refuse_unless(kept_->trace.has_value(), "a trace");
     OutputFile file(path);
     JsonWriter json(file);
-    json.begin_object();
+    json.begin_object(), json.schema("oncollide.trace", 1);
     json.members("displayTimeUnit", "ms");
     json.key("traceEvents"), json.begin_array();
     const auto name = [&](std::string_view what, std::string_view named, const auto&... thread) {

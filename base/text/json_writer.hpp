@@ -87,6 +87,12 @@ public:
         comma_ = false;
     }
 
+    /// The first members of a JSON file: the name and version of its format. docs/stability.md lists them.
+    void schema(std::string_view name, int schema_version)
+    {
+        members("schema", name, "schema_version", schema_version);
+    }
+
 private:
     void begin(char bracket)
     {

@@ -28,7 +28,7 @@ nlohmann::json value_of(SettingForm form, py::handle value, const Place& place)
         return whole(value, place, 0x7fffffff);
     case SettingForm::amount:
         return whole(value, place, ~std::uint64_t{0});
-    case SettingForm::number:
+    case SettingForm::length:
         return number(value, place);
     case SettingForm::name:
         return text(value, place);

@@ -105,7 +105,7 @@ void write_rank_trace(const std::filesystem::path& path, const std::string& titl
         json.line(),
             json.object("ph", "M", "pid", 1, thread..., "name", what, "args", [&] { json.object("name", named); });
     };
-    json.begin_object();
+    json.begin_object(), json.schema("oncollide.trace", 1);
     json.members("displayTimeUnit", "ms");
     json.key("traceEvents"), json.begin_array();
     name("process_name", title);

@@ -254,6 +254,17 @@ void read_scene(SceneText& text, const fs::path& path, const SceneReading& readi
     if (root.has("exclude")) read_excluded(scene, root["exclude"]);
 }
 
+/// Files without a schema are valid.
+void check_schema(const Node& root)
+{
+    if (!root.is_object()) return;
+    if (root.has("schema") && root["schema"].text() != scene_schema)
+        root["schema"].fail(fmt::format("is '{}'; a scene has '{}'", root["schema"].text(), scene_schema));
+    if (root.has("schema_version") && root["schema_version"].integer(1, 1'000'000) != scene_schema_version)
+        root["schema_version"].fail(fmt::format("is {}; this version of oncollide reads {}",
+                                                root["schema_version"].source(), scene_schema_version));
+}
+
 /// Opens the file and calls read(text).
 template <class Read>
 void read_scene_file(const fs::path& path, Read read)
@@ -266,7 +277,9 @@ void read_scene_file(const fs::path& path, Read read)
     try {
         SceneText text(file, json);
         try {
-            text.root().only({"name", "frames", "geometries", "bodies", "tables", "tiles", "recording", "exclude"});
+            check_schema(text.root());
+            text.root().only({"name", "frames", "geometries", "bodies", "tables", "tiles", "recording", "exclude",
+                              "schema", "schema_version"});
             read(text);
         } catch (const Error&) {
             text.each_body([](const Node&) {}); // reports JSON errors before other errors

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -26,6 +27,10 @@ struct SceneReading {
     /// Makes generated geometries, such as sample_generators() of oncollide::samples; null: they are refused.
     const Generators* generators = nullptr;
 };
+
+/// The format of scene files that load_scene reads and save_scene writes (docs/stability.md).
+constexpr std::string_view scene_schema = "oncollide.scene";
+constexpr int scene_schema_version = 1;
 
 /// Reads a scene file (JSON; schema in docs/scene-format.md). Paths in it are relative to the file's own folder. "-" is
 /// standard input, whose folder is the current one. Throws Error{no_input} or Error{bad_data}; messages begin with the

@@ -110,7 +110,7 @@ void write_text(const Scene& scene, const fs::path& path, const std::vector<std:
     fs::path folder = fs::absolute(path).parent_path();
     JsonWriter json(file);
     const auto on_a_line = [&](const Entry& entry) { json.line(2), json.raw(entry.dump()); };
-    json.begin_object();
+    json.begin_object(), json.schema(scene_schema, scene_schema_version);
     json.line(), json.key("name"), json.raw(Json(scene.name).dump());
     json.line(), json.members("frames", scene.frames);
     json.line(), json.key("geometries"), json.begin_object();

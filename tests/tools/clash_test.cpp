@@ -223,6 +223,25 @@ TEST_F(ClashCommand, IgnoredPairsAndTheBaselineGoRoundAndRound)
     EXPECT_NE(folder_.read("r.html").find("Fixed since the baseline (1)"), std::string::npos);
 }
 
+TEST_F(ClashCommand, NamesInCsvAreNoFormulasOfASpreadsheet)
+{
+    const std::vector<std::string> names{"=HYPERLINK(1)", "+1", "-1", "@SUM(1)", "'quoted"};
+    std::vector<std::string> arguments{"clash", "--units", "m", "-o", "r.csv", "-o", "r.json"};
+    for (const std::string& name : names)
+        write_box("./" + name + ".off", {0, 0, 0}, {1, 1, 1}), arguments.push_back("./" + name + ".off");
+    EXPECT_EQ(run(arguments).code, 1);
+    const std::string csv = folder_.read("r.csv");
+    for (const char* field : {"'=HYPERLINK(1),", "'+1,", "'-1,", "'@SUM(1),", "'quoted,"})
+        EXPECT_NE(csv.find(field), std::string::npos) << field << "\n" << csv;
+    for (const char* formula : {"\n=", ",=", "\n+", ",+", "\n@", ",@"})
+        EXPECT_EQ(csv.find(formula), std::string::npos) << csv;
+    EXPECT_EQ(folder_.read("r.json").find("\"'="), std::string::npos) << "JSON keeps names";
+    arguments.insert(arguments.end(), {"--ignore", "r.csv"});
+    const Outcome again = run(arguments);
+    EXPECT_EQ(again.code, 0) << again.out;
+    EXPECT_EQ(again.err.find("no part is named"), std::string::npos) << again.err;
+}
+
 TEST_F(ClashCommand, PartsOfAGroupAreNotCompared)
 {
     EXPECT_EQ(clash({"--group", "[", "--group", "?", "-o", "r.json"}).code, 0);

@@ -54,7 +54,7 @@ TEST_F(CommandLine, ValuesThatAreNoNumbersAreRefused)
     expect_error(64, {"run", "city", "--memory-budget", "-1"}, {"--memory-budget"});
     expect_error(64, {"run", "city", "--memory-budget", "5 apples"}, {"--memory-budget"});
     expect_error(64, {"run", "city", "--memory-budget", "99999999999G"}, {"--memory-budget"});
-    expect_error(64, {"run", "city", "--max-error", "1cm"}, {"--max-error"});
+    expect_error(64, {"run", "city", "--max-error", "1 foot"}, {"--max-error 1 foot", "such as 2mm"});
     expect_error(64, {"run", "city", "--depth"}, {"--depth needs a D"});
     expect_error(64, {"run", "city", "--depth", "5", "--depth", "6"}, {"--depth is given more than once"});
     expect_error(64, {"run", "city", "--json", ""}, {"--json", "empty"});
@@ -156,6 +156,82 @@ TEST_F(CommandLine, AWrongDataVariableIsAnError)
     const Outcome wrong = run_program(ONCOLLIDE_COMMAND, {"run", "city", "--frames", "1"}, around);
     EXPECT_EQ(wrong.code, 66);
     EXPECT_NE(wrong.err.find("ONCOLLIDE_DATA"), std::string::npos) << wrong.err;
+}
+
+TEST_F(CommandLine, EveryLengthMayHaveAUnit)
+{
+    write_cube("c.off");
+    folder_.write("h.pgm", "P5\n3 3\n255\n123456789");
+    const auto json_of = [&](std::vector<std::string> arguments) {
+        arguments.insert(arguments.end(), {"--json", "r.json"});
+        EXPECT_LT(run(arguments).code, 3) << arguments.back();
+        return read_json("r.json").at("header");
+    };
+    const auto settings =
+        json_of({"check", "c.off", "c.off", "--max-error", "9mm", "--clearance", "0.1in"})["settings"];
+    EXPECT_EQ(settings["max_error"], 0.009);
+    EXPECT_EQ(settings["clearance"], 0.1 * 25.4 / 1000);
+    EXPECT_EQ(json_of({"check", "c.off", "c.off", "--clearance", "2 cm"})["settings"]["clearance"], 0.02);
+    EXPECT_EQ(json_of({"spheres", "c.off", "--directions", "10", "--max-error", "50mm"})["depth"],
+              json_of({"spheres", "c.off", "--directions", "10", "--max-error", "0.05"})["depth"]);
+    EXPECT_EQ(run({"check", "c.off", "c.off", "--distance", "1mm"}).out,
+              run({"check", "c.off", "c.off", "--distance", "1e-3"}).out);
+    EXPECT_EQ(run({"cook", "h.pgm", "--spacing", "30cm", "-o", "h.cooked"}).code, 0);
+    EXPECT_EQ(run({"bench", "shapes", "--pairs", "5", "--least-gap", "1mm"}).code, 0);
+    for (const char* bad : {"1foot", "mm", "1mm mm", "-1mm", "1e999mm", "nanmm"})
+        expect_error(64, {"check", "c.off", "c.off", "--clearance", bad}, {"--clearance", bad});
+    expect_error(64, {"accuracy", "study", "many", "--max-errors", "1cm,2ft"}, {"--max-errors 2ft", "such as 2mm"});
+}
+
+TEST_F(CommandLine, ErrorsOfNamesListEveryValidWord)
+{
+    expect_error(64, {"run", "many", "--exact", "yes"}, {"valid: off, on, predicates, fcl"});
+    expect_error(64, {"run", "many", "--backend", "gpu"}, {"valid: auto, cpu, gl-compute, gl-query\n"});
+    const std::string formats = ".json, .gltf, .glb, .dae or .3mf";
+    expect_error(64, {"run", "x.urdf"}, {"x.urdf", formats, "scene --list"});
+    folder_.write("x.urdf", "<robot/>");
+    expect_error(65, {"run", "x.urdf"}, {"x.urdf", formats});
+    expect_error(65, {"render", "x.urdf", "--out", "x.png"}, {"x.urdf", formats});
+}
+
+TEST_F(CommandLine, AnOutputNamedForAnotherFormatIsRefused)
+{
+    expect_error(64, {"run", "many", "--pairs", "out.csv"}, {"--pairs out.csv", ".h5, .hdf5", "--csv"});
+    expect_error(64, {"run", "many", "--picture", "out.PNG"}, {"--picture out.PNG", ".svg"});
+    expect_error(64, {"render", "paper", "--out", "x.jpg"}, {"--out x.jpg", ".png"});
+    EXPECT_TRUE(folder_.list().empty());
+}
+
+/// docs/stability.md lists all formats.
+TEST_F(CommandLine, EveryJsonFileSaysItsSchema)
+{
+    write_cube("c.off"), write_cube("d.off");
+    std::ifstream file(ONCOLLIDE_SOURCE_DIR "/docs/stability.md");
+    const std::string page{std::istreambuf_iterator<char>(file), {}};
+    folder_.write(
+        "s.json",
+        R"({"geometries": {"c": {"mesh": {"file": "c.off"}}}, "bodies": [{"geometry": "c"}, {"geometry": "c"}]})");
+    const std::vector<std::pair<const char*, std::vector<std::string>>> made{
+        {"oncollide.results", {"run", "many", "--bodies", "20", "--frames", "2", "--json", "o.json"}},
+        {"oncollide.results", {"check", "c.off", "c.off", "--json", "o.json"}},
+        {"oncollide.trace", {"run", "many", "--bodies", "20", "--frames", "2", "--trace", "o.json"}},
+        {"oncollide.scene", {"scene", "many", "--bodies", "20", "--out", "o.json"}},
+        {"oncollide.spheres", {"spheres", "c.off", "--depth", "2", "--json", "o.json"}},
+        {"oncollide.clash", {"clash", "c.off", "d.off", "-o", "o.json"}},
+        {"oncollide.accuracy_hard",
+         {"accuracy", "hard", "--count", "2", "--family", "vertex on face", "--json", "o.json"}},
+        {"oncollide.accuracy", {"accuracy", "s.json", "--json", "o.json"}},
+        {"oncollide.accuracy_study", {"accuracy", "study", "s.json", "--depths", "2", "--json", "o.json"}},
+    };
+    for (const auto& [schema, arguments] : made) {
+        SCOPED_TRACE(schema);
+        const Outcome outcome = run(arguments);
+        ASSERT_LT(outcome.code, 64) << outcome.err;
+        const nlohmann::json j = read_json("o.json");
+        EXPECT_EQ(j.value("schema", ""), schema);
+        const std::string row = fmt::format("| `{}` | {} |", schema, j.value("schema_version", 0));
+        EXPECT_NE(page.find(row), std::string::npos) << row;
+    }
 }
 
 } // namespace

@@ -254,7 +254,7 @@ void add_distances(Arguments bench)
     sub.add_option("--tolerance", options->tolerance,
                    "largest difference of oncollide's bounds in metres (default 0); FCL's error for shapes is up to "
                    "1e-6")
-        .type_name("M");
+        .length();
     sub.add_option("--repeats", options->repeats,
                    "number of runs; each query's least time counts (default "
                    "3)")
@@ -334,7 +334,7 @@ void add_shapes(Arguments bench)
     sub.add_option("--pairs", options->pairs, "number of random pairs (default 100000)").type_name("N");
     sub.add_option("--seed", options->seed, "seed of the pairs (default 12345)").type_name("S");
     sub.add_option("--least-gap", options->least_gap, "least gap or overlap; 0.1 m is the largest (default 1e-6)")
-        .type_name("M");
+        .length();
     sub.add_option("--threads", options->threads,
                    "number of threads for the checks; 0: all (default "
                    "0)")

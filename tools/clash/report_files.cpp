@@ -57,8 +57,9 @@ Json json_of(const ClashReport& r, const Clash& c)
 }
 
 /// A name that known_pairs.hpp reads back: there, `#` may begin a comment, and blanks around a field do not count.
-std::string name_field(const std::string& name)
+std::string name_field(const std::string& part)
 {
+    const std::string name = name_in_csv(part);
     return csv_field(name, name.find('#') != name.npos || name.starts_with(' ') || name.ends_with(' '));
 }
 
@@ -72,11 +73,10 @@ std::optional<Digits> length(double value, bool known = true)
 
 void write_json(OutputFile& file, const ClashReport& r)
 {
-    Json head{{"report", "oncollide clash"},
-              {"unit", r.unit.name},
-              {"parts", r.parts.parts.size()},
-              {"files", r.parts.files},
-              {"triangles", r.parts.triangles}};
+    Json head{{"schema", "oncollide.clash"}, {"schema_version", 1},
+              {"report", "oncollide clash"}, // the older name of the schema
+              {"unit", r.unit.name},         {"parts", r.parts.parts.size()},
+              {"files", r.parts.files},      {"triangles", r.parts.triangles}};
     head["clearance"] = r.settings.clearance, head["tolerance"] = r.settings.tolerance;
     head["baseline"] = r.baseline.empty() ? Json(nullptr) : Json(r.baseline);
     for (const ClashStatus status :

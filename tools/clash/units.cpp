@@ -1,7 +1,5 @@
 #include "clash/units.hpp"
 
-#include <charconv>
-#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -13,40 +11,7 @@
 #include "cli/arguments.hpp"
 
 namespace oncollide::tools {
-namespace {
-
-constexpr Unit all_units[] = {{"mm", 1}, {"cm", 10}, {"m", 1000}, {"in", 25.4}};
-
-const Unit* find(std::string_view name)
-{
-    for (const Unit& unit : all_units)
-        if (unit.name == name) return &unit;
-    return nullptr;
-}
-
-} // namespace
-
-const Unit& unit_from(const std::string& option, std::string_view name)
-{
-    if (const Unit* unit = find(name)) return *unit;
-    usage(fmt::format("{} {}: unknown unit; valid: mm, cm, m, in", option, name));
-}
-
-double length_from(const std::string& option, const std::string& text, const Unit& unit)
-{
-    double value = 0;
-    const char* end = text.data() + text.size();
-    const auto [rest, error] = std::from_chars(text.data(), end, value);
-    std::string_view suffix(rest, std::size_t(end - rest));
-    suffix.remove_prefix(std::min(suffix.find_first_not_of(' '), suffix.size()));
-    const Unit* given = suffix.empty() ? &unit : find(suffix);
-    if (error != std::errc{} || !given || !(value >= 0) || !std::isfinite(value))
-        usage(fmt::format("{} {}: expected a length of 0 or more, such as 2mm, 0.1in or a number in {}", option, text,
-                          unit.name));
-    return given == &unit ? value : value * (given->millimetres / unit.millimetres);
-}
-
-Units::Units(const std::vector<std::string>& texts) : reported_(&all_units[0])
+Units::Units(const std::vector<std::string>& texts) : reported_(&unit_from("--units", "mm"))
 {
     for (const std::string& text : texts) {
         const std::size_t at = text.rfind('=');

@@ -12,6 +12,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/text/near_word.hpp>
 
+#include "cli/lengths.hpp"
 #include "cli/system.hpp"
 
 namespace oncollide::tools {
@@ -161,6 +162,18 @@ Option Option::repeatable()
 Option Option::separated_by(char comma)
 {
     option_->delimiter(comma)->allow_extra_args(false);
+    return *this;
+}
+
+Option Option::length()
+{
+    option_->type_name("M")->description(option_->get_description() + "; metres, or such as 1mm or 0.1in");
+    option_->transform([option = option_](const std::string& text) {
+        constexpr std::string_view of_numbers = "0123456789.+-eE";
+        const std::size_t unit = text.find_first_not_of(of_numbers);
+        if (unit == text.npos || unit == 0) return text; // a number, or no length at all: CLI11 reads or refuses it
+        return fmt::format("{}", length_from(option->get_name(), text, unit_from("", "m")));
+    });
     return *this;
 }
 

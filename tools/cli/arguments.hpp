@@ -24,6 +24,7 @@ public:
     Option expected(int least, int most);
     Option repeatable();             ///< each use adds one value
     Option separated_by(char comma); ///< one argument holds all values
+    Option length();                 ///< a number of metres, or with a unit, such as 1mm
     Option needs(Option other);
     /// @param fault  returns the fault of a value; "" if it is valid
     Option check(std::function<std::string(const std::string&)> fault);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/pipeline/settings_table.hpp>
 #include <oncollide/samples/catalogue.hpp>
@@ -65,8 +66,8 @@ void add_option(Arguments command, const SettingRow& row, SettingsOptions::Value
     case SettingForm::whole:
         add(value.whole);
         break;
-    case SettingForm::number:
-        add(value.number);
+    case SettingForm::length:
+        add(value.number).length();
         break;
     case SettingForm::amount:
     case SettingForm::name:
@@ -95,7 +96,7 @@ nlohmann::json given(const SettingRow& row, const SettingsOptions::Value& value)
         return value.flag ? nlohmann::json(!row.option_clears()) : nlohmann::json();
     case SettingForm::whole:
         return value.whole ? nlohmann::json(*value.whole) : nlohmann::json();
-    case SettingForm::number:
+    case SettingForm::length:
         return value.number ? nlohmann::json(*value.number) : nlohmann::json();
     case SettingForm::amount:
         return value.text.empty() ? nlohmann::json() : nlohmann::json(parse_amount(row.option(), value.text));
@@ -246,18 +247,38 @@ AnyScene opened(const SceneOptions& o, AnyScene scene)
     return scene;
 }
 
+/// read(), whose errors name the formats of scenes if the name of the file is of another format.
+template <class Read>
+auto of_known_format(const SceneOptions& o, Read read)
+{
+    const std::string extension = lower_extension(o.scene);
+    try {
+        return read();
+    } catch (const Error& error) {
+        if (extension.empty() || extension == ".json" || is_assembly_file(o.scene)) throw;
+        throw Error(error.kind(), fmt::format("{}; a scene is a file .json, .gltf, .glb, .dae or .3mf, or a name of "
+                                              "'oncollide scene --list'",
+                                              error.what()));
+    }
+}
+
 } // namespace
 
 Scene open_scene(const SceneOptions& o)
 {
-    if (from_catalogue(o)) return opened(o, make_scene(o.scene, catalogue_options(o)));
-    return opened(o, is_assembly_file(o.scene) ? load_assembly_scene(o.scene) : load_scene(o.scene, reading_of(o)));
+    return of_known_format(o, [&] {
+        if (from_catalogue(o)) return opened(o, make_scene(o.scene, catalogue_options(o)));
+        return opened(o, is_assembly_file(o.scene) ? load_assembly_scene(o.scene) : load_scene(o.scene, reading_of(o)));
+    });
 }
 
 SceneInfo open_scene(const SceneOptions& o, BodySink& sink)
 {
-    if (from_catalogue(o)) return opened(o, make_scene(o.scene, sink, catalogue_options(o)));
-    if (!is_assembly_file(o.scene)) return opened(o, load_scene(o.scene, sink, reading_of(o)));
+    if (!is_assembly_file(o.scene))
+        return of_known_format(o, [&] {
+            if (from_catalogue(o)) return opened(o, make_scene(o.scene, sink, catalogue_options(o)));
+            return opened(o, load_scene(o.scene, sink, reading_of(o)));
+        });
     Scene scene = opened(o, load_assembly_scene(o.scene));
     pass_bodies(scene, sink);
     return scene;

@@ -1,5 +1,6 @@
 #include "cli/outputs.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -7,6 +8,7 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
@@ -82,6 +84,17 @@ void check_outputs(const OutputOptions& o, const std::string& input)
     check_files(
         {{"--json", o.json}, {"--csv", o.csv}, {"--trace", o.trace}, {"--picture", o.picture}, {"--pairs", o.pairs}},
         {input});
+    check_extension("--pairs", o.pairs, {".h5", ".hdf5"}, "; CSV is written by --csv");
+    check_extension("--picture", o.picture, {".svg"}, "; 'oncollide render' draws the scene as PNG");
+}
+
+void check_extension(const char* option, const std::string& file, std::initializer_list<std::string_view> valid,
+                     std::string_view other)
+{
+    const std::string found = lower_extension(file);
+    if (!found.empty() && std::ranges::find(valid, found) == valid.end())
+        usage(fmt::format("{} {}: is not written as '{}'; valid: {}{}", option, file, found, fmt::join(valid, ", "),
+                          other));
 }
 
 void check_files(const std::vector<std::pair<const char*, std::string>>& files, const std::vector<std::string>& inputs)

@@ -1,6 +1,8 @@
 #pragma once
+#include <initializer_list>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -35,6 +37,12 @@ void write_outputs(const Report& report, const OutputOptions& options, const std
 struct OverwritesInput : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
+
+/// Throws Error{usage} if the name of an output has an extension that is not one of its format.
+/// @param valid  with dots, such as {".h5", ".hdf5"}
+/// @param other  advice for the error; may be empty
+void check_extension(const char* option, const std::string& file, std::initializer_list<std::string_view> valid,
+                     std::string_view other = {});
 
 /// Must be called before anything is read.
 void watch_files();

@@ -234,7 +234,7 @@ void add_check(Arguments app)
            "--distance", options->distance,
            "also print the distance of two meshes or terrains as two bounds that differ by at most M metres; 0: as "
            "close as double precision allows")
-        .type_name("M");
+        .length();
     sub.add_flag("--quiet", options->quiet, "print only errors; the exit code is the result");
     sub.footer("Exit codes: 0 separate, 1 colliding, 2 within or undecided, 64 and above: error.\n"
                "The pair is decided exactly, triangle by triangle. --max-error M, --depth D or --exact off requests a\n"

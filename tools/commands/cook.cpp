@@ -200,7 +200,7 @@ void add_cook(Arguments app)
         .type_name("COLUMNSxROWS");
     sub.add_option("--scale", options->options.scale, "metres per unit of the file (default 1)").type_name("S");
     sub.add_option("--spacing", options->spacing, "heights: metres between neighbours (default: from the file)")
-        .type_name("M");
+        .length();
     sub.add_option("--vertical-scale", options->vertical_scale, "heights: metres per unit of the file (default 1)")
         .type_name("S");
     sub.add_option("--no-data", options->no_data, "heights: this value marks a hole (default: from the file)")

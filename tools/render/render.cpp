@@ -82,6 +82,7 @@ int render(const RenderOptions& options)
     shown_from(options, settings, scene);
     const std::string input = is_scene_file(options.scene.scene) ? options.scene.scene : "";
     for (const ImagePlan& image : plan.images) check_files({{"--out", image.file}}, {input});
+    check_extension("--out", options.out, {".png"});
     if (!options.quiet) print_warnings(scene);
     Painter painter(settings.gpu);
 

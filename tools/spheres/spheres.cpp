@@ -202,7 +202,7 @@ void write_json(const std::string& path, const SpheresOptions& options, const Ju
                                    {"longest_side", judged.side}};
     OutputFile file(path);
     JsonWriter json(file);
-    json.begin_object();
+    json.begin_object(), json.schema("oncollide.spheres", 1);
     json.key("header"), json.raw(header.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
     json.key("levels"), json.begin_array();
     for (const Row& row : judged.rows) json.line(2), json.raw(as_json(row, judged).dump());
@@ -270,7 +270,7 @@ void add_spheres(Arguments app)
         .type_name("D");
     sub.add_option("--max-error", options->max_error,
                    "instead of --depth: largest error in metres of the verdict 'within' for two such trees")
-        .type_name("M");
+        .length();
     sub.add_option("--bounding-volume,--spheres", options->bounding_volume,
                    "volumes to write: sphere, spheres around cells (default), or obb, oriented boxes around triangles")
         .type_name("NAME");

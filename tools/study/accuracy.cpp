@@ -128,7 +128,7 @@ void write_json(const std::string& path, const std::string& scene, const std::ve
 {
     OutputFile file(path);
     JsonWriter json(file);
-    json.begin_object();
+    json.begin_object(), json.schema("oncollide.accuracy", 1);
     json.key("header"), json.object("version", version, "scene", scene);
     json.key("variants"), json.begin_array();
     for (const JudgedVariant& v : variants) {

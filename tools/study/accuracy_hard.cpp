@@ -191,7 +191,7 @@ void write_json(const std::string& path, const std::vector<Tally>& rows)
 {
     OutputFile file(path);
     JsonWriter json(file);
-    json.begin_object();
+    json.begin_object(), json.schema("oncollide.accuracy_hard", 1);
     json.key("header"), json.object("version", version);
     json.key("families"), json.begin_array();
     for (const Tally& t : rows) {

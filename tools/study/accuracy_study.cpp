@@ -1,5 +1,6 @@
 // oncollide accuracy study: time against error of a scene, with other libraries for comparison, as a table and a page.
 #include "cli/command.hpp"
+#include "cli/lengths.hpp"
 #include "cli/shard.hpp"
 #include "cli/system.hpp"
 
@@ -31,12 +32,11 @@ struct StudyOptions {
 };
 
 /// The numbers of a list, in its order.
-template <class Number>
-std::vector<Number> parse_list(const char* option, const std::string& list, const char* form)
+std::vector<int> parse_list(const char* option, const std::string& list, const char* form)
 {
-    std::vector<Number> numbers;
+    std::vector<int> numbers;
     for (const std::string& part : split(list)) {
-        Number value{};
+        int value = 0;
         const auto [rest, error] = std::from_chars(part.data(), part.data() + part.size(), value);
         if (error != std::errc{} || rest != part.data() + part.size())
             usage(fmt::format("{} {}: '{}' is not a number; expected a list such as {}", option, list, part, form));
@@ -67,7 +67,8 @@ std::vector<Dial> dials_of(const StudyOptions& o, double size)
         usage("--depths and --max-errors: give only one of them; both set the accuracy");
     std::vector<Dial> dials;
     if (!o.max_errors.empty())
-        for (double error : parse_list<double>("--max-errors", o.max_errors, "0.1,0.01")) dials.push_back({{}, error});
+        for (const std::string& error : split(o.max_errors))
+            dials.push_back({{}, length_from("--max-errors", error, unit_from("", "m"))});
     else if (!o.depths.empty())
         for (int depth : parse_depths("--depths", o.depths)) dials.push_back({depth, {}});
     else
@@ -91,7 +92,7 @@ std::vector<Source> sources_of(const StudyOptions& o)
             sources.push_back(source);
             continue;
         }
-        for (int viewport : parse_list<int>("--viewport", o.viewports, "8,16,64")) {
+        for (int viewport : parse_list("--viewport", o.viewports, "8,16,64")) {
             source.prefix = fmt::format("{} {} px, ", backend, viewport), source.settings["viewport"].whole = viewport;
             sources.push_back(source);
         }
@@ -213,9 +214,9 @@ Option add_study_options(Arguments sub, StudyOptions& o)
         .type_name("N");
     sub.add_option("--every", o.workload.every, "process only every N-th frame or pose").type_name("N");
     sub.add_option("--depths", o.depths, "instead of errors: depths of the trees, such as 2-8").type_name("LIST");
-    sub.add_option(
-           "--max-errors", o.max_errors,
-           "errors in metres, such as 0.1,0.03,0.01 (default: 50, 20, 10, 5, 2 and 1 % of the bodies' median size)")
+    sub.add_option("--max-errors", o.max_errors,
+                   "errors in metres or with a unit, such as 0.1,0.03,1cm (default: 50, 20, 10, 5, 2 and 1 % of the "
+                   "bodies' median size)")
         .type_name("LIST");
     sub.add_option("--backend", o.backends, "comma-separated list of cpu, gl-compute, gl-query (default cpu)")
         .type_name("LIST");

@@ -179,7 +179,9 @@ void write_study_csv(OutputFile& file, const Study& study)
 
 void write_study_json(OutputFile& file, const Study& study, const std::string& program)
 {
-    nlohmann::ordered_json json{{"header",
+    nlohmann::ordered_json json{{"schema", "oncollide.accuracy_study"},
+                                {"schema_version", 1},
+                                {"header",
                                  {{"version", version},
                                   {"title", study.title},
                                   {"program", program},
