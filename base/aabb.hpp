@@ -30,6 +30,11 @@ struct Aabb {
     double volume() const { return empty() ? 0.0 : (max - min).prod(); }
 };
 
+/// Two points of one frame and the line between them, metres. The points may be equal.
+struct Segment {
+    Eigen::Vector3d from, to;
+};
+
 /// Upper bound on the distance between any point of `a` and any point of `b`.
 inline double farthest_apart(Aabb a, const Aabb& b)
 {

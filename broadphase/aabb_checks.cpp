@@ -28,4 +28,13 @@ void refuse_unusable_queries(std::span<const Aabb> boxes)
     for (std::size_t k = 0; k < boxes.size(); ++k) refuse_unusable(boxes[k], "query", k);
 }
 
+void refuse_unusable_queries(std::span<const Segment> segments)
+{
+    for (std::size_t k = 0; k < segments.size(); ++k) {
+        Aabb box; // keeps NaN, as cwiseMin() does not
+        box.min = segments[k].from, box.max = segments[k].to;
+        refuse_unusable(box, "query", k);
+    }
+}
+
 } // namespace oncollide

@@ -185,11 +185,10 @@ TracksBodies::TracksBodies(const Options& options) : options_(options)
         throw Error(ErrorKind::usage, "broad phase: margin must be from 0 to 1e15 m, threads 1 or more");
 }
 
-void TracksBodies::check_query(const BodyColumns& columns, std::span<const Aabb> boxes) const
+void TracksBodies::check_query(const BodyColumns& columns) const
 {
     bodies_.check(columns);
     if (!taken_in_) throw Error(ErrorKind::usage, "broad phase: query() before take_in() of the changes");
-    refuse_unusable_queries(boxes);
 }
 
 } // namespace oncollide

@@ -95,7 +95,7 @@ protected:
     /// Throws Error{usage} for options out of range.
     explicit TracksBodies(const Options& options);
     /// Throws the errors of query().
-    void check_query(const BodyColumns& columns, std::span<const Aabb> boxes) const;
+    void check_query(const BodyColumns& columns) const;
 
     Options options_;
     BodyStates bodies_;

@@ -122,6 +122,11 @@ public:
     /// @param columns  as they were when the changes were applied
     virtual void query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<AabbHit>& hits) const = 0;
 
+    /// The same for segments: bodies whose boxes, grown by the margin in all, each of `segments` meets; may include
+    /// bodies that it misses by rounding. Throws Error{bad_data} naming a segment that is not finite or exceeds 1e30 m.
+    virtual void query_segments(const BodyColumns& columns, std::span<const Segment> segments,
+                                std::vector<AabbHit>& hits) const = 0;
+
     virtual std::size_t size() const = 0; ///< bodies
     virtual bool contains(std::uint32_t body) const = 0;
     virtual std::size_t bytes() const = 0; ///< memory kept between calls
@@ -133,8 +138,8 @@ public:
 /// a body that leaves its enlarged box is searched for in the regions near it. The whole tree is searched when over a
 /// quarter of the bodies leave theirs, or when the tree has become loose.
 /// Cost of find_pairs(): O(changed + pairs), about a microsecond per body that left its enlarged box and a tenth per
-/// other changed body; O(n) for a search of the whole tree. Cost of query(): about a microsecond per box. Memory: 45
-/// bytes per body, 70 per body that moved, and 8 to 40 per pair, not counting forbidden pairs.
+/// other changed body; O(n) for a search of the whole tree. Cost of query(): about a microsecond per box or segment.
+/// Memory: 45 bytes per body, 70 per body that moved, and 8 to 40 per pair, not counting forbidden pairs.
 std::unique_ptr<BroadPhase> make_kd_tree(const BroadPhase::Options& options = {});
 
 /// Octree: the same tree with boxes in the order of an octree's cells. Building costs a third of the kd-tree's,

@@ -7,6 +7,7 @@
 #include <oncollide/broadphase/aabb_kernel.hpp>
 #include <oncollide/broadphase/body_states.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
+#include <oncollide/broadphase/segment_part.hpp>
 
 namespace oncollide {
 
@@ -56,11 +57,21 @@ public:
 
     void query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<AabbHit>& hits) const override
     {
-        check_query(columns, boxes);
+        check_query(columns), refuse_unusable_queries(boxes);
         hits.clear();
         for (std::uint32_t k = 0; k < boxes.size(); ++k)
             for (std::uint32_t body : list_)
                 if (overlap(boxes[k], columns.boxes[body], options_.margin)) hits.push_back({k, body});
+    }
+
+    void query_segments(const BodyColumns& columns, std::span<const Segment> segments,
+                        std::vector<AabbHit>& hits) const override
+    {
+        check_query(columns), refuse_unusable_queries(segments);
+        hits.clear();
+        for (std::uint32_t k = 0; k < segments.size(); ++k)
+            for (std::uint32_t body : list_)
+                if (part_in(segments[k], grown(columns.boxes[body], options_.margin))) hits.push_back({k, body});
     }
 
     std::size_t bytes() const override

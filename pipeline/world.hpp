@@ -71,11 +71,6 @@ struct BodyDistance {
     Distance distance;
 };
 
-/// Two points in the world, metres.
-struct Segment {
-    Eigen::Vector3d from, to;
-};
-
 /// One side of a pair: a body of the World, or a model at a pose.
 class PairSide {
 public:
@@ -274,14 +269,20 @@ public:
     void penetration(std::span<const PairOfBodies> pairs, std::span<Penetration> found) const;
     void penetration(std::span<const PairOfModels> pairs, std::span<Penetration> found) const;
 
-    // --- Queries: one thing against all bodies. step() gives the same results for a body of that geometry and pose.
+    // --- Queries: one thing against all bodies. step() gives the same results for a body of that geometry and pose,
+    // except that segments are exact.
     // Cost: of the pairs that boxes cannot rule out. For contacts and penetration, pass a hit's body as the other side
     // to the functions above.
     std::vector<QueryHit> query(ModelId model, const Eigen::Isometry3d& pose, const QueryFilter& filter = {}) const;
     /// Overwrites `hits`. Runs on up to Settings::threads threads.
     void query(std::span<const ModelQuery> queries, QueryHits& hits) const;
-    /// Bodies that a segment touches.
+    /// Bodies that a segment touches, sorted by slots. For meshes, terrains, maps, boxes and hulls the results are
+    /// exact with all settings, for the segment's points moved into the body's frame in double. Round shapes,
+    /// half-spaces, a clearance, contact_kinds and ignore_touching have the errors of step(). Cost: 2 to 10
+    /// microseconds for each body whose AABB the segment meets.
     std::vector<QueryHit> query(const Segment& segment, const QueryFilter& filter = {}) const;
+    /// Overwrites `hits`. Runs on up to Settings::threads threads.
+    void query(std::span<const Segment> segments, const QueryFilter& filter, QueryHits& hits) const;
     /// Bodies that a solid box of the world touches or contains.
     std::vector<QueryHit> query(const Aabb& box, const QueryFilter& filter = {}) const;
     /// Bodies at most `cutoff` (m, finite) away from a model at a pose, as distance() measures them, sorted by slots.

@@ -10,6 +10,7 @@
 #include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/broadphase/aabb_checks.hpp>
+#include <oncollide/broadphase/segment_part.hpp>
 
 namespace oncollide {
 
@@ -252,6 +253,16 @@ void AabbTree::round(const Aabb& box, double margin, float out[6]) const
         out[axis] = below(box.min[axis] - 0.5 * margin - origin_[axis]);
         out[3 + axis] = above(box.max[axis] + 0.5 * margin - origin_[axis]);
     }
+}
+
+bool AabbTree::find_line(const Segment& segment, double margin, SegmentLine& line) const
+{
+    const Eigen::Vector3d farthest = Eigen::Vector3d::Constant(farthest_ + margin);
+    std::optional<SegmentPart> part = part_in(segment, {origin_ - farthest, origin_ + farthest});
+    if (!part) return false;
+    part->error += margin; // widens the boxes
+    line = line_of(*part, origin_, (part->middle - origin_).norm() + part->half.norm());
+    return true;
 }
 
 void AabbTree::refit_bodies(std::span<const std::uint32_t> bodies, FunctionRef<Aabb(std::uint32_t body)> box_of,

@@ -9,6 +9,7 @@
 #include <oncollide/base/memory/large_vector.hpp>
 #include <oncollide/base/simd/prefetch.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
+#include <oncollide/broadphase/segment_line.hpp>
 #include <oncollide/broadphase/tree/aabb_order.hpp>
 #include <oncollide/broadphase/tree/aabb_tree_kernel.hpp>
 
@@ -75,6 +76,8 @@ public:
     Aabb bounds(int level, std::uint32_t node) const;
     /// The box as the search sees it: lo x y z, hi x y z, grown by margin / 2.
     void round(const Aabb& box, double margin, float out[6]) const;
+    /// Sets `line` to the part of a segment that may meet boxes grown by `margin` on all sides; false: no part can.
+    bool find_line(const Segment& segment, double margin, SegmentLine& line) const;
     /// True if the box in slot `i` and `b` overlap by more than the rounding, so the exact boxes overlap too. Rounding
     /// moves a coordinate by at most 2^-22 of the largest coordinate; two coordinates and their comparison err by less
     /// than 2^-20.

@@ -165,23 +165,63 @@ void in_blocks(const AabbLevelView& level, const std::uint32_t* queries, const s
     }
 }
 
-void below_node(const AabbTreeView& tree, int level, std::uint32_t node, std::uint32_t query, const Query& box,
+/// Calls found(place) for the boxes of level 0 below a node that `hits` finds in their block and in those above it.
+template <class Hits>
+void below_node(const AabbTreeView& tree, int level, std::uint32_t node, std::uint32_t query, const Hits& hits,
                 PairSink& sink)
 {
     const AabbLevelView& below = tree.level[level - 1];
-    const unsigned found = hits(below, node, box);
+    const unsigned found = hits(below, node);
     if (level == 1) {
         make_room(sink);
         return append(sink, query, node * width, found);
     }
     const auto child = [&](unsigned bits) { return node * width + static_cast<std::uint32_t>(__builtin_ctz(bits)); };
     for (unsigned bits = found; bits; bits &= bits - 1) fetch(tree.level[level - 2], child(bits));
-    for (unsigned bits = found; bits; bits &= bits - 1) below_node(tree, level - 1, child(bits), query, box, sink);
+    for (unsigned bits = found; bits; bits &= bits - 1) below_node(tree, level - 1, child(bits), query, hits, sink);
 }
 
 void below_root(const AabbTreeView& tree, std::uint32_t query, const float box[6], PairSink& sink)
 {
-    if (tree.levels > 0) below_node(tree, tree.levels, 0, query, query_at(box), sink);
+    const Query around = query_at(box);
+    const auto in_box = [&](const AabbLevelView& level, std::uint32_t block) { return hits(level, block, around); };
+    if (tree.levels > 0) below_node(tree, tree.levels, 0, query, in_box, sink);
+}
+
+inline F32x8 abs(F32x8 v)
+{
+    return reinterpret_cast<F32x8>(reinterpret_cast<I32x8>(v) & 0x7fffffff);
+}
+
+/// Bit k is set if the segment may meet box k of the block.
+unsigned hits_on(const AabbLevelView& level, std::uint32_t block, const SegmentLine& s)
+{
+    const float* const p = level.blocks + std::size_t{block} * aabb_block;
+    const auto half = [&](const float* v) {
+        F32x8 to[3], wide[3];
+        I32x8 meets;
+        for (int axis = 0; axis < 3; ++axis) {
+            const F32x8 lo = load(v + 16 * axis), hi = load(v + 48 + 16 * axis);
+            to[axis] = 0.5f * (lo + hi) - s.middle[axis];
+            wide[axis] = 0.5f * (hi - lo) + s.error + 0x1p-20f * (abs(lo) + abs(hi)); // a box may be very large
+            const I32x8 near = abs(to[axis]) <= wide[axis] + s.half * __builtin_fabsf(s.direction[axis]);
+            meets = axis ? meets & near : near;
+        }
+        for (int i = 0; i < 3; ++i) {
+            const int j = (i + 1) % 3;
+            const float of_i = s.direction[i], of_j = s.direction[j];
+            meets &= abs(to[i] * of_j - to[j] * of_i) <=
+                     wide[i] * __builtin_fabsf(of_j) + wide[j] * __builtin_fabsf(of_i) + s.cross_error;
+        }
+        return bits(meets); // the centres of the empty boxes that pad the block are NaN, which fails
+    };
+    return half(p) | half(p + 8) << 8;
+}
+
+void on_segment(const AabbTreeView& tree, std::uint32_t query, const SegmentLine& segment, PairSink& sink)
+{
+    const auto on = [&](const AabbLevelView& level, std::uint32_t block) { return hits_on(level, block, segment); };
+    if (tree.levels > 0) below_node(tree, tree.levels, 0, query, on, sink);
 }
 
 float least(F32x8 v)
@@ -223,7 +263,7 @@ void between(const AabbTreeView& tree, int level, std::uint32_t a, std::uint32_t
 
 AabbTreeKernel aabb_tree_kernel()
 {
-    return {all, within, between, in_blocks, below_root, bound};
+    return {all, within, between, in_blocks, below_root, on_segment, bound};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

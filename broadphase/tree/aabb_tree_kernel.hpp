@@ -2,6 +2,8 @@
 #pragma once
 #include <cstdint>
 
+#include <oncollide/broadphase/segment_line.hpp>
+
 namespace oncollide {
 
 /// One level of boxes in blocks of 16. A block is 96 floats: lo x of all 16 boxes, then lo y, lo z, hi x, hi y, hi z.
@@ -48,6 +50,8 @@ struct AabbTreeKernel {
                       std::uint64_t count, const float* boxes, PairSink& sink);
     /// Boxes of level 0 that overlap `box` (lo x y z, hi x y z), as pairs (query, slot).
     void (*below_root)(const AabbTreeView& tree, std::uint32_t query, const float box[6], PairSink& sink);
+    /// Boxes of level 0 that a segment may meet, as pairs (query, slot).
+    void (*on_segment)(const AabbTreeView& tree, std::uint32_t query, const SegmentLine& segment, PairSink& sink);
     /// The bounds of the 16 children of a node: lo x y z, hi x y z.
     void (*bound)(const AabbLevelView& below, std::uint32_t node, float box[6]);
 };

@@ -6,6 +6,7 @@
 #include <oncollide/base/simd/prefetch.hpp>
 #include <oncollide/broadphase/aabb_checks.hpp>
 #include <oncollide/broadphase/pair_sort.hpp>
+#include <oncollide/broadphase/segment_part.hpp>
 
 namespace oncollide {
 
@@ -309,22 +310,45 @@ void DynamicTree::survivors(std::vector<std::uint32_t>& bodies)
     bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
 }
 
+/// Appends the bodies at the places that search(sink) finds for query `k` and that meets(body) holds for, sorted.
+template <class Search, class Meets>
+void DynamicTree::add_hits(std::uint32_t k, Search search, Meets meets, std::vector<AabbHit>& hits) const
+{
+    const std::size_t first = hits.size();
+    const auto take = [&](const std::uint32_t*, const std::uint32_t* places, std::size_t count) {
+        for (std::size_t i = 0; i < count; ++i)
+            if (const std::uint32_t body = tree_.body_at(places[i]); meets(body)) hits.push_back({k, body});
+    };
+    find_in_chunks(take, search);
+    std::sort(hits.begin() + static_cast<std::ptrdiff_t>(first), hits.end());
+}
+
 void DynamicTree::query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<AabbHit>& hits) const
 {
-    check_query(columns, boxes);
+    check_query(columns), refuse_unusable_queries(boxes);
     hits.clear();
-    const auto take = [&](const std::uint32_t* query, const std::uint32_t* place, std::size_t count) {
-        for (std::size_t k = 0; k < count; ++k) {
-            const AabbHit hit{query[k], tree_.body_at(place[k])};
-            if (overlap(boxes[hit.query], columns.boxes[hit.body], options_.margin)) hits.push_back(hit);
-        }
-    };
     for (std::uint32_t k = 0; k < boxes.size(); ++k) {
         float box[6];
         tree_.round(boxes[k], options_.margin, box);
-        const std::size_t first = hits.size();
-        find_in_chunks(take, [&](PairSink& sink) { aabb_tree_kernel().below_root(tree_.view(), k, box, sink); });
-        std::sort(hits.begin() + static_cast<std::ptrdiff_t>(first), hits.end());
+        add_hits(
+            k, [&](PairSink& sink) { aabb_tree_kernel().below_root(tree_.view(), k, box, sink); },
+            [&](std::uint32_t body) { return overlap(boxes[k], columns.boxes[body], options_.margin); }, hits);
+    }
+}
+
+void DynamicTree::query_segments(const BodyColumns& columns, std::span<const Segment> segments,
+                                 std::vector<AabbHit>& hits) const
+{
+    check_query(columns), refuse_unusable_queries(segments);
+    hits.clear();
+    for (std::uint32_t k = 0; k < segments.size(); ++k) {
+        SegmentLine line;
+        if (!tree_.find_line(segments[k], options_.margin, line)) continue;
+        const auto meets = [&](std::uint32_t body) {
+            return part_in(segments[k], grown(columns.boxes[body], options_.margin)).has_value();
+        };
+        add_hits(
+            k, [&](PairSink& sink) { aabb_tree_kernel().on_segment(tree_.view(), k, line, sink); }, meets, hits);
     }
 }
 

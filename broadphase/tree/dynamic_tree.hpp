@@ -39,6 +39,8 @@ public:
     std::uint64_t bodies_left() override;
     void survivors(std::vector<std::uint32_t>& bodies) override;
     void query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<AabbHit>& hits) const override;
+    void query_segments(const BodyColumns& columns, std::span<const Segment> segments,
+                        std::vector<AabbHit>& hits) const override;
 
     std::size_t bytes() const override;
     /// Returns the first fault of the tree, the loose AABBs, the bodies' states or the pairs as text, after
@@ -48,6 +50,8 @@ public:
 private:
     std::string fault_of_bodies() const;
     std::string fault_of_pairs(const BodyColumns& columns) const;
+    template <class Search, class Meets>
+    void add_hits(std::uint32_t k, Search search, Meets meets, std::vector<AabbHit>& hits) const;
     void rebuild(const BodyColumns& columns);
     void refit(const BodyColumns& columns);
     void loosen(const BodyColumns& columns, std::span<const std::uint32_t> moved);

@@ -423,6 +423,23 @@ def planner():
     return table(["meshes", "poses that collide", "query", "threads", "first call, s", "queries per second", "ratio"], out)
 
 
+def rays():
+    titles = {"oncollide": "oncollide, one call each", "oncollide-batch": "oncollide, one call for all",
+              "embree-robust": "Embree `rtcOccluded1`, robust, float", "embree": "Embree, not robust, float",
+              "bullet": "Bullet `rayTest`, float", "octomap": "OctoMap `castRay`"}
+    rows = rows_of("rays")
+    kinds = list(dict.fromkeys(r["rays"] for r in rows))
+    of = {}
+    for r in rows:
+        of.setdefault((r["geometry"], r["parts"], r["contender"]), {})[r["rays"]] = r
+    out = []
+    for (geometry, parts, contender), by_kind in of.items():
+        wrong = [sum(int(r[what]) for r in by_kind.values()) for what in ("missed", "invented")]
+        out.append([f"{geometry}, {number(parts)}", titles[contender], *(three(by_kind[k]["us_per_ray"]) for k in kinds),
+                    *map(number, wrong)])
+    return table(["geometry, triangles or cells", "", *(f"{k}, microseconds" for k in kinds), "missed", "invented"], out)
+
+
 def world():
     titles = {"none": "nothing changes", "move": "{} move", "exchange": "{} removed, {} added"}
     rows = rows_of("world")
@@ -466,7 +483,7 @@ def python():
                   for r in rows_of("python")])
 
 
-TABLES = {f.__name__: f for f in (headline, many, many_pairs, narrow, narrow_large, study, study_peers, octants, octants_missed, paper, planner,
+TABLES = {f.__name__: f for f in (headline, many, many_pairs, narrow, narrow_large, study, study_peers, octants, octants_missed, paper, planner, rays,
                                   world, broad, hard, spheres, sphere_levels, occlusion_losses, delimitation,
                                   environments, worlds, distances, shape_distances, shapes, reading, clash,
                                   python, view)}

@@ -278,11 +278,35 @@ unsigned compare_far(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k,
     return compare<true>(boxes, other, k, &line, cutoff, gaps, nearest);
 }
 
+unsigned on_segment(const OpenBoxes& boxes, const SegmentLine& s, float (&entry)[8])
+{
+    const F32x8 error = splat(s.error + boxes.margin);
+    const Vec to{load(boxes.c[0]) - s.middle[0], load(boxes.c[1]) - s.middle[1], load(boxes.c[2]) - s.middle[2]};
+    const Vec direction{splat(s.direction[0]), splat(s.direction[1]), splat(s.direction[2])};
+    F32x8 p[3], d[3], wide[3], reach = error;
+    I32x8 meets = I32x8{} == I32x8{};
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+        const Vec axis = load(boxes.axis[i]);
+        p[i] = dot(to, axis), d[i] = dot(direction, axis), wide[i] = load(boxes.h[i]) + error;
+        meets &= abs(p[i]) <= wide[i] + s.half * abs(d[i]);
+        reach += wide[i] * abs(d[i]);
+    }
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3;
+        meets &= abs(p[i] * d[j] - p[j] * d[i]) <=
+                 wide[i] * abs(d[j]) + wide[j] * abs(d[i]) + s.cross_error + 0.5f * boxes.margin;
+    }
+    store(entry, s.half > 0 ? (dot(to, direction) - reach) / s.half : splat(-1));
+    return bits(meets);
+}
+
 } // namespace
 
 OrientedBoxKernel oriented_box_kernel()
 {
-    return {open, open_triangles, open_octants, compare_near, compare_far};
+    return {open, open_triangles, open_octants, compare_near, compare_far, on_segment};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

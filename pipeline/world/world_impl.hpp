@@ -71,7 +71,11 @@ struct World::Impl {
     Penetration penetration(QueryWorker& worker, const PairTask& task);
     struct Probe; // a model at a pose against all bodies: world_queries.cpp
     void find_near(QueryWorker& worker, const Probe& probe, double margin);
+    void refine_hits(QueryWorker& worker, const Probe& probe, std::vector<QueryHit>& hits);
     void find_hits(QueryWorker& worker, const Probe& probe, std::vector<QueryHit>& hits);
+    bool tests_segments(std::uint32_t slot);
+    Finding on_segment(QueryWorker& worker, std::uint32_t slot, const Segment& segment);
+    void find_hits(QueryWorker& worker, const Segment& segment, const QueryFilter& filter, std::vector<QueryHit>& hits);
     template <class Pairs, class Work>
     void in_batches(const Pairs& pairs, std::size_t count, Work work);
     /// Passes the changes to the broad phase and lists the AABBs to update.

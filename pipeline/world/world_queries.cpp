@@ -84,11 +84,11 @@ void World::Impl::find_near(QueryWorker& worker, const Probe& probe, double marg
                 {hit.body, probe.model, &bodies.model(hit.body), &probe.pose, &bodies.pose(hit.body)});
 }
 
-/// Appends the hits of `probe`.
-void World::Impl::find_hits(QueryWorker& w, const Probe& probe, std::vector<QueryHit>& hits)
+/// Appends the hits of `probe` among worker.tasks.
+void World::Impl::refine_hits(QueryWorker& w, const Probe& probe, std::vector<QueryHit>& hits)
 {
-    find_near(w, probe, 0);
-    const auto farthest = [&](std::uint32_t slot) { return farthest_apart(w.boxes.front(), bodies.boxes()[slot]); };
+    const Aabb box = probe.model->bounds().box(probe.pose);
+    const auto farthest = [&](std::uint32_t slot) { return farthest_apart(box, bodies.boxes()[slot]); };
     w.refined.clear();
     for (const PairTask& task : w.tasks)
         w.refined.push_back({Verdict::undecided, ContactKind::unknown, farthest(task.number)});
@@ -106,6 +106,76 @@ void World::Impl::find_hits(QueryWorker& w, const Probe& probe, std::vector<Quer
             }
         if (found.verdict != Verdict::separate) hits.push_back({found, bodies.id(slot)});
     }
+}
+
+void World::Impl::find_hits(QueryWorker& w, const Probe& probe, std::vector<QueryHit>& hits)
+{
+    find_near(w, probe, 0);
+    refine_hits(w, probe, hits);
+}
+
+/// True if on_segment() covers the body. Makes the tree that it needs.
+bool World::Impl::tests_segments(std::uint32_t slot)
+{
+    Model& model = bodies.model(slot);
+    if (!SegmentQuery::covers(model.kind())) return false;
+    if (model.kind() == Kind::polytope) return true;
+    model.need_obb_tree(frame.number);
+    {
+        const std::shared_lock lock(guard);
+        if (model.has_obb_tree()) return true;
+    }
+    const std::lock_guard lock(guard);
+    return models.admit_obb_tree(model, frame.number);
+}
+
+/// The result of a segment and a body, in the body's frame.
+Finding World::Impl::on_segment(QueryWorker& w, std::uint32_t slot, const Segment& segment)
+{
+    Model& model = bodies.model(slot);
+    const RelativePose into(bodies.pose(slot), Eigen::Isometry3d::Identity());
+    const Segment mine{into(segment.from), into(segment.to)};
+    const bool solid = model.kind() == Kind::polytope || (settings.mode == Mode::solid && model.closed());
+    try {
+        return models.with_room([&]() -> Finding {
+            if (w.segments.meets(model, mine)) return {Verdict::colliding, ContactKind::unknown, 0};
+            const RelativePose same(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
+            if (solid &&
+                w.locator.place(mine.from, *model.surface_mesh(), model.obb_tree(), same) != PointLocation::outside)
+                return {Verdict::colliding, ContactKind::enclosed, 0};
+            return {Verdict::separate, ContactKind::unknown, 0};
+        });
+    } catch (const ChunkFault& fault) {
+        models.note(fault.what());
+        Aabb box;
+        box.add(segment.from), box.add(segment.to);
+        return {Verdict::undecided, ContactKind::unknown, farthest_apart(box, bodies.boxes()[slot])};
+    }
+}
+
+/// Appends the hits of a segment. on_segment() decides hits alone; where the settings require more, or the model's kind
+/// is not covered, the tests of pairs decide, with a triangle of the segment's shape.
+void World::Impl::find_hits(QueryWorker& w, const Segment& segment, const QueryFilter& filter,
+                            std::vector<QueryHit>& hits)
+{
+    broad->query_segments(bodies.columns(), std::span(&segment, 1), w.hits);
+    const bool plain = settings.clearance == 0 && !wants_kinds(settings);
+    const std::size_t first = hits.size();
+    w.tasks.clear();
+    for (const AabbHit& hit : w.hits) {
+        if (!allows(filter, bodies, hit.body)) continue;
+        if (!plain || !tests_segments(hit.body))
+            w.tasks.push_back({hit.body, nullptr, &bodies.model(hit.body), nullptr, &bodies.pose(hit.body)});
+        else if (const Finding found = on_segment(w, hit.body, segment); found.verdict != Verdict::separate)
+            hits.push_back({found, bodies.id(hit.body)});
+    }
+    if (w.tasks.empty()) return;
+    TransientModel model(models, guard, make_mesh("segment", {segment.from, segment.to}, {{0, 1, 1}}));
+    const Probe probe{&*model, Eigen::Isometry3d::Identity(), filter};
+    for (PairTask& task : w.tasks) task.a = probe.model, task.pose_a = &probe.pose;
+    refine_hits(w, probe, hits);
+    std::ranges::sort(hits.begin() + static_cast<std::ptrdiff_t>(first), hits.end(), {},
+                      [](const QueryHit& hit) { return hit.body.slot; });
 }
 
 void World::Impl::bring_up_to_date()
@@ -149,14 +219,22 @@ void World::query(std::span<const ModelQuery> queries, QueryHits& out) const
 
 std::vector<QueryHit> World::query(const Segment& segment, const QueryFilter& filter) const
 {
+    QueryHits found;
+    query(std::span(&segment, 1), filter, found);
+    return std::move(found.hits);
+}
+
+void World::query(std::span<const Segment> segments, const QueryFilter& filter, QueryHits& out) const
+{
     Impl& p = impl();
-    Mesh mesh = make_mesh("segment", {segment.from, segment.to}, {{0, 1, 1}});
+    for (std::size_t i = 0; i < segments.size(); ++i)
+        for (const Eigen::Vector3d& end : {segments[i].from, segments[i].to})
+            if (!(end.cwiseAbs().maxCoeff() <= 1e15) || !end.allFinite())
+                throw Error(ErrorKind::bad_data,
+                            fmt::format("query {}: a point of the segment is not finite, or beyond 1e15 m", i));
     p.bring_up_to_date();
-    TransientModel model(p.models, p.guard, std::move(mesh));
-    std::vector<QueryHit> hits;
-    Impl::Lease worker(p);
-    p.find_hits(*worker, {&*model, Eigen::Isometry3d::Identity(), filter}, hits);
-    return hits;
+    p.gather(segments.size(), 64, out.hits, out.offsets,
+             [&](auto& worker, std::size_t i, auto& hits) { p.find_hits(worker, segments[i], filter, hits); });
 }
 
 std::vector<QueryHit> World::query(const Aabb& box, const QueryFilter& filter) const

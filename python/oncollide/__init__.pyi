@@ -142,6 +142,9 @@ class World:
     def query_segment(
         self, start: ArrayLike, end: ArrayLike, layer: int = 1, mask: int = 4294967295, group: int = 0
     ) -> NDArray[np.void]: ...
+    def query_segments(
+        self, starts: ArrayLike, ends: ArrayLike, layer: int = 1, mask: int = 4294967295, group: int = 0
+    ) -> tuple[NDArray[np.void], NDArray[np.int64]]: ...
     def query_box(
         self, low: ArrayLike, high: ArrayLike, layer: int = 1, mask: int = 4294967295, group: int = 0
     ) -> NDArray[np.void]: ...

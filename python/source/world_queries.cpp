@@ -40,6 +40,26 @@ py::tuple query_batch(HeldWorld& held, py::handle model, py::handle at, py::hand
     return py::make_tuple(array_of(result_types().hit, std::move(hits.hits)), offsets_of(hits.offsets));
 }
 
+py::tuple query_segments(HeldWorld& held, py::handle from, py::handle to, py::handle layer, py::handle mask,
+                         py::handle group)
+{
+    const char* const call = "World.query_segments";
+    const QueryFilter filter = filter_of(layer, mask, group, call);
+    const std::vector<Eigen::Vector3d> starts = points(from, {call, "starts"}), ends = points(to, {call, "ends"});
+    if (starts.size() != ends.size())
+        refuse_value({call, "ends"}, "expected as many points as starts, " + std::to_string(starts.size()) + ", got " +
+                                         std::to_string(ends.size()));
+    QueryHits hits;
+    {
+        const Looking looking(held, call);
+        const Released released;
+        std::vector<Segment> segments(starts.size());
+        for (std::size_t i = 0; i < segments.size(); ++i) segments[i] = {starts[i], ends[i]};
+        held.world.query(segments, filter, hits);
+    }
+    return py::make_tuple(array_of(result_types().hit, std::move(hits.hits)), offsets_of(hits.offsets));
+}
+
 } // namespace
 
 void bind_world_queries(WorldClass& world)
@@ -80,7 +100,14 @@ Returns (hits, offsets): the hits of pose i are hits[offsets[i]:offsets[i + 1]];
         R"(query_segment(self, start, end, layer=1, mask=4294967295, group=0)
 --
 
-Finds the bodies that a segment touches. start, end: (3,) metres. Returns as query(), not sorted along the segment.)");
+Finds the bodies that a segment touches. start, end: (3,) metres. Returns as query(), not sorted along the segment.
+
+Results for meshes, terrains, maps, boxes and hulls are exact with all settings.)");
+    world.def("query_segments", &query_segments, "starts"_a, "ends"_a, "layer"_a = 1, "mask"_a = all, "group"_a = 0,
+              R"(query_segments(self, starts, ends, layer=1, mask=4294967295, group=0)
+--
+
+The same for many segments, on the World's threads. starts, ends: (N, 3) metres. Returns as query_batch().)");
     world.def(
         "query_box",
         [](HeldWorld& held, py::handle low, py::handle high, py::handle layer, py::handle mask, py::handle group) {

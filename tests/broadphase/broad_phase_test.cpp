@@ -331,6 +331,75 @@ TEST_P(EveryBroadPhase, AnswersQueriesFromManyThreadsAtOnce)
     EXPECT_TRUE(hits[0].empty());
 }
 
+/// The fractions at which a segment enters and leaves a box overlap, with an allowance for rounding.
+bool crosses(const Segment& s, const Aabb& box, double allowance)
+{
+    double begin = 0, end = 1;
+    for (int k = 0; k < 3; ++k) {
+        const long double from = s.from[k], along = static_cast<long double>(s.to[k]) - from;
+        const long double low = box.min[k] - allowance - from, high = box.max[k] + allowance - from;
+        if (along == 0) {
+            if (low > 0 || high < 0) return false;
+            continue;
+        }
+        begin = std::max(begin, static_cast<double>(std::min(low / along, high / along)));
+        end = std::min(end, static_cast<double>(std::max(low / along, high / along)));
+    }
+    return begin <= end;
+}
+
+TEST_P(EveryBroadPhase, FindsAllBoxesThatASegmentMeets)
+{
+    for (const double far : {0.0, 1e6, 1e25}) {
+        Boxes scene = random_boxes(1500, 18, 0.5, 31, {far, 0, -far});
+        if (far > 1e9) // smaller boxes would be points
+            for (Aabb& box : scene.boxes) box.max += 0.01 * far * Eigen::Vector3d(1, 2, 3);
+        const auto broad = make();
+        scene.add_to(*broad);
+        broad->remove(Bodies{17});
+        find(*broad, scene);
+        Bodies moved;
+        for (std::uint32_t body = 0; body < 300; ++body) moved.push_back(20 + body), scene.step(20 + body, {3, -2, 1});
+        broad->move(moved);
+        std::vector<Segment> segments;
+        const auto at = [&](std::uint64_t k, std::uint64_t c, double reach) {
+            return Eigen::Vector3d(far + reach * u01(k, c, 0), reach * u01(k, c, 1), -far + reach * u01(k, c, 2));
+        };
+        for (std::uint64_t k = 0; k < 80; ++k) {
+            const Eigen::Vector3d from = at(k, 5, 30), corner = scene.boxes[k].max;
+            segments.push_back({from, at(k, 6, 30)});
+            segments.push_back({from, from});
+            segments.push_back({corner, corner + Eigen::Vector3d(k % 2 ? 40 : -40, 0, 0)});
+            segments.push_back({corner + Eigen::Vector3d(1, -1, 0), corner + Eigen::Vector3d(-1, 1, 0)});
+            segments.push_back({from - 1e7 * (from - at(k, 7, 30)), from});
+        }
+        std::vector<AabbHit> hits;
+        broad->take_in(scene.columns());
+        broad->query_segments(scene.columns(), segments, hits);
+        EXPECT_TRUE(std::ranges::is_sorted(hits));
+        std::size_t found = 0, needed = 0;
+        for (std::uint32_t k = 0; k < segments.size(); ++k) {
+            const double largest = std::max(segments[k].from.cwiseAbs().maxCoeff(), 2 * far);
+            for (std::uint32_t body : scene.all) {
+                Aabb grown = scene.boxes[body];
+                grown.min.array() -= margin_, grown.max.array() += margin_;
+                const bool there = found < hits.size() && hits[found] == AabbHit{k, body};
+                found += there;
+                if (body == 17) {
+                    EXPECT_FALSE(there);
+                } else if (crosses(segments[k], grown, 0)) {
+                    EXPECT_TRUE(there) << far << " " << k << " " << body;
+                    ++needed;
+                } else if (there) {
+                    EXPECT_TRUE(crosses(segments[k], grown, 0x1p-40 * largest)) << far << " " << k << " " << body;
+                }
+            }
+        }
+        EXPECT_EQ(found, hits.size());
+        EXPECT_GT(needed, 500u);
+    }
+}
+
 /// With several threads the share of each thread, and so its memory, is not deterministic.
 class BroadPhaseOfOneThread : public EveryBroadPhase {};
 
@@ -379,6 +448,8 @@ TEST_P(EveryBroadPhase, RefusesWhatMakesNoSense)
     std::vector<AabbHit> hits;
     const Aabb empty;
     names("query 0", [&] { broad->query(scene.columns(), std::span(&empty, 1), hits); });
+    const Segment bad{{0, 0, 0}, {0, std::nan(""), 0}};
+    names("query 0", [&] { broad->query_segments(scene.columns(), std::span(&bad, 1), hits); });
     broad->move(Bodies{3});
     names("take_in", [&] { broad->query(scene.columns(), std::span(scene.boxes).first(1), hits); });
     EXPECT_EQ(find(*broad, scene), pairs) << "nothing was lost";

@@ -404,7 +404,7 @@ TEST(World, QueriesSegmentsAndBoxesWhereSpheresRefine)
         const auto through = world.query(Segment{{0, 0, 0}, {10, 0, 0}});
         ASSERT_EQ(through.size(), 1u);
         EXPECT_EQ(through[0].body, near);
-        EXPECT_EQ(through[0].verdict, Verdict::within);
+        EXPECT_EQ(through[0].verdict, Verdict::colliding) << "segments are exact";
         EXPECT_TRUE(world.query(Segment{{0, -2, 0.2}, {7, 3, 0.2}}).empty()) << "the boxes overlap";
         EXPECT_EQ(world.query(Aabb{{5.5, -0.1, -0.1}, {7, 0.1, 0.1}}).size(), 1u);
         world.add(make_box_mesh({1, 1, 1}));

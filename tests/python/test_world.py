@@ -118,6 +118,8 @@ def test_queries_hit_what_is_there_and_add_nothing(cubes):
     many, offsets = world.query_batch(model, np.stack([at(0.3), at(50), at(2.8)]))
     assert offsets.tolist() == [0, 2, 2, 3] and many["body"].tolist() == ids.tolist()
     assert world.query_segment([-9, 0, 0], [9, 0, 0])["body"].tolist() == ids.tolist()
+    many, offsets = world.query_segments([[-9, 0, 0], [-9, 5, 0]], [[9, 0, 0], [9, 5, 0]])
+    assert offsets.tolist() == [0, 3, 3] and many["body"].tolist() == ids.tolist()
     assert world.query_box([2, -1, -1], [4, 1, 1])["body"].tolist() == [ids[2]]
     assert len(world) == 3
 

@@ -33,6 +33,33 @@ TEST_F(CommandLine, BenchWorldEndsWithTheResultsOfANewWorld)
     EXPECT_EQ(read_csv(folder_.read("w.csv")).size(), 4u);
 }
 
+TEST_F(CommandLine, BenchManyFindsFclsContactsWhereNothingMoves)
+{
+    const Outcome outcome =
+        run({"bench", "many", "--bodies", "60", "--frames", "4", "--warm-up", "1", "--exact", "on", "--pace", "0"});
+    EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+}
+
+TEST_F(CommandLine, BenchRaysFindsNoWrongHit)
+{
+    const Outcome outcome =
+        run({"bench", "rays", "--triangles", "5000", "--rays", "300", "--repeats", "1", "--csv", "r.csv"});
+    EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+    int oncollide = 0;
+    for (auto& row : read_csv(folder_.read("r.csv"))) {
+        if (row["contender"].rfind("oncollide", 0) != 0) continue;
+        ++oncollide;
+        EXPECT_EQ(row["missed"] + row["invented"], "00") << row["geometry"] << " " << row["rays"];
+        EXPECT_EQ(row["count"], "300");
+        if (row["rays"] == "vertical" && row["geometry"].rfind("hills", 0) == 0) {
+            EXPECT_EQ(row["hits"], "300");
+        }
+    }
+    EXPECT_EQ(oncollide, 3 * 2 * 3) << "mesh, terrain and map; alone and together; three kinds of segments";
+    expect_error(64, {"bench", "rays", "--rays", "0"}, {"--rays 0"});
+    expect_error(66, {"bench", "rays", "none.obj"}, {"none.obj"});
+}
+
 TEST_F(CommandLine, BenchSceneSumsUpARaceInOneRow)
 {
     expect_error(64, {"bench", "scene", "tiles", "--cache", "cache"}, {"--cache", "--only oncollide"});

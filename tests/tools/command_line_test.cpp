@@ -70,7 +70,7 @@ TEST_F(CommandLine, SettingsOutOfRangeAreRefused)
     expect_error(64, {"run", "city", "--age", "0"}, {"age"});
     expect_error(64, {"run", "city", "--depth", "5", "--max-error", "0.1"}, {"depth", "error"});
     expect_error(64, {"run", "city", "--frames", "0"}, {"--frames 0"});
-    for (const char* pace : {"0", "-1", "nan", "inf", "1001"})
+    for (const char* pace : {"-0.1", "-1", "nan", "inf", "1001"})
         expect_error(64, {"run", "city", "--pace", pace}, {"--pace"});
     expect_error(64, {"run", "city", "--bodies", "-5"}, {"--bodies -5"});
 }

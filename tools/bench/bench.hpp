@@ -85,6 +85,19 @@ struct PlannerOptions {
 /// contradicts a result.
 int bench_planner(const PlannerOptions& options);
 
+struct RaysOptions {
+    std::string mesh; ///< file; empty: generated hills and a building
+    int triangles = 500'000;
+    int rays = 10'000; ///< of each kind
+    int repeats = 3;   ///< the fastest counts
+    std::uint64_t seed = 12345;
+    std::string csv;
+};
+
+/// Segments against a mesh, a terrain and a map, compared with Embree, Bullet and OctoMap. Returns the exit code: 70 if
+/// a result of oncollide is wrong.
+int bench_rays(const RaysOptions& options);
+
 struct WorldOptions {
     int bodies = 100'000;
     int changes = 1000; ///< bodies that move, or are removed and added, per frame

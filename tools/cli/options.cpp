@@ -183,7 +183,8 @@ void add_pace_option(Arguments command, SceneOptions& o)
 {
     command.group("Scene");
     command
-        .add_option("--pace", o.pace, "fraction of a frame's motion per frame played: 0.1 is slow motion (default 1)")
+        .add_option("--pace", o.pace,
+                    "fraction of a frame's motion per frame played: 0.1 is slow motion, 0: nothing moves (default 1)")
         .type_name("FACTOR");
     command.group("Options");
 }
@@ -209,8 +210,7 @@ namespace {
 bool from_catalogue(const SceneOptions& o)
 {
     check_range("--frames", o.frames.value_or(1), 1);
-    if (!(o.pace > 0 && o.pace <= 1000))
-        usage(fmt::format("--pace is {}; it must be above 0 and at most 1000", o.pace));
+    if (!(o.pace >= 0 && o.pace <= 1000)) usage(fmt::format("--pace is {}; it must be from 0 to 1000", o.pace));
     if (!is_scene_file(o.scene)) return check_range("--bodies", o.bodies.value_or(1), 1), true;
     if (o.bodies || o.seed)
         usage(fmt::format("--{} applies only to scenes of the catalogue; '{}' is a file", o.bodies ? "bodies" : "seed",

@@ -1,5 +1,6 @@
 // The contenders in this build.
 #include "peers/narrow_peer.hpp"
+#include "peers/ray_peer.hpp"
 
 #include <algorithm>
 
@@ -31,6 +32,7 @@ void ContenderList<Kind>::keep(const std::string& only)
 
 template struct ContenderList<Contender>;
 template struct ContenderList<NarrowContender>;
+template struct ContenderList<RayContender>;
 
 Contenders broad_contenders()
 {
@@ -80,6 +82,22 @@ NarrowContenders narrow_contenders()
     add_narrow_cgal(contenders.all);
 #else
     contenders.missing.push_back({"CGAL", "libcgal-dev"});
+#endif
+    return contenders;
+}
+
+RayContenders ray_contenders()
+{
+    RayContenders contenders;
+#ifdef ONCOLLIDE_WITH_EMBREE
+    add_ray_embree(contenders.all);
+#else
+    contenders.missing.push_back({"Embree", "libembree-dev"});
+#endif
+#ifdef ONCOLLIDE_WITH_BULLET
+    add_ray_bullet(contenders.all);
+#else
+    contenders.missing.push_back({"Bullet", "libbullet-dev"});
 #endif
     return contenders;
 }

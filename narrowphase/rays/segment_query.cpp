@@ -1,0 +1,47 @@
+#include <oncollide/narrowphase/rays/segment_query.hpp>
+
+#include <oncollide/narrowphase/rays/segment_tests.hpp>
+#include <oncollide/narrowphase/shapes/cell_test.hpp>
+
+namespace oncollide {
+
+template <class Tree, class Meets>
+bool SegmentQuery::any(SegmentWalk<Tree>& walk, Tree& tree, const Segment& segment, Meets meets)
+{
+    bool met = false;
+    walk.walk(tree, segment, [&](const auto& primitive) { return (met = meets(primitive)) ? -1.0 : 1.0; });
+    return met;
+}
+
+bool SegmentQuery::meets(Model& model, const Segment& segment)
+{
+    switch (model.kind()) {
+    case Kind::mesh:
+    case Kind::polytope:
+        if (ObbTree* const tree = model.obb_tree())
+            return any(meshes_, *tree, segment,
+                       [&](std::uint32_t triangle) { return segment_meets(segment, tree->corners(triangle)); });
+        ONCOLLIDE_ASSERT(model.kind() == Kind::polytope);
+        return std::ranges::any_of(model.surface_mesh()->triangles, [&](const Triangle& t) {
+            const auto& vertices = model.surface_mesh()->vertices;
+            return segment_meets(segment, TrianglePoints{vertices[t[0]], vertices[t[1]], vertices[t[2]]});
+        });
+    case Kind::terrain: {
+        TerrainTree& tree = model.heights();
+        return any(terrains_, tree, segment,
+                   [&](std::uint32_t triangle) { return segment_meets(segment, tree.points(triangle)); });
+    }
+    case Kind::map: {
+        const TrianglePoints flat{segment.from, segment.to, segment.to};
+        return any(maps_, model.cells(), segment,
+                   [&](const MapCell& cell) { return cell_meets(MapAccess::box(*model.map(), cell), flat); });
+    }
+    case Kind::round:
+    case Kind::half_space:
+        break;
+    }
+    ONCOLLIDE_ASSERT(false);
+    return false;
+}
+
+} // namespace oncollide

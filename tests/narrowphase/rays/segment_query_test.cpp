@@ -1,0 +1,181 @@
+// Segments against models, compared with tests of every triangle and cell.
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include <oncollide/base/numbers/random.hpp>
+#include <oncollide/narrowphase/rays/segment_query.hpp>
+#include <oncollide/narrowphase/rays/segment_tests.hpp>
+#include <oncollide/narrowphase/shapes/cell_test.hpp>
+#include <oncollide/pipeline/models/model_store.hpp>
+
+#include "every_kind.hpp"
+
+namespace oncollide::segment_query_test {
+namespace {
+
+using Eigen::Vector3d;
+
+/// All triangles and cells of a model, one after the other.
+class Everything {
+public:
+    explicit Everything(const Model& model)
+    {
+        const auto add = [&](const Mesh& mesh) {
+            for (const Triangle& t : mesh.triangles)
+                triangles.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
+        };
+        if (const Terrain* terrain = model.terrain())
+            add(mesh_of(*terrain));
+        else if (const OccupancyMap* map = model.map())
+            map->each_cell(map->bounds(), [&](const MapCell& cell) {
+                cells.push_back(MapAccess::box(*map, cell));
+                return true;
+            });
+        else
+            add(*model.surface_mesh());
+    }
+    bool meet(const Segment& s) const
+    {
+        const TrianglePoints flat{s.from, s.to, s.to};
+        return std::ranges::any_of(triangles, [&](const auto& t) { return triangles_meet(flat, t); }) ||
+               std::ranges::any_of(cells, [&](const Aabb& cell) { return cell_meets(cell, flat); });
+    }
+    /// A corner of some part.
+    Vector3d corner(std::uint64_t seed) const
+    {
+        const auto pick = [&](std::uint64_t k, std::size_t count) {
+            return static_cast<std::size_t>(u01(seed, 60, k) * double(count));
+        };
+        if (!triangles.empty()) return triangles[pick(0, triangles.size())][pick(1, 3)];
+        return corner_of(cells[pick(0, cells.size())], static_cast<unsigned>(pick(1, 8)));
+    }
+
+    std::vector<TrianglePoints> triangles;
+    std::vector<Aabb> cells;
+};
+
+Vector3d random_point(std::uint64_t seed, std::uint64_t k, double reach)
+{
+    return reach * (2 * Vector3d(u01(seed, 70 + k, 0), u01(seed, 70 + k, 1), u01(seed, 70 + k, 2)).array() - 1);
+}
+
+/// Ordinary segments, and segments that begin, end or pass at corners, run along edges or faces, are points, are tiny,
+/// or begin or end far away.
+Segment draw(const Everything& all, std::uint64_t seed)
+{
+    const Vector3d a = all.corner(3 * seed), b = all.corner(3 * seed + 1), r = random_point(seed, 0, 1.5),
+                   q = random_point(seed, 1, 1.5);
+    switch (seed % 10) {
+    case 0:
+        return {a, b};
+    case 1:
+        return {a - 2 * (b - a), b + 2 * (b - a)};
+    case 2:
+        return {r, 2 * a - r}; // through a corner, but for rounding
+    case 3:
+        return {a, a};
+    case 4:
+        return {a + Vector3d(-4, 0, 0), a + Vector3d(4, 0, 0)};
+    case 5:
+        return {r + 1e8 * (r - q), q};
+    case 6:
+        return {r, r + 1e-9 * q};
+    case 7:
+        return {a + Vector3d(0, 0, 0x1p-40), a + Vector3d(0, 3, 0x1p-40)};
+    case 8:
+        return {a + Vector3d(0, -5, 5), a + Vector3d(0, 5, -5)}; // exact for coordinates in eighths
+    default:
+        return {r, q};
+    }
+}
+
+TEST(SegmentQuery, MeetsWhatOneOfAllPartsMeets)
+{
+    std::map<std::size_t, std::array<int, 2>> counts;
+    SegmentQuery query;
+    const Settings settings;
+    for (const std::size_t kind : {0, 1, 2, 4, 7})
+        for (std::uint64_t seed = 0; seed < 24; ++seed) {
+            ModelStore store(settings, make_cpu_backend());
+            Model& model =
+                store[store.add(std::make_shared<const Geometry>(Geometry{"", draw_geometry(kind, seed), ""}))];
+            ASSERT_TRUE(SegmentQuery::covers(model.kind()));
+            const Everything all(model);
+            if (model.has_triangles() && (kind == 0 || seed % 2)) store.obb_tree(model, 0);
+            for (std::uint64_t k = 0; k < 200; ++k) {
+                const Segment segment = draw(all, 1000 * seed + k);
+                const bool expected = all.meet(segment);
+                EXPECT_EQ(query.meets(model, segment), expected) << every_kind[kind] << " " << seed << " " << k;
+                EXPECT_EQ(query.meets(model, {segment.to, segment.from}), expected) << every_kind[kind] << " " << k;
+                ++counts[kind][expected];
+            }
+        }
+    for (const auto& [kind, count] : counts) EXPECT_GT(std::min(count[0], count[1]), 500) << every_kind[kind];
+}
+
+/// Where a segment crosses the plane of a triangle, about.
+double fraction_of(const Segment& s, const TrianglePoints& t)
+{
+    const Vector3d normal = (t[1] - t[0]).cross(t[2] - t[0]);
+    return normal.dot(t[0] - s.from) / normal.dot(s.to - s.from);
+}
+
+TEST(SegmentQuery, TheWalkFindsTheNearestAndVisitsFew)
+{
+    const Terrain hills = make_hills(300, 200, 1, 30, 3);
+    const Mesh mesh = mesh_of(hills);
+    TerrainTree heights(hills);
+    ObbTree tree(mesh);
+    SegmentWalk<TerrainTree> over_heights;
+    SegmentWalk<ObbTree> over_mesh;
+    int hits = 0, visited = 0;
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        const auto at = [&](std::uint64_t k, double z) {
+            return Vector3d(300 * u01(seed, k, 0), 200 * u01(seed, k, 1), z * u01(seed, k, 2));
+        };
+        const Segment segment{at(0, 40), at(1, 20)};
+        double nearest = 2;
+        for (const Triangle& t : mesh.triangles) {
+            const TrianglePoints points{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+            if (segment_meets(segment, points)) nearest = std::min(nearest, fraction_of(segment, points));
+        }
+        const auto walk = [&](auto& walker, auto& hierarchy, auto points_of) {
+            double least = 2;
+            walker.walk(hierarchy, segment, [&](std::uint32_t triangle) {
+                ++visited;
+                const TrianglePoints points = points_of(triangle);
+                if (segment_meets(segment, points)) least = std::min(least, fraction_of(segment, points));
+                return std::min(least, 1.0);
+            });
+            return least;
+        };
+        EXPECT_EQ(walk(over_mesh, tree, [&](std::uint32_t t) { return tree.corners(t); }), nearest) << seed;
+        EXPECT_EQ(walk(over_heights, heights, [&](std::uint32_t t) { return heights.points(t); }), nearest) << seed;
+        hits += nearest < 2;
+    }
+    EXPECT_GT(hits, 30);
+    EXPECT_LT(hits, 60);
+    EXPECT_LT(visited, 120 * 60) << "of " << mesh.triangles.size() << " triangles";
+}
+
+TEST(SegmentQuery, DecidesAtCornersAndEdgesExactly)
+{
+    const TrianglePoints triangle{Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0, 1, 0)};
+    const auto meets = [&](const Vector3d& from, const Vector3d& to) { return segment_meets({from, to}, triangle); };
+    EXPECT_TRUE(meets({0.25, 0.25, 1}, {0.25, 0.25, -1}));
+    EXPECT_TRUE(meets({0.5, 0.5, 1}, {0.5, 0.5, -1})) << "through an edge";
+    EXPECT_FALSE(meets({0.5, 0.5 + 0x1p-53, 1}, {0.5, 0.5 + 0x1p-53, -1}));
+    EXPECT_TRUE(meets({1, 0, 1}, {1, 0, -1})) << "through a corner";
+    EXPECT_FALSE(meets({1 + 0x1p-52, 0, 1}, {1 + 0x1p-52, 0, -1}));
+    EXPECT_TRUE(meets({0.25, 0.25, 1}, {0.25, 0.25, 0})) << "ends on the face";
+    EXPECT_FALSE(meets({0.25, 0.25, 1}, {0.25, 0.25, 0x1p-1074}));
+    EXPECT_TRUE(meets({-1, 0.25, 0}, {2, 0.25, 0})) << "in the plane";
+    EXPECT_FALSE(meets({-1, 0.25, 0}, {-0x1p-1074, 0.25, 0}));
+    EXPECT_TRUE(meets({0.25, 0.25, 0}, {0.25, 0.25, 0})) << "a point";
+}
+
+} // namespace
+} // namespace oncollide::segment_query_test
