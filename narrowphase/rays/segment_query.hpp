@@ -13,7 +13,7 @@ public:
     /// True if the segment has a point in common with the model: with a triangle, or with a cell of a map, which is
     /// solid. Exact for the segment's coordinates in the model's frame. Throws ChunkFault.
     ///
-    /// The OBB tree of a mesh must exist. Without a tree all triangles of a box or a hull are tested.
+    /// The OBB tree of a mesh must exist. If a box or a hull has none, its triangles are all tested.
     bool meets(Model& model, const Segment& segment);
 
 private:

@@ -1,4 +1,4 @@
-// HDF5 files that name other files: nothing of them is opened or read.
+// HDF5 files that name other files, which the reader must not open.
 #ifdef ONCOLLIDE_HDF5
 #include <oncollide/scenes/files/scene_file.hpp>
 #include <oncollide/scenes/files/tables/results_file.hpp>
@@ -29,7 +29,7 @@ void write_numbers(hid_t place, const char* name, std::vector<hsize_t> extent, h
     H5Dclose(data), H5Sclose(space);
 }
 
-/// Another file with everything that the links name, and a pipe, whose opening blocks.
+/// A second file with the objects that the links name, and a pipe, which blocks readers.
 class Hdf5Links : public ::testing::Test {
 protected:
     Hdf5Links()

@@ -1,4 +1,4 @@
-// Embree's triangle meshes, asked whether a ray is occluded.
+// Embree's occlusion test of rays against a triangle mesh.
 #include "peers/ray_peer.hpp"
 
 #include <embree3/rtcore.h>

@@ -74,7 +74,7 @@ Segment draw(const Everything& all, std::uint64_t seed)
     case 1:
         return {a - 2 * (b - a), b + 2 * (b - a)};
     case 2:
-        return {r, 2 * a - r}; // through a corner, but for rounding
+        return {r, 2 * a - r}; // through a corner, up to rounding
     case 3:
         return {a, a};
     case 4:

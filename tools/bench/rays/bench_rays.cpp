@@ -179,7 +179,7 @@ std::vector<RayCase> cases_of(const RaysOptions& options, const RayContenders& p
 
 using Hits = std::vector<std::uint8_t>; ///< by segment
 
-/// What a contender found for each kind of segment, and its least time.
+/// The hits and the least time of a contender, by kind of segment.
 struct RayResult {
     double build_ms = 0;
     std::vector<double> us; ///< per segment
