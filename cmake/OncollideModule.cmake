@@ -30,6 +30,9 @@ endif()
 # 12's omits the rounding of double -> float -> double, on which the bounds rely.
 target_compile_options(oncollide_flags INTERFACE -ffp-contract=off -fno-tree-slp-vectorize
                        $<$<CONFIG:Debug>:-DONCOLLIDE_ASSERTIONS>)
+# GCC collects garbage less often: a large unit takes about a fifth more memory, and 6 % less time.
+target_compile_options(oncollide_flags INTERFACE
+  "$<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${CMAKE_UNITY_BUILD}>>:--param=ggc-min-expand=300;--param=ggc-min-heapsize=1500000>")
 
 # Precompiles the headers that nearly every unit includes: Eigen alone takes three seconds. A header must not depend on
 # them: public headers are compiled alone, without precompiled headers. -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON turns them
