@@ -131,10 +131,10 @@ void draw_hall(const Scene& scene, const World& world, std::span<const PairResul
     };
     std::array<std::vector<std::uint32_t>, halls> colliding;
     for (const PairResult& pair : pairs) {
-        const std::uint32_t hall = index(pair.a) / bodies_of_hall;
-        if (pair.verdict == Verdict::colliding && hall < halls && index(pair.b) / bodies_of_hall == hall &&
+        const std::uint32_t number = index(pair.a) / bodies_of_hall;
+        if (pair.verdict == Verdict::colliding && number < halls && index(pair.b) / bodies_of_hall == number &&
             is_mesh(pair.a) && is_mesh(pair.b))
-            colliding[hall].insert(colliding[hall].end(), {index(pair.a), index(pair.b)});
+            colliding[number].insert(colliding[number].end(), {index(pair.a), index(pair.b)});
     }
     ScenePictures::Shown shown{
         .meshes = true, .spheres = false, .bodies = std::vector<std::uint8_t>(scene.size()), .meeting = true};
