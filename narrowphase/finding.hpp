@@ -99,19 +99,24 @@ struct Distance {
     Eigen::Vector3d point_a = Eigen::Vector3d::Zero(), point_b = Eigen::Vector3d::Zero();
 };
 
-/// How deep two bodies with triangles (meshes, boxes, hulls) penetrate each other. World frame, metres. A closed mesh
-/// has an inside in every mode.
+/// How deep two bodies penetrate each other: how far the deepest point of one lies inside the other, from its surface.
+/// World frame, metres. Shapes, cells of maps and closed meshes have an inside in every mode; a terrain is solid below
+/// its surface, and its points are the points of the surface.
 struct Penetration {
+    /// False for two terrains, and if one side is a cooked mesh that is read on demand; then nothing else is set.
+    bool supported = true;
+    /// Certified bounds of the depth; both 0 where the bodies are apart. For two bodies with triangles (meshes, boxes,
+    /// hulls) `depth` is the depth of a vertex, and no vertex is deeper by more than 1 %. The bounds are equal, to
+    /// rounding, for a half-space, and for a sphere or a capsule whose core is outside the other body.
+    double depth = 0, depth_upper = 0;
+    Eigen::Vector3d deepest = Eigen::Vector3d::Zero(); ///< a point that is `depth` deep, if that is > 0
+    bool of_a = true;                                  ///< is it a point of body a?
+    // The rest is set for two bodies with triangles; for others it is empty, 0 or infinite.
     /// Around the points that both surfaces share, the contact curve; empty where they do not meet.
     Aabb contact;
     /// Around these points and all vertices of one body inside the other: around the overlap of two closed bodies.
     Aabb overlap;
-    /// Certified: a vertex of one body lies inside the other, at least this far from its surface, and none is deeper by
-    /// more than 1 %. 0: no vertex does.
-    double depth = 0;
-    Eigen::Vector3d deepest = Eigen::Vector3d::Zero(); ///< that vertex, if there is one
-    bool of_a = true;                                  ///< is it a vertex of body a?
-    std::uint32_t vertex = 0;                          ///< its number in the mesh
+    std::uint32_t vertex = 0; ///< number of the deepest vertex in its mesh
     /// The overlap of two closed bodies lies between two planes this far apart, to rounding; infinite if a body is not
     /// closed. It is the smallest of the tested distances: along the axes and some of the normals.
     double thickness = std::numeric_limits<double>::infinity();

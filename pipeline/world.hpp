@@ -263,8 +263,9 @@ public:
     void contacts(std::span<const PairOfBodies> pairs, ContactLists& lists) const; ///< overwrites `lists`
     void contacts(std::span<const PairOfModels> pairs, ContactLists& lists) const; ///< overwrites `lists`
 
-    /// How deep the two penetrate each other. Throws Error{usage} for a side without triangles: a round shape, a map, a
-    /// terrain. Cost: of the contacts, and of a pass over all triangles of both.
+    /// How deep the two penetrate each other: certified bounds for all kinds of bodies. Pairs without a depth say so in
+    /// Penetration::supported. Cost: of the contacts, and of a pass over all triangles of both; for other kinds of a
+    /// decision, of a pass over the vertices or the cells in the other's box, and of up to some hundred distances.
     Penetration penetration(PairSide a, PairSide b) const;
     void penetration(std::span<const PairOfBodies> pairs, std::span<Penetration> found) const;
     void penetration(std::span<const PairOfModels> pairs, std::span<Penetration> found) const;

@@ -234,6 +234,27 @@ ConvexDistance HalfSpacePair<Body>::distance(double above) const
     return d;
 }
 
+template <class Body>
+typename HalfSpacePair<Body>::Depth HalfSpacePair<Body>::depth() const
+{
+    if constexpr (is_plane) {
+        const Vector3d normal = to_plane_.rotation.col(2);
+        if (normal.head<2>().isZero(0) && normal.z() < 0) {
+            const double depth = std::max(-to_plane_.translation.z(), 0.0);
+            return {depth, depth, to_plane_.translation};
+        }
+        return {infinity, infinity, lowest_of_plane(to_plane_)};
+    } else {
+        if (low() - rounding() > 0) return {0, 0, Vector3d::Zero()};
+        const double radius = this->radius(), doubt = rounding() + 0x1p-50 * radius;
+        const Vector3d p = lowest(-infinity);
+        const Aabb box = bounds_of(body_.geometry());
+        const double size = box.diagonal() + box.centre().norm() + to_plane_.translation.norm();
+        const double depth = radius - p.z(), off = doubt + (slack_ + 0x1p-47) * size;
+        return {std::max(depth - off, 0.0), std::max(depth + off, 0.0), {p.x(), p.y(), p.z() - radius}};
+    }
+}
+
 template class HalfSpacePair<operand::Cells>;
 template class HalfSpacePair<operand::Heights>;
 template class HalfSpacePair<operand::Triangles>;

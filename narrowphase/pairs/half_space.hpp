@@ -24,6 +24,12 @@ public:
     /// The points are on the half-space and on the body. If the body's box is higher than `above`, there are no points
     /// and no upper bound.
     ConvexDistance distance(double above) const;
+    struct Depth {
+        double lower, upper;    ///< certified, rounding included; both infinite for two half-spaces that cross
+        Eigen::Vector3d lowest; ///< the body's lowest point
+    };
+    /// How far the body's lowest point lies inside the half-space; 0 if it lies outside.
+    Depth depth() const;
     /// For a body with a tree: calls found(part, lowest corner) for all parts that meet the half-space. A
     /// terrain's heights count as stored.
     void each_meeting(FunctionRef<void(const BodyPart&, const Eigen::Vector3d&)> found) const;

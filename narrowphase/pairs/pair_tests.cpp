@@ -3,6 +3,7 @@
 #include <array>
 #include <concepts>
 
+#include <oncollide/narrowphase/pairs/depth_bounds.hpp>
 #include <oncollide/narrowphase/pairs/direct_tests.hpp>
 #include <oncollide/narrowphase/pairs/surface_tests.hpp>
 #include <oncollide/narrowphase/pairs/walk_tests.hpp>
@@ -228,8 +229,13 @@ constexpr Table make_table()
     on_half_space(Solid(), round, TreesNeeded::never);
     at(half_space, half_space) = in_one_order<two_planes>();
 
+    for (const Kind a : {mesh, terrain, map, polytope, round})
+        for (const Kind b : {mesh, terrain, map, polytope, round})
+            if (a != terrain || b != terrain) at(a, b).penetration = depth_of_bounded;
     for (const Kind a : {mesh, polytope})
         for (const Kind b : {mesh, polytope}) at(a, b).penetration = surface_tests::penetration;
+    for (const Kind body : {mesh, terrain, map, polytope, round, half_space})
+        at(half_space, body).penetration = at(body, half_space).penetration = depth_in_half_space;
     return table;
 }
 

@@ -40,7 +40,7 @@ struct PairTests {
     /// exact level, plus half a microsecond to two per contact.
     void (*contacts)(PairWorker&, const PairTask&, std::vector<Contact>&);
 
-    /// As World::penetration(), for two models with triangles.
+    /// As World::penetration(). Null: unsupported.
     Penetration (*penetration)(PairWorker&, const PairTask&);
 };
 

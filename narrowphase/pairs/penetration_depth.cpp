@@ -4,6 +4,8 @@
 #include <numeric>
 #include <queue>
 
+#include <oncollide/narrowphase/pairs/depth_bounds.hpp>
+
 namespace oncollide {
 
 namespace {
@@ -169,6 +171,7 @@ Penetration PenetrationDepth::measure(const PairTask& task, std::span<const Cont
         find_deepest(outer, of_a, found);
     }
     if (found.depth > 0) found.deepest = *task.pose_a * found.deepest;
+    if (!contacts.empty() || found.depth > 0) found.depth_upper = parting_translation(task, directions_of(contacts));
     if (task.a->has_inside() && task.b->has_inside())
         for (const Eigen::Vector3d& direction : directions_of(contacts))
             if (const double width = width_along(direction, all_); width < found.thickness)

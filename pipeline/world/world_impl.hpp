@@ -67,7 +67,6 @@ struct World::Impl {
     void decide(QueryWorker& worker);
     Distance distance(QueryWorker& worker, const PairTask& task, double tolerance, double cutoff);
     void contacts(QueryWorker& worker, const PairTask& task, std::vector<Contact>& found);
-    void check_penetration(const PairTask& task) const;
     Penetration penetration(QueryWorker& worker, const PairTask& task);
     struct Probe; // a model at a pose against all bodies: world_queries.cpp
     void find_near(QueryWorker& worker, const Probe& probe, double margin);

@@ -328,33 +328,23 @@ void World::contacts(std::span<const PairOfModels> pairs, ContactLists& lists) c
     find_contacts(impl(), pairs, lists);
 }
 
-void World::Impl::check_penetration(const PairTask& task) const
-{
-    for (const Model* model : {task.a, task.b}) {
-        const std::string& own = model->geometry().name;
-        const std::string name = own.empty() ? "a model" : fmt::format("model '{}'", own);
-        if (!tests_for(model->kind(), model->kind()).penetration)
-            throw Error(ErrorKind::usage, fmt::format("penetration: {} is not a mesh, box or hull", name));
-        if (model->cooked() && reads_on_demand(settings))
-            throw Error(
-                ErrorKind::usage,
-                fmt::format("penetration: {} is a cooked mesh that is read on demand, but penetration needs all "
-                            "of it; add what load_mesh() reads from the file",
-                            name));
-    }
-}
-
 /// The trees must be there.
 Penetration World::Impl::penetration(QueryWorker& worker, const PairTask& task)
 {
-    return tests_for(task).penetration(worker.pairs, task);
+    const auto on_demand = [&](const Model& model) { return model.cooked() && reads_on_demand(settings); };
+    const auto measure = tests_for(task).penetration;
+    if (!measure || on_demand(*task.a) || on_demand(*task.b)) {
+        Penetration none;
+        none.supported = false;
+        return none;
+    }
+    return models.with_room([&] { return measure(worker.pairs, task); });
 }
 
 Penetration World::penetration(PairSide a, PairSide b) const
 {
     Impl& p = impl();
     const PairTask task = p.checked_task(a, b);
-    p.check_penetration(task);
     p.need_trees({&task, 1});
     Impl::Lease worker(p);
     return p.penetration(*worker, task);
@@ -371,7 +361,6 @@ void find_penetrations(auto& impl, const Pairs& pairs, std::span<Penetration> fo
         naming(i, "a", [&] { impl.check_side(pairs[i].a); });
         naming(i, "b", [&] { impl.check_side(pairs[i].b); });
         tasks.push_back(impl.task_of(pairs[i].a, pairs[i].b));
-        impl.check_penetration(tasks.back());
     }
     impl.need_trees(tasks);
     impl.each(tasks.size(), 4, [&](auto& worker, std::size_t i) { found[i] = impl.penetration(worker, tasks[i]); });

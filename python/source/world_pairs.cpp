@@ -214,12 +214,15 @@ Returns (contacts, offsets): pair i has contacts[offsets[i]:offsets[i + 1]]; off
     world.def("penetration", &penetration, "a"_a, "b"_a, R"(penetration(self, a, b)
 --
 
-How deep the two sides of a pair penetrate each other. a, b: as in decide(), with triangles: meshes, boxes, hulls.
+How deep the two sides of a pair penetrate each other: how far the deepest point of one lies inside the other, from its
+surface. a, b: as in decide(), of any kind. A terrain is solid below its surface.
 
-Returns a structured scalar: contact, overlap (float64 (2, 3): corners of a box around the contact curve, and around the
-overlap), depth (float64, metres: a vertex of one lies inside the other, this far from its surface; 0: no vertex does),
-deepest (float64 (3,), that vertex), of_a (bool, it is a vertex of a), vertex (uint32, its index), thickness (float64,
-metres: the overlap lies between two planes this far apart), thin_along (float64 (3,), unit normal of these planes).)");
+Returns a structured scalar: supported (bool: False for two terrains and for cooked meshes read on demand), depth and
+depth_upper (float64, metres: certified bounds; both 0 where the two are apart), deepest (float64 (3,), a point that is
+depth deep), of_a (bool, it is a point of a). For two
+sides with triangles (meshes, boxes, hulls) depth is the depth of a vertex, and these are set: contact, overlap (float64 (2, 3): corners of a box around the contact curve, and around the
+overlap), vertex (uint32, the index of the deepest), thickness (float64, metres: the overlap lies between two planes
+this far apart), thin_along (float64 (3,), unit normal of these planes).)");
     world.def("penetration_batch", &penetration_batch, "a"_a, "b"_a, R"(penetration_batch(self, a, b)
 --
 

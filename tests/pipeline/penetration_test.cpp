@@ -1,10 +1,13 @@
 // Penetration depths, compared with bodies whose depth is known.
+#include <functional>
+
 #include <gtest/gtest.h>
 
-#include <oncollide/base/error.hpp>
+#include <oncollide/narrowphase/model.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/geometry.hpp>
+#include <oncollide/scenes/model/box_corners.hpp>
 
 #include "random_pose.hpp"
 
@@ -136,15 +139,195 @@ TEST(Penetration, BoxesAndHullsCountAsTheirSurfaces)
     EXPECT_NEAR(between(Shape(Box{{1, 1, 1}}), at(0), cube, at(1.9, 1.8, 1.5)).depth, 0.1, 1e-9);
 }
 
-TEST(Penetration, RefusesWhatHasNoTriangles)
+/// A body with its depth at a point of its own frame, which is negative outside.
+struct Known {
+    const char* name;
+    GeometryData data;
+    std::function<double(const Vector3d&)> depth;
+};
+
+const Vector3d half(0.5, 0.75, 1);
+
+double depth_in_box(const Vector3d& p)
 {
-    try {
-        between(Shape(Sphere{1}), at(0), cube, at(0));
-        FAIL();
-    } catch (const Error& error) {
-        EXPECT_EQ(error.kind(), ErrorKind::usage);
-        EXPECT_NE(std::string(error.what()).find("not a mesh, box or hull"), std::string::npos) << error.what();
+    return (half - p.cwiseAbs()).minCoeff();
+}
+
+OccupancyMap box_map()
+{
+    std::vector<MapCell> cells;
+    for (int x = -2; x < 2; ++x)
+        for (int y = -3; y < 3; ++y)
+            for (int z = -4; z < 4; ++z) cells.push_back({x, y, z, 1});
+    return make_occupancy_map("block", 0.25, cells);
+}
+
+std::vector<Known> bounded_bodies()
+{
+    ConvexHull hull;
+    for (unsigned k = 0; k < 8; ++k) hull.points.push_back(corner_of(Aabb{-half, half}, k));
+    const auto across = [](const Vector3d& p) { return std::hypot(p.x(), p.y()); };
+    return {{"box", Shape(Box{half}), depth_in_box},
+            {"hull", Shape(hull), depth_in_box},
+            {"mesh", make_box_mesh(half), depth_in_box},
+            {"map", box_map(), depth_in_box},
+            {"sphere", Shape(Sphere{0.8}), [](const Vector3d& p) { return 0.8 - p.norm(); }},
+            {"capsule", Shape(Capsule{0.4, 1}),
+             [](const Vector3d& p) { return 0.4 - (p - Vector3d(0, 0, std::clamp(p.z(), -0.5, 0.5))).norm(); }},
+            {"cylinder", Shape(Cylinder{0.6, 1.4}),
+             [=](const Vector3d& p) { return std::min(0.6 - across(p), 0.7 - std::abs(p.z())); }},
+            {"cone", Shape(Cone{0.7, 1.6}), [=](const Vector3d& p) {
+                 return std::min(p.z() + 0.8, (0.7 * (0.8 - p.z()) - 1.6 * across(p)) / std::hypot(0.7, 1.6));
+             }}};
+}
+
+TEST(Penetration, BoundsTheDeepestPointOfAllPairsOfBoundedBodies)
+{
+    const std::vector<Known> bodies = bounded_bodies();
+    int deep = 0, apart = 0, narrow = 0;
+    for (std::uint64_t seed = 0; seed < 8; ++seed)
+        for (const Known& a : bodies)
+            for (const Known& b : bodies) {
+                SCOPED_TRACE(testing::Message() << a.name << " " << b.name << " at " << seed);
+                const Isometry3d pose_a = random_pose(3 * seed, 5);
+                Isometry3d pose_b = random_pose(3 * seed + 1, 1.2);
+                pose_b.translation() += pose_a.translation();
+                const Penetration p = between(a.data, pose_a, b.data, pose_b);
+                ASSERT_TRUE(p.supported);
+                // The deepest of a grid of points of both bodies.
+                double deepest = 0;
+                constexpr double step = 0.1;
+                const Isometry3d into_b = pose_b.inverse() * pose_a;
+                for (double x = -1; x <= 1; x += step)
+                    for (double y = -1; y <= 1; y += step)
+                        for (double z = -1.3; z <= 1.3; z += step) {
+                            const Vector3d at_a(x, y, z);
+                            const double of_a = a.depth(at_a), of_b = of_a < 0 ? -1 : b.depth(into_b * at_a);
+                            if (of_b >= 0) deepest = std::max({deepest, of_a, of_b});
+                        }
+                EXPECT_LE(p.depth, p.depth_upper);
+                EXPECT_GE(p.depth_upper, deepest - 1e-9);
+                EXPECT_LE(p.depth, deepest + 1.5 * step);
+                if (p.depth > 0) {
+                    const double of_a = a.depth(pose_a.inverse() * p.deepest),
+                                 of_b = b.depth(pose_b.inverse() * p.deepest);
+                    EXPECT_GE(p.of_a ? of_a : of_b, -1e-9) << "a point of its body";
+                    EXPECT_GE(p.of_a ? of_b : of_a, p.depth - 1e-9) << "this deep in the other";
+                }
+                deep += p.depth > 0.1, apart += p.depth_upper == 0, narrow += p.depth > 0.5 * p.depth_upper;
+                const Penetration back = between(b.data, pose_b, a.data, pose_a);
+                EXPECT_NEAR(back.depth, p.depth, 0.02 * p.depth + 1e-9);
+            }
+    EXPECT_GT(deep, 100);
+    EXPECT_GT(apart, 50);
+    EXPECT_GT(narrow, 100);
+}
+
+Terrain flat_terrain()
+{
+    TerrainGrid grid{.columns = 41, .rows = 41};
+    grid.spacing = {0.5, 0.5}, grid.origin = {-10, -10, 0};
+    return make_terrain("flat", grid, std::vector<double>(41 * 41, 0.0));
+}
+
+TEST(Penetration, OfAHalfSpaceIsThatOfTheLowestPoint)
+{
+    for (std::uint64_t seed = 0; seed < 20; ++seed)
+        for (const Known& body : bounded_bodies()) {
+            SCOPED_TRACE(testing::Message() << body.name << " at " << seed);
+            const Isometry3d ground = random_pose(2 * seed, 3), pose = random_pose(2 * seed + 1, 1);
+            const Model model(std::make_shared<const Geometry>(Geometry{"", body.data, ""}));
+            double lowest = std::numeric_limits<double>::infinity();
+            if (model.kind() == Kind::round) {
+                const Convex& c = model.convex();
+                lowest = (pose * c.support(pose.linear().transpose() * -Vector3d::UnitZ())).z() - c.radius;
+            } else {
+                for (unsigned k = 0; k < 8; ++k)
+                    lowest = std::min(lowest, (pose * corner_of(Aabb{-half, half}, k)).z());
+            }
+            const double depth = std::max(-lowest, 0.0);
+            const Penetration p = between(Shape(HalfSpace{}), ground, body.data, ground * pose);
+            EXPECT_NEAR(p.depth, depth, 1e-9);
+            EXPECT_NEAR(p.depth_upper, depth, 1e-9);
+            EXPECT_LE(p.depth, depth + 1e-14);
+            EXPECT_GE(p.depth_upper, depth - 1e-14);
+            if (depth > 0) EXPECT_FALSE(p.of_a);
+            EXPECT_EQ(between(body.data, ground * pose, Shape(HalfSpace{}), ground).depth, p.depth);
+            // The same of a flat terrain, which is solid below its surface.
+            const Penetration on_terrain = between(flat_terrain(), ground, body.data, ground * pose);
+            EXPECT_LE(on_terrain.depth, depth + 1e-9);
+            EXPECT_GE(on_terrain.depth_upper, depth - 1e-9);
+            EXPECT_LE(on_terrain.depth_upper, depth + 1e-4);
+            EXPECT_GE(on_terrain.depth, (std::string_view(body.name) == "map" ? 0.5 : 0.99) * depth - 0.13);
+        }
+}
+
+TEST(Penetration, OfASphereIsTheRadiusLessTheDistanceOfItsCentreWhateverTheWallIs)
+{
+    std::vector<Known> walls = bounded_bodies();
+    walls.resize(4); // their highest points are at z = 1
+    walls.push_back(
+        {"sheet", make_mesh("sheet", {{-9, -9, 1}, {9, -9, 1}, {9, 9, 1}, {-9, 9, 1}}, {{0, 1, 2}, {0, 2, 3}}), {}});
+    for (const Known& wall : walls)
+        for (const Shape& round : {Shape(Sphere{1}), Shape(Capsule{1, 0.5})}) {
+            SCOPED_TRACE(wall.name);
+            const double below = std::holds_alternative<Capsule>(round) ? 0.25 : 0;
+            const Isometry3d pose = random_pose(7, 4);
+            const Penetration p = between(wall.data, pose, round, pose * at(0.1, 0.2, 1.4 + below));
+            EXPECT_NEAR(p.depth, 0.6, 1e-9);
+            EXPECT_NEAR(p.depth_upper, 0.6, 1e-9);
+            EXPECT_TRUE(p.of_a);
+            EXPECT_NEAR((pose.inverse() * p.deepest - Vector3d(0.1, 0.2, 1)).norm(), 0, 1e-6);
+            EXPECT_EQ(between(wall.data, pose, round, pose * at(0.1, 0.2, 2.1 + below)).depth_upper, 0);
+        }
+}
+
+TEST(Penetration, OfBodiesSunkIntoATerrainIsMeasuredBelowItsSurface)
+{
+    TerrainGrid grid{.columns = 21, .rows = 21};
+    grid.spacing = {1, 1}, grid.origin = {-10, -10, 0};
+    std::vector<double> heights;
+    for (int y = 0; y < 21; ++y)
+        for (int x = 0; x < 21; ++x) heights.push_back(0.25 * ((x * 7 + y * 5) % 4));
+    const Terrain hills = make_terrain("hills", grid, heights);
+    for (const Known& body : bounded_bodies()) {
+        SCOPED_TRACE(body.name);
+        const Penetration p = between(hills, at(0), body.data, at(0.3, 0.4, -3));
+        EXPECT_GE(p.depth, 2.3) << "wholly below the surface";
+        EXPECT_LE(p.depth, p.depth_upper);
+        EXPECT_LE(p.depth_upper, 4.9);
+        EXPECT_EQ(between(hills, at(0), body.data, at(0.3, 0.4, 2.5)).depth, 0);
+        EXPECT_EQ(between(hills, at(0), body.data, at(30, 0, -3)).depth_upper, 0) << "beside it";
     }
+}
+
+TEST(Penetration, HalfSpacesThatFaceEachOtherOverlapInALayer)
+{
+    const Isometry3d down(Eigen::Quaterniond(0, 1, 0, 0));
+    const Penetration p = between(Shape(HalfSpace{}), at(0), Shape(HalfSpace{}), at(0, 0, -2) * down);
+    EXPECT_EQ(p.depth, 2);
+    EXPECT_EQ(p.depth_upper, 2);
+    EXPECT_EQ(between(Shape(HalfSpace{}), at(0), Shape(HalfSpace{}), at(0, 0, -2)).depth,
+              std::numeric_limits<double>::infinity());
+}
+
+TEST(Penetration, APairWithoutADepthSaysSoAlone)
+{
+    World world({.exact = ExactLevel::predicates});
+    const auto body = [&](const GeometryData& data, const Isometry3d& pose) {
+        return world.add_body(
+            {.model = world.add(std::make_shared<const Geometry>(Geometry{"", data, ""})), .pose = pose});
+    };
+    const BodyId ground = body(flat_terrain(), at(0)), other = body(flat_terrain(), at(0, 0, -1)),
+                 ball = body(Shape(Sphere{1}), at(0.1, 0.1, 0.5));
+    const PairOfBodies pairs[] = {{ground, ball}, {ground, other}, {ball, other}};
+    Penetration found[3];
+    world.penetration(pairs, found);
+    EXPECT_NEAR(found[0].depth, 0.5, 1e-9);
+    EXPECT_NEAR(found[0].depth_upper, 0.5, 1e-9);
+    EXPECT_FALSE(found[1].supported);
+    EXPECT_TRUE(found[0].supported && found[2].supported);
+    EXPECT_EQ(found[2].depth, 0);
 }
 
 } // namespace

@@ -163,6 +163,7 @@ def test_pairs_are_decided_and_measured_as_bodies_and_as_models_at_poses(cubes):
     deep = world.penetration(ids[0], ids[1])
     assert deep["depth"] == world.penetration_batch(ids[:1], ids[1:2])["depth"][0] >= 0
     assert deep["thickness"] == pytest.approx(0.25)
+    assert deep["supported"] and deep["depth"] <= deep["depth_upper"]
     with pytest.raises(ValueError, match="tuple"):
         world.decide((model,), ids[1])
 

@@ -1,0 +1,23 @@
+#pragma once
+#include <oncollide/narrowphase/finding.hpp>
+#include <oncollide/narrowphase/pairs/pair_task.hpp>
+#include <oncollide/narrowphase/pairs/pair_worker.hpp>
+
+namespace oncollide {
+
+// Certified bounds on the depth of pairs of all kinds: Penetration::depth and depth_upper.
+
+/// Bounds the depth of two bounded bodies that are not two terrains. A terrain is solid below its surface. The trees
+/// must exist. Cost: for a sphere or a capsule of a distance; for other bodies of up to some hundred points of each,
+/// located in the other.
+Penetration depth_of_bounded(PairWorker& worker, const PairTask& task);
+
+/// Bounds the depth of a half-space and any body: of its lowest point, exactly but for rounding.
+Penetration depth_in_half_space(PairWorker&, const PairTask& task);
+
+/// An upper bound on the depth of two bounded bodies: the shortest translation found that parts them. Of a terrain the
+/// part below its surface has no end, so only translations upward count.
+/// @param normals  directions in the world frame to try besides the axes of the bodies and of the world; unit vectors
+double parting_translation(const PairTask& task, std::span<const Eigen::Vector3d> normals = {});
+
+} // namespace oncollide
