@@ -184,7 +184,7 @@ void find_deep(PairWorker& worker, const Side& inner, const Side& outer, bool of
     std::vector<Vector3d> points;
     each_point(inner, wanted, inner.pose.linear().transpose() * towards,
                [&](const Vector3d& p) { points.push_back(inner.pose * p); });
-    // The points farthest along `towards` are probably the deepest.
+    // Points farther along `towards` are usually deeper.
     if (points.size() > most_points) {
         std::ranges::nth_element(points, points.begin() + most_points, std::ranges::greater{},
                                  [&](const Vector3d& p) { return towards.dot(p); });
