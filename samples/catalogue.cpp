@@ -38,7 +38,7 @@ constexpr Maker makers[] = {
     {"campus", "shapes and meshes drift through a campus scanned at 20 cm, 1.09 million cells", 500, 100'000, 100,
      make_campus_scene},
     {"st-helens",
-     "cars, lorries and drones on and above Mount St. Helens, 9.6 x 13.8 km; its DEM needs a build with GDAL", 1000,
+     "cars, lorries and drones on and above Mount St. Helens, 9.6 x 13.8 km; the DEM needs GDAL", 1000,
      100'000, 600, make_st_helens_scene},
     {"chunks", "2,000 balls over a game's ground of 16,384 static meshes of 578 triangles", 18'384, 100'000, 100,
      make_chunks_scene},

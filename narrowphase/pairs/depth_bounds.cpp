@@ -289,7 +289,8 @@ bool by_core(PairWorker& worker, const Side& round, const Side& other, bool roun
     // A point of the other body is this deep in the sphere.
     if (const double depth = radius - d.upper - rounding; depth > found.depth)
         found.depth = depth, found.of_a = !round_is_a, found.deepest = d.point_b;
-    const double most = inside ? c.radius + (c.high - c.low).norm() + d.upper + c.radius * core_share : radius - d.lower;
+    const double most =
+        inside ? c.radius + (c.high - c.low).norm() + d.upper + c.radius * core_share : radius - d.lower;
     // Only a point below a terrain's surface, or in a closed mesh, is inside.
     found.depth_upper = std::min(found.depth_upper, std::max(most, 0.0) + rounding);
     return !inside;

@@ -1,7 +1,6 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
-#include <utility>
 #include <variant>
 
 #include <Eigen/Core>
@@ -34,20 +33,6 @@ struct PairMemory {
     std::variant<std::monostate, MapCell, MeetingHint<ObbTree, ObbTree>, MeetingHint<TerrainTree, ObbTree>,
                  MeetingHint<ObbTree, TerrainTree>>
         place = std::monostate();
-
-    /// Swaps the two sides of the witness. Not for pairs of a map and another kind.
-    void swap_witness()
-    {
-        std::swap(triangles.a, triangles.b);
-        place = std::visit(
-            [](const auto& hint) -> decltype(place) {
-                if constexpr (requires { hint.swapped(); })
-                    return hint.swapped();
-                else
-                    return hint;
-            },
-            place);
-    }
 
     /// @param travel  current travel of both bodies
     double gap(double travel) const { return apart_until - travel - 0x1p-50 * travel; }

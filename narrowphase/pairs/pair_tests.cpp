@@ -18,21 +18,6 @@ using walk_tests::WalkPair, walk_tests::walk_pair;
 
 using Contacts = std::vector<Contact>;
 
-using Decide = Finding (*)(PairWorker&, const PairTask&, const PairOptions&, PairMemory*);
-
-/// Decides equally in both orders of a pair: by `there` or, if b is first, by `back`.
-inline Finding decide_in_one_order(PairWorker& worker, const PairTask& task, const PairOptions& options,
-                                   PairMemory* memory, Decide there, Decide back)
-{
-    if (!decides_b_first(task)) return there(worker, task, options, memory);
-    PairTask swapped = task;
-    std::swap(swapped.a, swapped.b), std::swap(swapped.pose_a, swapped.pose_b);
-    if (memory) memory->swap_witness();
-    const Finding found = back(worker, swapped, options, memory);
-    if (memory) memory->swap_witness();
-    return found;
-}
-
 // Makers of rows. `swapped`: the pair's b is the first operand, in whose frame the test computes.
 
 /// Two bodies with triangles.
@@ -40,11 +25,7 @@ template <class A, class B>
 constexpr PairTests surfaces()
 {
     return {.trees = TreesNeeded::always,
-            .decide =
-                [](PairWorker& worker, const PairTask& task, const PairOptions& options, PairMemory* memory) {
-                    return decide_in_one_order(worker, task, options, memory, surface_tests::decide<A, B>,
-                                               surface_tests::decide<B, A>);
-                },
+            .decide = surface_tests::decide<A, B>,
             .near = surface_tests::near<A, B>,
             .distance =
                 [](PairWorker& worker, const PairTask& task, double tolerance, double farthest, bool solid) {
@@ -159,13 +140,16 @@ constexpr PairTests two_planes()
     return direct<OnHalfSpace<Plane>, false>(TreesNeeded::never);
 }
 
-/// Two bodies of one kind, each of which the test may take first.
+/// Two bodies of one kind, each of which the test may take first: both orders of a pair are decided equally.
 template <PairTests (*row)()>
 constexpr PairTests in_one_order()
 {
     PairTests tests = row();
     tests.decide = [](PairWorker& worker, const PairTask& task, const PairOptions& options, PairMemory* memory) {
-        return decide_in_one_order(worker, task, options, memory, row().decide, row().decide);
+        if (!decides_b_first(task)) return row().decide(worker, task, options, memory);
+        PairTask swapped = task;
+        std::swap(swapped.a, swapped.b), std::swap(swapped.pose_a, swapped.pose_b);
+        return row().decide(worker, swapped, options, memory);
     };
     return tests;
 }
@@ -185,7 +169,7 @@ constexpr PairTests two_polytopes()
 {
     PairTests tests = direct<TwoShapes, false>(TreesNeeded::for_kinds);
     tests.decide = [](PairWorker& worker, const PairTask& task, const PairOptions& options, PairMemory* memory) {
-        return options.kinds ? surfaces<Polytope, Polytope>().decide(worker, task, options, memory)
+        return options.kinds ? surface_tests::decide<Polytope, Polytope>(worker, task, options, memory)
                              : two_shapes().decide(worker, task, options, memory);
     };
     return tests;

@@ -44,13 +44,6 @@ struct MeetingHint {
         : a(at_a), b(at_b), lane_a(k_a), lane_b(k_b), of_a(identity(in_a)), of_b(identity(in_b))
     {
     }
-    MeetingHint(const typename A::Node& at_a, const typename B::Node& at_b, std::uint8_t k_a, std::uint8_t k_b,
-                std::uint32_t id_a, std::uint32_t id_b)
-        : a(at_a), b(at_b), lane_a(k_a), lane_b(k_b), of_a(id_a), of_b(id_b)
-    {
-    }
-    /// The hint of the pair in the other order.
-    MeetingHint<B, A> swapped() const { return {b, a, lane_b, lane_a, of_b, of_a}; }
     bool holds_in(const A& in_a, const B& in_b) const { return of_a == identity(in_a) && of_b == identity(in_b); }
 
 private:

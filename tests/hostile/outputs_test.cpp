@@ -49,7 +49,7 @@ TEST_F(HostileOutputs, AnOutputThatASceneNamesInsideIsRefused)
     folder_.write("s.json", R"({"geometries":{"a":{"mesh":{"file":"c.obj"}},"b":{"mesh":{"file":"c.gltf"}}},)"
                             R"("bodies":[{"geometry":"a"},{"geometry":"b"},)"
                             R"({"geometry":"a","motion":{"tum":{"file":"w.tum","frames_per_second":1}}}]})");
-    for (const char* option : {"--json", "--csv", "--trace", "--picture"})
+    for (const char* option : {"--json", "--csv", "--trace"})
         for (const char* file : {"s.json", "c.obj", "link.obj", "c.gltf", "b.bin", "w.tum"})
             keeps(file, {"run", "s.json", option, file});
     for (const char* file : {"s.json", "c.obj", "w.tum"}) {

@@ -300,7 +300,7 @@ TEST_F(Study, RefusesWhatMakesNoSense)
     refuse({}, {"scene or two meshes"});
     refuse({"cubes.json", "--depths", "0"}, {"--depths 0"});
     refuse({"cubes.json", "--depths", "3", "--max-errors", "0.1"}, {"--depths and --max-errors"});
-    refuse({"cubes.json", "--max-errors", "0.1,x"}, {"--max-errors", "'x'"});
+    refuse({"cubes.json", "--max-errors", "0.1,x"}, {"--max-errors x", "a length"});
     refuse({"cubes.json", "--max-errors", "-1"}, {"max-error"});
     refuse({"cubes.json", "--bounding-volume", "auto"}, {"--bounding-volume auto", "sphere, obb"});
     refuse({"cubes.json", "--spheres", "round"}, {"round"});

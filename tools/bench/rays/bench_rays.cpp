@@ -230,11 +230,12 @@ int bench_rays(const RaysOptions& options)
     if (!options.csv.empty())
         csv.emplace(options.csv, "geometry,parts,rays,contender,count,hits,us_per_ray,missed,invented,build_ms");
     const RayContenders peers = ray_contenders();
+    const std::vector<RayCase> cases = cases_of(options, peers);
     say("{}", describe_program("cpu"));
     for (const MissingPeer& missing : peers.missing) say("without {}: install {}\n", missing.library, missing.package);
     say("microseconds per segment, one thread; missed and invented: hits, by tests of all triangles and cells\n");
     bool wrong = false;
-    for (const RayCase& in : cases_of(options, peers)) {
+    for (const RayCase& in : cases) {
         say("\n{:<28}", fmt::format("{}, {}", in.name, grouped(in.parts())));
         for (const char* kind : ray_kinds) say("{:>12}{:>8}{:>8}{:>9}", kind, "hits", "missed", "invented");
         say("\n");

@@ -62,7 +62,8 @@ void try_pair(const PlacedBody& a, const PlacedBody& b, const PairTruth& given, 
         return result.finding.verdict;
     };
     const Settings exact{.exact = ExactLevel::predicates};
-    if (run(exact, "exact") != result_of(exact, b, a).finding.verdict)
+    const Verdict found = run(exact, "exact");
+    if (!truth.surfaces && found != result_of(exact, b, a).finding.verdict)
         tally.fault(&Tally::changed, fmt::format("in the other order: {}", what));
     run({.bounding_volume = BoundingVolume::obb}, "boxes");
     run({.depth = 5, .bounding_volume = BoundingVolume::sphere}, "spheres");
