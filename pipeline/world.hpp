@@ -279,7 +279,7 @@ public:
     void query(std::span<const ModelQuery> queries, QueryHits& hits) const;
     /// Bodies that a segment touches, sorted by slots. For meshes, terrains, maps, boxes and hulls the results are
     /// exact with all settings, for the segment's points moved into the body's frame in double. Round shapes,
-    /// half-spaces, a clearance, contact_kinds and ignore_touching have the errors of step(). Cost: 2 to 10
+    /// half-spaces, a clearance, contact_kinds and ignore_touching have the errors of step(). Cost: 1 to 10
     /// microseconds for each body whose AABB the segment meets.
     std::vector<QueryHit> query(const Segment& segment, const QueryFilter& filter = {}) const;
     /// Overwrites `hits`. Runs on up to Settings::threads threads.

@@ -14,7 +14,7 @@ if(NOT PROGRAM)
     set(cross -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=${PROCESSOR} -DCMAKE_EXE_LINKER_FLAGS=-static)
   endif()
   run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/portable -B ${WORK}/build -G Ninja -DSOURCE=${SOURCE} -DHEADERS=${WORK}/headers
-      -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG" -DCMAKE_CXX_COMPILER=${COMPILER} ${cross})
+      -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=-O0 -DNDEBUG" -DCMAKE_CXX_COMPILER=${COMPILER} ${cross})
   run(${CMAKE_COMMAND} --build ${WORK}/build --target portable)
   set(PROGRAM ${WORK}/build/portable)
 endif()
