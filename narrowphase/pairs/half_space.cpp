@@ -10,10 +10,32 @@
 
 namespace oncollide {
 
-namespace {
+namespace half_space { // named: lambdas of exported templates hold it
 
 using Eigen::Vector3d;
 constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// The lowest corner, as placed.
+class Lowest {
+public:
+    explicit Lowest(const RelativePose& to_plane) : to_plane_(to_plane) {}
+    void take(const Vector3d& corner)
+    {
+        const Vector3d p = to_plane_(corner);
+        if (p.z() < point_.z()) point_ = p;
+    }
+    const Vector3d& point() const { return point_; }
+
+private:
+    const RelativePose& to_plane_;
+    Vector3d point_ = Vector3d::Constant(infinity);
+};
+
+} // namespace half_space
+
+namespace {
+
+using half_space::Lowest, half_space::infinity, Eigen::Vector3d;
 
 /// Calls visit(primitive) for the primitives of a hierarchy that may be below cut(), lower boxes first.
 template <BoxHierarchy Hierarchy, class Cut, class Visit>
@@ -66,22 +88,6 @@ private:
     Cut cut_;
     Visit visit_;
     const double base_, rounding_;
-};
-
-/// The lowest corner, as placed.
-class Lowest {
-public:
-    explicit Lowest(const RelativePose& to_plane) : to_plane_(to_plane) {}
-    void take(const Vector3d& corner)
-    {
-        const Vector3d p = to_plane_(corner);
-        if (p.z() < point_.z()) point_ = p;
-    }
-    const Vector3d& point() const { return point_; }
-
-private:
-    const RelativePose& to_plane_;
-    Vector3d point_ = Vector3d::Constant(infinity);
 };
 
 // Pass the corners of a primitive to take().

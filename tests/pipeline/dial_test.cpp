@@ -86,7 +86,9 @@ TEST_P(Dial, IsKeptByWithinHoweverSmallItIs)
         for (const Finding& found : {world.decide(a, b), Finding(world.step().pairs[0])}) {
             // The deepest spheres are 2^-16 of the bodies.
             EXPECT_EQ(found.verdict, spheres && error < 1e-4 ? Verdict::undecided : Verdict::within);
-            if (found.verdict == Verdict::within) EXPECT_LE(found.bound, error);
+            if (found.verdict == Verdict::within) {
+                EXPECT_LE(found.bound, error);
+            }
             EXPECT_LT(found.bound, 0.01);
         }
     }

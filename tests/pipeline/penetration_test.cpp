@@ -251,7 +251,9 @@ TEST(Penetration, OfAHalfSpaceIsThatOfTheLowestPoint)
             EXPECT_NEAR(p.depth_upper, depth, 1e-9);
             EXPECT_LE(p.depth, depth + 1e-14);
             EXPECT_GE(p.depth_upper, depth - 1e-14);
-            if (depth > 0) EXPECT_FALSE(p.of_a);
+            if (depth > 0) {
+                EXPECT_FALSE(p.of_a);
+            }
             EXPECT_EQ(between(body.data, ground * pose, Shape(HalfSpace{}), ground).depth, p.depth);
             // The same of a flat terrain, which is solid below its surface.
             const Penetration on_terrain = between(flat_terrain(), ground, body.data, ground * pose);

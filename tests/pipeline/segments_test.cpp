@@ -31,7 +31,10 @@ void add_heap(World& world, std::uint64_t bodies, double reach)
     for (std::uint64_t i = 0; i < bodies; ++i) {
         const ModelId model = world.add(std::make_shared<const Geometry>(
             Geometry{"", draw_geometry(static_cast<std::size_t>(i % (kinds - 1)), i), ""}));
-        world.add_body({.model = model, .pose = random_pose(i, reach), .is_static = i % 3 == 0, .layer = 1 + i % 2});
+        world.add_body({.model = model,
+                        .pose = random_pose(i, reach),
+                        .is_static = i % 3 == 0,
+                        .layer = static_cast<std::uint32_t>(1 + i % 2)});
     }
 }
 
@@ -101,7 +104,9 @@ TEST(Segments, AreExactWhateverTheSettings)
             if (k % 2) continue;
             const QueryHit& hit = hits.hits[hits.offsets[k]];
             EXPECT_EQ(hit.body, ground);
-            if (settings.clearance == 0) EXPECT_EQ(hit.verdict, Verdict::colliding) << k;
+            if (settings.clearance == 0) {
+                EXPECT_EQ(hit.verdict, Verdict::colliding) << k;
+            }
         }
     }
 }
