@@ -49,6 +49,11 @@ inline F32x8 max(F32x8 a, F32x8 b)
 }
 #endif
 
+inline F32x8 abs(F32x8 v)
+{
+    return reinterpret_cast<F32x8>(reinterpret_cast<I32x8>(v) & 0x7fffffff);
+}
+
 inline F32x8 sqrt(F32x8 v)
 {
 #if defined(__AVX2__)

@@ -165,7 +165,8 @@ void in_blocks(const AabbLevelView& level, const std::uint32_t* queries, const s
     }
 }
 
-/// Calls found(place) for the boxes of level 0 below a node that `hits` finds in their block and in those above it.
+/// Boxes of level 0 below a node, as pairs (query, slot), that hits(level, block) finds in their block, and whose nodes
+/// it finds in the blocks above.
 template <class Hits>
 void below_node(const AabbTreeView& tree, int level, std::uint32_t node, std::uint32_t query, const Hits& hits,
                 PairSink& sink)
@@ -186,11 +187,6 @@ void below_root(const AabbTreeView& tree, std::uint32_t query, const float box[6
     const Query around = query_at(box);
     const auto in_box = [&](const AabbLevelView& level, std::uint32_t block) { return hits(level, block, around); };
     if (tree.levels > 0) below_node(tree, tree.levels, 0, query, in_box, sink);
-}
-
-inline F32x8 abs(F32x8 v)
-{
-    return reinterpret_cast<F32x8>(reinterpret_cast<I32x8>(v) & 0x7fffffff);
 }
 
 /// Bit k is set if the segment may meet box k of the block.

@@ -28,11 +28,6 @@ inline F32x8 widen(const std::uint16_t (&from)[8])
 #endif
 }
 
-inline F32x8 abs(F32x8 v)
-{
-    return reinterpret_cast<F32x8>(reinterpret_cast<I32x8>(v) & 0x7fffffff);
-}
-
 struct Vec {
     F32x8 x, y, z;
 };

@@ -5,11 +5,6 @@
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {
 
-inline F32x8 abs(F32x8 v)
-{
-    return reinterpret_cast<F32x8>(reinterpret_cast<I32x8>(v) & 0x7fffffff);
-}
-
 struct Vec {
     F32x8 x, y, z;
 };

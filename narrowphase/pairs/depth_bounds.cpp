@@ -7,7 +7,6 @@
 #include <vector>
 
 #include <oncollide/narrowphase/pairs/containment.hpp>
-#include <oncollide/narrowphase/pairs/half_space.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/narrowphase/pairs/part_solid.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
@@ -394,9 +393,7 @@ Penetration depth_of_bounded(PairWorker& worker, const PairTask& task)
 {
     using namespace depth_bounds;
     if (decides_b_first(task)) { // both orders have the same bounds
-        PairTask back = task;
-        std::swap(back.a, back.b), std::swap(back.pose_a, back.pose_b);
-        Penetration found = depth_of_bounded(worker, back);
+        Penetration found = depth_of_bounded(worker, task.swapped());
         found.of_a = !found.of_a;
         return found;
     }
@@ -427,39 +424,6 @@ Penetration depth_of_bounded(PairWorker& worker, const PairTask& task)
     find_deep(worker, a, b, true, towards, found);
     find_deep(worker, b, a, false, -towards, found);
     found.depth = std::min(found.depth, found.depth_upper);
-    return found;
-}
-
-Penetration depth_in_half_space(PairWorker&, const PairTask& task)
-{
-    Penetration found;
-    const bool swapped = task.a->kind() != Kind::half_space;
-    const OrderedPair pair(task, swapped);
-    const auto measure = [&]<class Body>(Body) {
-        const HalfSpacePair<Body> test(pair.b, pair.placed.b_to_a, pair.placed.slack);
-        const auto [lower, upper, point] = test.depth();
-        const double slack = pair.placed.slack;
-        found.depth = lower * (1 - slack), found.depth_upper = upper * (1 + slack);
-        if (lower > 0) found.deepest = pair.pose_a * point, found.of_a = swapped;
-    };
-    switch (pair.b.kind()) {
-    case Kind::mesh:
-        measure(operand::Triangles());
-        break;
-    case Kind::terrain:
-        measure(operand::Heights());
-        break;
-    case Kind::map:
-        measure(operand::Cells());
-        break;
-    case Kind::polytope:
-    case Kind::round:
-        measure(operand::Solid());
-        break;
-    case Kind::half_space:
-        measure(operand::Plane());
-        break;
-    }
     return found;
 }
 

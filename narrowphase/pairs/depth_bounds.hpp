@@ -12,9 +12,6 @@ namespace oncollide {
 /// located in the other.
 Penetration depth_of_bounded(PairWorker& worker, const PairTask& task);
 
-/// Bounds the depth of a half-space and any body: the depth of the lowest point, up to rounding.
-Penetration depth_in_half_space(PairWorker&, const PairTask& task);
-
 /// An upper bound on the depth of two bounded bodies: the shortest translation found that parts them. The part
 /// below a terrain has no end, so only translations upward count.
 /// @param normals  directions in the world frame to try besides the axes of the bodies and of the world; unit vectors

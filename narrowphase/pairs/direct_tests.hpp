@@ -32,6 +32,19 @@ struct OnHalfSpace : OrderedPair {
     ConvexDistance distance(const EnoughDistance& enough) const { return pair().distance(enough.above); }
 };
 
+/// Bounds the depth of a body in a half-space: the depth of its lowest point, up to rounding.
+template <class Body, bool swapped>
+Penetration half_space_depth(PairWorker&, const PairTask& task)
+{
+    const OnHalfSpace<Body> test(task, swapped);
+    const auto [lower, upper, lowest] = test.pair().depth();
+    const double slack = test.placed.slack;
+    Penetration found;
+    found.depth = lower * (1 - slack), found.depth_upper = upper * (1 + slack);
+    if (lower > 0) found.deepest = test.pose_a * lowest, found.of_a = swapped;
+    return found;
+}
+
 template <class Test>
 Finding compare(const Test& test, double clearance, EnoughDistance enough, ContactKind kind)
 {

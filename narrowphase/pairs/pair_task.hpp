@@ -13,6 +13,8 @@ struct PairTask {
     Model *a, *b;
     const Eigen::Isometry3d *pose_a, *pose_b;
     double travel = 0; ///< sum of the upper bounds of how far both bodies have moved
+
+    PairTask swapped() const { return {number, b, a, pose_b, pose_a, travel}; }
 };
 
 /// The settings of an exact decision.

@@ -12,7 +12,7 @@ namespace oncollide {
 
 namespace pair_table {
 
-using direct_tests::OnHalfSpace, direct_tests::TwoShapes;
+using direct_tests::half_space_depth, direct_tests::OnHalfSpace, direct_tests::TwoShapes;
 using operand::Cells, operand::Heights, operand::Plane, operand::Polytope, operand::Solid, operand::Triangles;
 using walk_tests::WalkPair, walk_tests::walk_pair;
 
@@ -146,10 +146,7 @@ constexpr PairTests in_one_order()
 {
     PairTests tests = row();
     tests.decide = [](PairWorker& worker, const PairTask& task, const PairOptions& options, PairMemory* memory) {
-        if (!decides_b_first(task)) return row().decide(worker, task, options, memory);
-        PairTask swapped = task;
-        std::swap(swapped.a, swapped.b), std::swap(swapped.pose_a, swapped.pose_b);
-        return row().decide(worker, swapped, options, memory);
+        return row().decide(worker, decides_b_first(task) ? task.swapped() : task, options, memory);
     };
     return tests;
 }
@@ -205,6 +202,8 @@ constexpr Table make_table()
     const auto on_half_space = [&]<class Body>(Body, Kind body, TreesNeeded trees) {
         at(half_space, body) = direct<OnHalfSpace<Body>, false>(trees);
         at(body, half_space) = direct<OnHalfSpace<Body>, true>(trees);
+        at(half_space, body).penetration = half_space_depth<Body, false>;
+        at(body, half_space).penetration = half_space_depth<Body, true>;
     };
     on_half_space(Triangles(), mesh, TreesNeeded::always);
     on_half_space(Heights(), terrain, TreesNeeded::always);
@@ -212,14 +211,13 @@ constexpr Table make_table()
     on_half_space(Solid(), polytope, TreesNeeded::never);
     on_half_space(Solid(), round, TreesNeeded::never);
     at(half_space, half_space) = in_one_order<two_planes>();
+    at(half_space, half_space).penetration = half_space_depth<Plane, false>;
 
     for (const Kind a : {mesh, terrain, map, polytope, round})
         for (const Kind b : {mesh, terrain, map, polytope, round})
             if (a != terrain || b != terrain) at(a, b).penetration = depth_of_bounded;
     for (const Kind a : {mesh, polytope})
         for (const Kind b : {mesh, polytope}) at(a, b).penetration = surface_tests::penetration;
-    for (const Kind body : {mesh, terrain, map, polytope, round, half_space})
-        at(half_space, body).penetration = at(body, half_space).penetration = depth_in_half_space;
     return table;
 }
 

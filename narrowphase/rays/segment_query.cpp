@@ -13,6 +13,17 @@ bool SegmentQuery::any(SegmentWalk<Tree>& walk, Tree& tree, const Segment& segme
     return met;
 }
 
+Finding SegmentQuery::decide(Model& model, const Segment& segment, bool solid)
+{
+    if (meets(model, segment)) return {Verdict::colliding, ContactKind::unknown, 0};
+    const bool has_inside = model.kind() == Kind::polytope || (solid && model.closed());
+    const RelativePose same(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
+    if (has_inside &&
+        locator_.place(segment.from, *model.surface_mesh(), model.obb_tree(), same) != PointLocation::outside)
+        return {Verdict::colliding, ContactKind::enclosed, 0};
+    return {Verdict::separate, ContactKind::unknown, 0};
+}
+
 bool SegmentQuery::meets(Model& model, const Segment& segment)
 {
     switch (model.kind()) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include <oncollide/base/threads/parallel.hpp>
-#include <oncollide/narrowphase/inside/point_location.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/narrowphase/rays/segment_query.hpp>
 #include <oncollide/pipeline/world/world_impl.hpp>
@@ -17,7 +16,6 @@ struct World::Impl::QueryWorker {
     RefineContext context;
     PairWorker pairs; ///< for distances, contacts and penetrations
     SegmentQuery segments;
-    PointLocator locator;
     std::vector<Aabb> boxes;
     std::vector<AabbHit> hits;
     std::vector<Eigen::Isometry3d> poses; ///< of pairs given as columns

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/broadphase/aabb_checks.hpp>
 #include <oncollide/pipeline/check_distance.hpp>
 #include <oncollide/pipeline/world/query_worker.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
@@ -72,10 +73,7 @@ struct World::Impl::Probe {
 /// Leaves in worker.tasks the bodies that the filter allows and whose AABBs are at most `margin` from the probe's.
 void World::Impl::find_near(QueryWorker& worker, const Probe& probe, double margin)
 {
-    Aabb box = probe.model->bounds().box(probe.pose);
-    const Eigen::Vector3d by = Eigen::Vector3d::Constant(margin);
-    if (margin > 0) box = {box.min - by, box.max + by};
-    worker.boxes.assign(1, box);
+    worker.boxes.assign(1, grown(probe.model->bounds().box(probe.pose), margin));
     broad->query(bodies.columns(), worker.boxes, worker.hits);
     worker.tasks.clear();
     for (const AabbHit& hit : worker.hits)
@@ -119,7 +117,7 @@ bool World::Impl::tests_segments(std::uint32_t slot)
 {
     Model& model = bodies.model(slot);
     if (!SegmentQuery::covers(model.kind())) return false;
-    if (model.kind() == Kind::polytope) return true;
+    if (!SegmentQuery::needs_tree(model.kind())) return true;
     model.need_obb_tree(frame.number);
     {
         const std::shared_lock lock(guard);
@@ -135,16 +133,8 @@ Finding World::Impl::on_segment(QueryWorker& w, std::uint32_t slot, const Segmen
     Model& model = bodies.model(slot);
     const RelativePose into(bodies.pose(slot), Eigen::Isometry3d::Identity());
     const Segment mine{into(segment.from), into(segment.to)};
-    const bool solid = model.kind() == Kind::polytope || (settings.mode == Mode::solid && model.closed());
     try {
-        return models.with_room([&]() -> Finding {
-            if (w.segments.meets(model, mine)) return {Verdict::colliding, ContactKind::unknown, 0};
-            const RelativePose same(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
-            if (solid &&
-                w.locator.place(mine.from, *model.surface_mesh(), model.obb_tree(), same) != PointLocation::outside)
-                return {Verdict::colliding, ContactKind::enclosed, 0};
-            return {Verdict::separate, ContactKind::unknown, 0};
-        });
+        return models.with_room([&] { return w.segments.decide(model, mine, settings.mode == Mode::solid); });
     } catch (const ChunkFault& fault) {
         models.note(fault.what());
         Aabb box;

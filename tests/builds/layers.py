@@ -29,7 +29,7 @@ LAYERS = {
     "narrowphase/inside": ["exact", "obb", "walks"],
     "narrowphase": ["exact", "shapes", "obb", "spheres", "hulls", "inside", "fcl"],
     "narrowphase/pairs": ["", "exact", "shapes", "obb", "walks", "spheres", "inside"],
-    "narrowphase/rays": ["", "exact", "shapes", "obb"],
+    "narrowphase/rays": ["", "exact", "shapes", "obb", "inside"],
     "pipeline": [],
     "pipeline/models": [""],
     "pipeline/refine": ["", "models"],

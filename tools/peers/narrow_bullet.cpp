@@ -1,35 +1,27 @@
+#include "peers/bullet_mesh.hpp"
 #include "peers/narrow_peer.hpp"
 
-#include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 
 namespace oncollide::tools {
 namespace {
 
-/// A mesh in Bullet's form and precision. Bullet keeps pointers into these arrays.
-class BulletMesh {
+/// A mesh as one part of a GImpact shape.
+class GImpactMesh {
 public:
-    explicit BulletMesh(const Mesh& mesh)
+    explicit GImpactMesh(const Mesh& mesh)
+        : mesh_(mesh), part(std::make_unique<btGImpactMeshShapePart>(mesh_.arrays(), 0))
     {
-        for (const Eigen::Vector3d& v : mesh.vertices)
-            for (int axis = 0; axis < 3; ++axis) vertices_.push_back(btScalar(v[axis]));
-        for (const Triangle& t : mesh.triangles) indices_.insert(indices_.end(), t.begin(), t.end());
-        arrays_ = std::make_unique<btTriangleIndexVertexArray>(int(mesh.triangles.size()), indices_.data(),
-                                                               int(3 * sizeof(int)), int(mesh.vertices.size()),
-                                                               vertices_.data(), int(3 * sizeof(btScalar)));
-        part = std::make_unique<btGImpactMeshShapePart>(arrays_.get(), 0);
         part->setMargin(0);
         part->updateBound();
         part->lockChildShapes();
     }
-    ~BulletMesh() { part->unlockChildShapes(); }
-    BulletMesh(const BulletMesh&) = delete;
-    BulletMesh& operator=(const BulletMesh&) = delete;
+    ~GImpactMesh() { part->unlockChildShapes(); }
+    GImpactMesh(const GImpactMesh&) = delete;
+    GImpactMesh& operator=(const GImpactMesh&) = delete;
 
 private:
-    std::vector<btScalar> vertices_;
-    std::vector<int> indices_;
-    std::unique_ptr<btTriangleIndexVertexArray> arrays_;
+    BulletMesh mesh_;
 
 public:
     std::unique_ptr<btGImpactMeshShapePart> part; ///< declared last: destroyed before the data it points to
@@ -81,7 +73,7 @@ private:
         return p.overlap_test_conservative(q) && p.find_triangle_collision_clip_method(q, contact);
     }
 
-    BulletMesh a_, b_;
+    GImpactMesh a_, b_;
     btTransform pose_ = btTransform::getIdentity(); ///< of b
     btPairSet candidates_;
 };

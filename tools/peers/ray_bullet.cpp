@@ -1,4 +1,5 @@
 // Bullet's rayTest against a world of one static mesh.
+#include "peers/bullet_mesh.hpp"
 #include "peers/ray_peer.hpp"
 
 #include <btBulletCollisionCommon.h>
@@ -9,16 +10,10 @@ namespace {
 class BulletRayPeer final : public RayPeer {
 public:
     explicit BulletRayPeer(const Mesh& mesh)
-        : dispatcher_(&configuration_), world_(&dispatcher_, &broad_, &configuration_)
+        : mesh_(mesh), shape_(mesh_.arrays(), true), dispatcher_(&configuration_),
+          world_(&dispatcher_, &broad_, &configuration_)
     {
-        for (const Eigen::Vector3d& v : mesh.vertices)
-            for (int axis = 0; axis < 3; ++axis) vertices_.push_back(btScalar(v[axis]));
-        for (const Triangle& t : mesh.triangles) indices_.insert(indices_.end(), t.begin(), t.end());
-        arrays_ = std::make_unique<btTriangleIndexVertexArray>(int(mesh.triangles.size()), indices_.data(),
-                                                               int(3 * sizeof(int)), int(mesh.vertices.size()),
-                                                               vertices_.data(), int(3 * sizeof(btScalar)));
-        shape_ = std::make_unique<btBvhTriangleMeshShape>(arrays_.get(), true);
-        body_.setCollisionShape(shape_.get());
+        body_.setCollisionShape(&shape_);
         world_.addCollisionObject(&body_);
     }
     ~BulletRayPeer() override { world_.removeCollisionObject(&body_); }
@@ -39,10 +34,8 @@ public:
     }
 
 private:
-    std::vector<btScalar> vertices_;
-    std::vector<int> indices_;
-    std::unique_ptr<btTriangleIndexVertexArray> arrays_;
-    std::unique_ptr<btBvhTriangleMeshShape> shape_;
+    BulletMesh mesh_;
+    btBvhTriangleMeshShape shape_;
     btCollisionObject body_;
     btDefaultCollisionConfiguration configuration_;
     btCollisionDispatcher dispatcher_;
