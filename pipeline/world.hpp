@@ -141,7 +141,8 @@ struct WorldInfo {
 ///         for (const PairResult& pair : world.step().pairs) ...
 ///     }
 ///
-/// The cost of a frame follows the changes and the pairs whose AABBs overlap. Nothing is precomputed: trees grow
+/// The cost of a frame follows the bodies that changed and the pairs they are in; a pair at rest costs a copy of its
+/// result. Nothing is precomputed: trees grow
 /// where collisions reach. A warm step without additions allocates nothing.
 ///
 /// Ids that are null, stale or of another World are errors. Errors are thrown at the call that brings them in, and then
@@ -204,6 +205,13 @@ public:
     void set_pose(BodyId body, const Eigen::Isometry3d& pose);
     void set_poses(std::span<const BodyId> bodies, std::span<const Eigen::Isometry3d> poses);
     void set_static(BodyId body, bool is_static);
+    /// Puts bodies to sleep. A pair of two bodies that are each asleep or static stays as it is: it is reported with
+    /// its last result, begins and ends nothing, and is not tested, not even under a budget, which lets other pairs at
+    /// rest be tested in every frame; only undecided pairs are. A change of its pose, filter or model wakes a body.
+    void sleep(std::span<const BodyId> bodies);
+    void sleep(BodyId body) { sleep({&body, 1}); }
+    void wake(std::span<const BodyId> bodies);
+    void wake(BodyId body) { wake({&body, 1}); }
     void set_layers(BodyId body, std::uint32_t layer, std::uint32_t mask);
     void set_group(BodyId body, std::uint32_t group);
     void set_model(BodyId body, ModelId model);
@@ -214,6 +222,7 @@ public:
 
     const Eigen::Isometry3d& pose(BodyId body) const; ///< valid until the next change
     bool is_static(BodyId body) const;
+    bool is_asleep(BodyId body) const;
     std::uint32_t layer(BodyId body) const;
     std::uint32_t mask(BodyId body) const;
     std::uint32_t group(BodyId body) const;

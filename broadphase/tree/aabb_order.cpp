@@ -211,7 +211,7 @@ void append_in_order(AabbOrder kind, std::span<const Aabb> boxes, std::span<cons
         order_octree(runs, threads);
     ONCOLLIDE_ASSERT(std::ranges::count_if(items, [](const Item& item) { return item.body != no_body; }) ==
                      std::ssize(bodies));
-    order.reserve(order.size() + places);
+    reserve_ahead(order, order.size() + places);
     for (const Item& item : items) order.push_back(item.body);
 }
 

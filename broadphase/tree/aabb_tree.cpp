@@ -104,6 +104,15 @@ bool AabbTree::append(std::span<const Aabb> boxes, std::span<const std::uint32_t
     return false;
 }
 
+bool AabbTree::reinsert(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads)
+{
+    const double built = built_extent_;
+    erase(bodies);
+    if (append(boxes, bodies, margin, threads)) return true;
+    built_extent_ = built;
+    return false;
+}
+
 void AabbTree::erase(std::span<const std::uint32_t> bodies)
 {
     ONCOLLIDE_ASSERT(bodies.size() <= bodies_);
@@ -131,7 +140,7 @@ void AabbTree::extend_levels()
         Level& l = levels_[level];
         l.count = count;
         const std::uint32_t nodes = std::max(nodes_over(count), 1u);
-        l.blocks.reserve(std::size_t{nodes} * aabb_block);
+        reserve_ahead(l.blocks, std::size_t{nodes} * aabb_block);
         while (l.blocks.size() < std::size_t{nodes} * aabb_block) {
             l.blocks.insert(l.blocks.end(), aabb_block / 2, far_away);
             l.blocks.insert(l.blocks.end(), aabb_block / 2, -far_away);
@@ -253,6 +262,18 @@ void AabbTree::round(const Aabb& box, double margin, float out[6]) const
         out[axis] = below(box.min[axis] - 0.5 * margin - origin_[axis]);
         out[3 + axis] = above(box.max[axis] + 0.5 * margin - origin_[axis]);
     }
+}
+
+bool AabbTree::outside_leaf(std::uint32_t body, const Aabb& box, double margin) const
+{
+    if (view_.levels < 2) return false;
+    float b[6];
+    round(box, margin, b);
+    const std::uint32_t leaf = place_of(body) / node_width;
+    const float* p = at(1).blocks.data() + std::size_t{leaf / node_width} * aabb_block + leaf % node_width;
+    for (std::size_t c = 0; c < 3; ++c, p += node_width)
+        if (b[3 + c] < p[0] || p[3 * node_width] < b[c]) return true;
+    return false;
 }
 
 bool AabbTree::find_line(const Segment& segment, double margin, SegmentLine& line) const

@@ -34,8 +34,10 @@ public:
     void refit_bodies(std::span<const std::uint32_t> bodies, FunctionRef<Aabb(std::uint32_t body)> box_of,
                       double margin);
     /// Adds bodies in new leaves at the end. If this needs another level, rebuilds the tree and returns true. Cost
-    /// without a rebuild: O(bodies log bodies).
+    /// without a rebuild: O(bodies log bodies + nodes).
     bool append(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads);
+    /// The same for bodies that are in the tree: they get new slots. Counts as degrading the tree.
+    bool reinsert(std::span<const Aabb> boxes, std::span<const std::uint32_t> bodies, double margin, int threads);
     /// Removes bodies; their slots stay empty until the next build(). Cost: O(bodies).
     void erase(std::span<const std::uint32_t> bodies);
     /// Marks as moving the bodies whose state has one of `bits`; pairs of two other bodies are never found. Required
@@ -59,6 +61,8 @@ public:
         return order_[place];
     }
     void prefetch_body_at(std::uint32_t place) const { prefetch(&order_[place]); }
+    /// True if `box` does not overlap the bounds of the leaf that holds the body.
+    bool outside_leaf(std::uint32_t body, const Aabb& box, double margin) const;
     /// The body must be in the tree.
     std::uint32_t place_of(std::uint32_t body) const
     {

@@ -152,8 +152,8 @@ std::vector<DelimitedRegion> Delimitation::regions(const AabbTree& tree)
         const std::uint32_t nodes = tree.view().level[level].count;
         for (std::uint32_t parent : left_[at(level + 1)])
             for (std::uint32_t node = parent * node_width; node < std::min(nodes, (parent + 1) * node_width); ++node)
-                if (const Aabb box = tree.bounds(level, node); !box.empty())
-                    regions.push_back({box, top - level, !is_left_[at(level)][node]});
+                if (tree.bodies_below(level, node) > 0)
+                    regions.push_back({tree.bounds(level, node), top - level, !is_left_[at(level)][node]});
     }
     return regions;
 }
@@ -178,6 +178,7 @@ void Delimitation::mark(const AabbTree& tree)
     for (const auto& reached : reached_)
         for (std::size_t k = 0; k < reached->size(); ++k) {
             std::uint32_t node = reached->j()[k];
+            if (tree.bodies_below(1, node) == 0) continue; // all left it
             for (std::size_t level = 1; level <= levels && !std::exchange(is_left_[level][node], 1); ++level) {
                 left_[level].push_back(node);
                 node /= node_width;
@@ -201,7 +202,8 @@ void Delimitation::count_rejected(const AabbTree& tree)
         DelimitationLevel& counts = level_of(level);
         const std::uint32_t nodes = tree.view().level[level].count;
         for (std::uint32_t parent : left_[at(level + 1)])
-            counts.regions += std::min<std::uint64_t>(node_width, nodes - parent * node_width);
+            for (std::uint32_t node = parent * node_width; node < std::min(nodes, (parent + 1) * node_width); ++node)
+                counts.regions += tree.bodies_below(level, node) > 0;
         ONCOLLIDE_ASSERT(left_[at(level)].size() <= counts.regions);
         counts.regions_rejected = counts.regions - left_[at(level)].size();
         counts.bodies_rejected = bodies;

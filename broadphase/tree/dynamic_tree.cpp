@@ -30,6 +30,13 @@ void DynamicTree::rebuild(const BodyColumns& columns)
     loose_.clear();
 }
 
+/// Call after bodies got new places in the tree, or all of them if it was rebuilt.
+void DynamicTree::note_places(bool rebuilt)
+{
+    marked_version_ = unmarked;
+    if (rebuilt) filter_.forget(), loose_.clear();
+}
+
 /// Replaces loose AABBs in the tree by the bodies' own boxes.
 void DynamicTree::refit(const BodyColumns& columns)
 {
@@ -68,10 +75,8 @@ void DynamicTree::take_in(const BodyColumns& columns)
         tree_.erase(gone_);
         for (std::uint32_t body : gone_) bodies_.clear(body, BodyStates::held), loose_.erase(body);
         if (!come_.empty()) {
-            if (tree_.append(columns.boxes.first(bodies_.rows()), come_, options_.margin, options_.threads))
-                filter_.forget(), loose_.clear();
+            note_places(tree_.append(columns.boxes.first(bodies_.rows()), come_, options_.margin, options_.threads));
             for (std::uint32_t body : come_) bodies_.set(body, BodyStates::held);
-            marked_version_ = unmarked;
         }
         if (moved.size() * whole_share > size()) {
             refit(columns);
@@ -87,7 +92,8 @@ void DynamicTree::take_in(const BodyColumns& columns)
     ONCOLLIDE_ASSERT(tree_.bodies() == size());
 }
 
-/// Replaces the loose AABBs that `moved` bodies have left, also in the tree.
+/// Replaces the loose AABBs that `moved` bodies have left, also in the tree. A body that jumped out of its leaf gets a
+/// place in a new leaf, because it would widen the old one too much.
 void DynamicTree::loosen(const BodyColumns& columns, std::span<const std::uint32_t> moved)
 {
     const bool filters_too = columns.filters_version == 0 || columns.filters_version != filters_version_;
@@ -99,11 +105,21 @@ void DynamicTree::loosen(const BodyColumns& columns, std::span<const std::uint32
         if (!loose_.hold(moved[k], columns, dynamic, filters_too)) left_.push_back(moved[k]);
     }
     refuse_unusable(columns.boxes, left_);
+    note_escaped(left_);
+    jumped_.clear();
+    std::erase_if(left_, [&](std::uint32_t body) {
+        const bool jumps = tree_.outside_leaf(body, columns.boxes[body], options_.margin);
+        if (jumps) jumped_.push_back(body);
+        return jumps;
+    });
     const auto renew = [&](std::uint32_t body) {
         return loose_.renew(body, columns, bodies_.is(body, BodyStates::dynamic));
     };
     tree_.refit_bodies(left_, renew, options_.margin);
-    note_escaped(left_);
+    if (!jumped_.empty()) {
+        for (std::uint32_t body : jumped_) loose_.erase(body);
+        note_places(tree_.reinsert(columns.boxes.first(bodies_.rows()), jumped_, options_.margin, options_.threads));
+    }
     constexpr double too_loose = 1.5; // higher than the default, because few queries search this tree
     if (tree_.degraded(too_loose)) refit(columns);
 }
@@ -168,17 +184,36 @@ void DynamicTree::delimit(const BodyColumns& columns)
     delimited_ = true;
 }
 
-void DynamicTree::find_whole(const BodyColumns& columns)
+/// Searches the whole tree.
+/// @param changed_only  for the pairs of changed bodies; the other pairs stay as they are
+void DynamicTree::find_whole(const BodyColumns& columns, bool changed_only)
 {
     if (!loose_.empty()) {
         refit(columns);
         filter_.update(bodies_, escaped_, columns, tree_);
     }
-    if (marked_version_ != bodies_.dynamic_version()) tree_.set_moving(bodies_.data(), BodyStates::dynamic);
-    marked_version_ = bodies_.dynamic_version();
-    search_.find_pairs(tree_, columns, filter_.forbids(), options_.margin, options_.threads, pairs_);
-    sort_pairs(pairs_, scratch_, bodies_.rows(), threads_for_all());
+    if (changed_only) {
+        tree_.set_moving(bodies_.data(), BodyStates::changed);
+        marked_version_ = unmarked;
+    } else if (marked_version_ != bodies_.dynamic_version()) {
+        tree_.set_moving(bodies_.data(), BodyStates::dynamic);
+        marked_version_ = bodies_.dynamic_version();
+    }
+    std::vector<BodyPair>& found = changed_only ? found_ : pairs_;
+    search_.find_pairs(tree_, columns, filter_.forbids(), options_.margin, options_.threads, found);
+    sort_pairs(found, scratch_, bodies_.rows(), threads_for_all());
+    if (changed_only) replace_changed(pairs_, found_);
     near_.clear(), near_are_pairs_ = true;
+}
+
+/// True if a search for the pairs of changed bodies is worth while: no changed body is static, and an eighth of the
+/// dynamic ones did not change.
+bool DynamicTree::many_rest() const
+{
+    if (bodies_.changes().size() > bodies_.dynamic_count() - bodies_.dynamic_count() / 8) return false;
+    return std::ranges::all_of(bodies_.changes(), [&](std::uint32_t body) {
+        return bodies_.is(body, BodyStates::dynamic) || !contains(body);
+    });
 }
 
 /// Finds all pairs that the queried bodies can form, given the boxes in the tree.
@@ -212,53 +247,49 @@ void DynamicTree::find_near(const BodyColumns& columns)
     sort_pairs(found_, scratch_, bodies_.rows(), options_.threads);
 }
 
+/// Replaces the pairs of changed bodies in `list` by `by`. Both are sorted. Unchanged pairs are copied in runs.
+void DynamicTree::replace_changed(std::vector<BodyPair>& list, const std::vector<BodyPair>& by)
+{
+    ONCOLLIDE_ASSERT(std::ranges::is_sorted(list) && std::ranges::is_sorted(by));
+    scratch_.clear();
+    auto next = by.begin();
+    for (auto i = list.begin(); i != list.end();) {
+        auto from = i;
+        while (i != list.end() && !changed(*i)) ++i;
+        for (; from != i; ++next) {
+            const auto to = next == by.end() ? i : std::lower_bound(from, i, *next);
+            scratch_.insert(scratch_.end(), from, to);
+            from = to;
+            if (from == i) break;
+            scratch_.push_back(*next);
+        }
+        while (i != list.end() && changed(*i)) ++i;
+    }
+    scratch_.insert(scratch_.end(), next, by.end());
+    list.swap(scratch_);
+}
+
 /// Replaces the pairs of escaped bodies in near_ by the pairs found; compares the boxes of all pairs in near_ with a
 /// changed body.
 void DynamicTree::compare_near(const BodyColumns& columns)
 {
-    ONCOLLIDE_ASSERT(std::ranges::is_sorted(found_) && std::ranges::is_sorted(near_) && std::ranges::is_sorted(pairs_));
-    const std::uint8_t* const states = bodies_.data();
     if (near_are_pairs_) near_ = pairs_;
     near_are_pairs_ = false;
-    before_.swap(pairs_);
-    pairs_.clear(), scratch_.clear();
-    const auto add = [&](BodyPair pair, bool overlapping) {
-        scratch_.push_back(pair);
-        if (overlapping) pairs_.push_back(pair);
-    };
-    const auto overlapping = [&](BodyPair p) {
-        return overlap(columns.boxes[p.a], columns.boxes[p.b], options_.margin);
-    };
-    const auto look_ahead = [&](const std::vector<BodyPair>& list, std::size_t k) { // bodies are scattered in memory
-        constexpr std::size_t ahead = 8;
-        if (k + 2 * ahead < list.size())
-            prefetch(&states[list[k + 2 * ahead].a]), prefetch(&states[list[k + 2 * ahead].b]);
-        if (k + ahead >= list.size()) return;
-        const BodyPair later = list[k + ahead];
-        if (!((states[later.a] | states[later.b]) & BodyStates::changed)) return;
-        prefetch_all_of(columns.boxes[later.a]), prefetch_all_of(columns.boxes[later.b]);
-    };
-    std::size_t found = 0;
-    const auto add_found = [&](auto comes_before) {
-        for (; found < found_.size() && comes_before(found_[found]); ++found) {
-            look_ahead(found_, found);
-            add(found_[found], overlapping(found_[found]));
+    scratch_.clear(), compared_.clear();
+    for (const BodyPair pair : near_)
+        if (changed(pair) && to_compare(pair)) scratch_.push_back(pair);
+    compared_.resize(scratch_.size() + found_.size());
+    std::ranges::merge(scratch_, found_, compared_.begin());
+    found_.clear();
+    for (std::size_t k = 0; k < compared_.size(); ++k) {
+        if (constexpr std::size_t ahead = 8; k + ahead < compared_.size()) { // bodies are scattered in memory
+            const BodyPair later = compared_[k + ahead];
+            prefetch_all_of(columns.boxes[later.a]), prefetch_all_of(columns.boxes[later.b]);
         }
-    };
-    auto last = before_.begin();
-    for (std::size_t k = 0; k < near_.size(); ++k) {
-        const BodyPair pair = near_[k];
-        look_ahead(near_, k);
-        add_found([=](BodyPair other) { return other < pair; });
-        if (to_compare(pair)) {
-            add(pair, overlapping(pair));
-        } else if (!((states[pair.a] | states[pair.b]) & BodyStates::changed)) {
-            while (last != before_.end() && *last < pair) ++last;
-            add(pair, last != before_.end() && *last == pair);
-        }
+        const BodyPair pair = compared_[k];
+        if (overlap(columns.boxes[pair.a], columns.boxes[pair.b], options_.margin)) found_.push_back(pair);
     }
-    add_found([](BodyPair) { return true; });
-    near_.swap(scratch_);
+    replace_changed(near_, compared_), replace_changed(pairs_, found_);
 }
 
 std::span<const BodyPair> DynamicTree::find_pairs(const BodyColumns& columns, bool whole)
@@ -267,12 +298,12 @@ std::span<const BodyPair> DynamicTree::find_pairs(const BodyColumns& columns, bo
         take_in(columns);
         delimitation_.clear();
         whole_ = true;
-        find_whole(columns);
+        find_whole(columns, false);
     } else {
         delimit(columns);
         if (!bodies_.changes().empty()) {
             if (whole_)
-                find_whole(columns);
+                find_whole(columns, many_rest());
             else
                 find_near(columns), compare_near(columns);
         }
@@ -355,9 +386,9 @@ void DynamicTree::query_segments(const BodyColumns& columns, std::span<const Seg
 std::size_t DynamicTree::bytes() const
 {
     const std::size_t lists = gone_.capacity() + come_.capacity() + moved_.capacity() + left_.capacity() +
-                              escaped_.capacity() + queries_.capacity();
+                              jumped_.capacity() + escaped_.capacity() + queries_.capacity();
     const std::size_t pairs =
-        near_.capacity() + pairs_.capacity() + found_.capacity() + scratch_.capacity() + before_.capacity();
+        near_.capacity() + pairs_.capacity() + found_.capacity() + scratch_.capacity() + compared_.capacity();
     return tree_.bytes() + bodies_.bytes() + search_.bytes() + delimitation_.bytes() + lists_.bytes() + loose_.bytes() +
            lists * sizeof(std::uint32_t) + pairs * sizeof(BodyPair);
 }

@@ -53,13 +53,20 @@ private:
     template <class Search, class Meets>
     void add_hits(std::uint32_t k, Search search, Meets meets, std::vector<AabbHit>& hits) const;
     void rebuild(const BodyColumns& columns);
+    void note_places(bool rebuilt);
     void refit(const BodyColumns& columns);
     void loosen(const BodyColumns& columns, std::span<const std::uint32_t> moved);
     void note_escaped(std::span<const std::uint32_t> bodies);
     void collect_queries();
-    void find_whole(const BodyColumns& columns);
+    void find_whole(const BodyColumns& columns, bool changed_only);
+    bool many_rest() const;
     void find_near(const BodyColumns& columns);
     void compare_near(const BodyColumns& columns);
+    void replace_changed(std::vector<BodyPair>& list, const std::vector<BodyPair>& by);
+    bool changed(BodyPair pair) const
+    {
+        return (bodies_.data()[pair.a] | bodies_.data()[pair.b]) & BodyStates::changed;
+    }
     /// For a pair in near_: true if one of its bodies changed, but both stayed within their loose AABBs.
     bool to_compare(BodyPair pair) const
     {
@@ -80,13 +87,13 @@ private:
     PairFilter filter_;
     TreeSearch search_;
     Delimitation delimitation_;
-    std::vector<std::uint32_t> gone_, come_, moved_, left_; ///< scratch: bodies for the tree to change
+    std::vector<std::uint32_t> gone_, come_, moved_, left_, jumped_; ///< scratch: bodies for the tree to change
     LooseAabbs loose_;
     std::vector<std::uint32_t> escaped_; ///< bodies added, or outside their loose AABBs, since pairs were last found
     std::vector<std::uint32_t> queries_; ///< the subset whose pairs are searched for
     std::vector<BodyPair> near_;         ///< superset of pairs_: all pairs that bodies can form within their loose
                                          ///< boxes
-    std::vector<BodyPair> pairs_, found_, scratch_, before_;
+    std::vector<BodyPair> pairs_, found_, scratch_, compared_;
     PairLists lists_;
     bool near_are_pairs_ = true;              ///< true if near_ equals pairs_; it is then empty
     bool delimited_ = false;                  ///< true if delimit() has run since the changes were applied

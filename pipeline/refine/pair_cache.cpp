@@ -20,33 +20,45 @@ std::uint32_t PairCache::make_row()
     return row;
 }
 
-void PairCache::begin_frame(std::span<const BodyPair> pairs, std::span<const std::uint8_t> fresh)
+void PairCache::begin_frame(std::span<const BodyPair> pairs, std::span<const std::uint8_t> changed,
+                            std::span<const std::uint8_t> fresh)
 {
     ONCOLLIDE_ASSERT(std::ranges::is_sorted(pairs));
-    now_.swap(before_);
-    now_.clear(), earlier_.clear();
-    auto last = before_.begin();
-    for (const BodyPair pair : pairs) {
-        for (; last != before_.end() && last->pair < pair; ++last) free_.push_back(last->row);
-        if (last == before_.end() || last->pair != pair) {
-            now_.push_back({pair, make_row()}), earlier_.push_back(none);
-            continue;
+    pairs_.swap(last_pairs_), rows_.swap(last_rows_);
+    pairs_.assign(pairs.begin(), pairs.end());
+    rows_.clear(), unchanged_.clear();
+    const auto has = [](std::span<const std::uint8_t> marks, BodyPair pair) {
+        return !marks.empty() && (marks[pair.a] | marks[pair.b]);
+    };
+    const std::size_t count = pairs.size(), last_count = last_pairs_.size();
+    for (std::size_t i = 0, k = 0; i < count || k < last_count;) {
+        const std::size_t begin = i;
+        while (i < count && k < last_count && pairs[i] == last_pairs_[k] && !has(changed, pairs[i])) ++i, ++k;
+        if (const auto same = static_cast<std::ptrdiff_t>(i - begin)) {
+            const auto last = last_rows_.begin() + static_cast<std::ptrdiff_t>(k);
+            rows_.insert(rows_.end(), last - same, last);
+            unchanged_.push_back({static_cast<std::uint32_t>(begin),
+                                  static_cast<std::uint32_t>(k - static_cast<std::size_t>(same)),
+                                  static_cast<std::uint32_t>(same)});
+        } else if (k < last_count && (i == count || last_pairs_[k] < pairs[i])) {
+            free_.push_back(last_rows_[k++]);
+        } else if (k < last_count && last_pairs_[k] == pairs[i]) {
+            if (has(fresh, pairs[i])) memories_[last_rows_[k]] = {};
+            rows_.push_back(last_rows_[k++]), ++i;
+        } else {
+            rows_.push_back(make_row()), ++i;
         }
-        const bool is_void = !fresh.empty() && (fresh[pair.a] || fresh[pair.b]);
-        if (is_void) memories_[last->row] = {};
-        earlier_.push_back(is_void ? none : static_cast<std::uint32_t>(last - before_.begin()));
-        now_.push_back(*last++);
     }
-    for (; last != before_.end(); ++last) free_.push_back(last->row);
 }
 
 std::string PairCache::validate() const
 {
     std::uint64_t rows = 0; // sum of hashes: each row is used once or free once. This allocates nothing
-    for (std::size_t i = 0; i < now_.size(); ++i) {
-        const auto& [pair, row] = now_[i];
+    for (std::size_t i = 0; i < pairs_.size(); ++i) {
+        const BodyPair pair = pairs_[i];
+        const std::uint32_t row = rows_[i];
         const auto fault = [&](const char* what) { return fmt::format("pair ({}, {}): {}", pair.a, pair.b, what); };
-        if (pair.a >= pair.b || (i > 0 && !(now_[i - 1].pair < pair))) return fault("is not in order");
+        if (pair.a == pair.b || (i > 0 && !(pairs_[i - 1] < pair))) return fault("is not in order");
         if (row >= memories_.size()) return fault("has no memory");
         rows += splitmix(row);
         const PairMemory& memory = memories_[row];
@@ -55,7 +67,7 @@ std::string PairCache::validate() const
     }
     for (std::uint32_t row : free_) rows += splitmix(row);
     for (std::uint32_t row = 0; row < memories_.size(); ++row) rows -= splitmix(row);
-    return rows == 0 && now_.size() + free_.size() == memories_.size() ? "" : "a row is lost or used twice";
+    return rows == 0 && rows_.size() + free_.size() == memories_.size() ? "" : "a row is lost or used twice";
 }
 
 } // namespace oncollide

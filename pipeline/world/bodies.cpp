@@ -26,6 +26,7 @@ bool BodyChanges::empty() const
 void Bodies::mark(std::uint32_t slot, std::uint8_t how)
 {
     if (!(state_[slot] & listed_bit)) changed_.push_back(slot);
+    if (how & (fresh_bit | moved_bit)) set_asleep(slot, false);
     state_[slot] |= static_cast<std::uint8_t>(how | listed_bit);
 }
 
@@ -112,6 +113,11 @@ void Bodies::set_static(std::uint32_t slot, bool now)
     mark(slot, 0);
 }
 
+void Bodies::set_asleep(std::uint32_t slot, bool asleep)
+{
+    state_[slot] = static_cast<std::uint8_t>(asleep ? state_[slot] | asleep_bit : state_[slot] & ~asleep_bit);
+}
+
 void Bodies::set_model(std::uint32_t slot, Model* model, ModelId id)
 {
     note_model(slot, model, id);
@@ -147,8 +153,9 @@ void Bodies::take_changes(BodyChanges& changes)
             if (state & moved_bit) changes.moved.push_back(slot);
             if (is_static != was_static) (is_static ? changes.made_static : changes.made_dynamic).push_back(slot);
         }
-        state_[slot] = static_cast<std::uint8_t>(
-            !alive ? 0 : alive_bit | known_bit | (is_static ? static_bit | known_static_bit : 0));
+        state_[slot] = static_cast<std::uint8_t>(!alive ? 0
+                                                        : alive_bit | known_bit | (state & asleep_bit) |
+                                                              (is_static ? static_bit | known_static_bit : 0));
     }
     changed_.clear();
 }

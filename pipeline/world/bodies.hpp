@@ -47,6 +47,7 @@ public:
     void set_pose(std::uint32_t slot, const Eigen::Isometry3d& pose);
     void set_filter(std::uint32_t slot, std::uint32_t layer, std::uint32_t mask, std::uint32_t group);
     void set_static(std::uint32_t slot, bool is_static);
+    void set_asleep(std::uint32_t slot, bool asleep);
     void set_model(std::uint32_t slot, Model* model, ModelId id);
     void set_user(std::uint32_t slot, std::uint64_t user);
 
@@ -65,6 +66,8 @@ public:
     bool valid(BodyId id) const { return alive(id.slot) && this->id(id.slot) == id; }
     BodyId id(std::uint32_t slot) const { return {slot, generation(slot), world_}; }
     bool is_static(std::uint32_t slot) const { return state_[slot] & static_bit; }
+    bool is_asleep(std::uint32_t slot) const { return state_[slot] & asleep_bit; }
+    bool rests(std::uint32_t slot) const { return state_[slot] & (static_bit | asleep_bit); } ///< static or asleep
     std::uint32_t dynamic() const { return dynamic_; } ///< bodies that are not static
 
     Model& model(std::uint32_t slot) const { return *models_[model_of_[slot]].model; }
@@ -113,6 +116,7 @@ private:
         fresh_bit = 16,       ///< new, or with a new geometry
         moved_bit = 32,       ///< pose or filter changed
         listed_bit = 64,      ///< in changed_
+        asleep_bit = 128,
     };
     static std::uint64_t key(std::uint32_t a, std::uint32_t b)
     {

@@ -67,20 +67,14 @@ struct Frame {
     PairFilter filter;                           ///< empty: all candidates are refined
     PairCache cache;                             ///< of the candidates
     std::vector<PairResult> results;             ///< one per pair, in the same order
-    std::vector<PairResult> last_results;
-    std::vector<std::uint32_t> open;     ///< pairs to be decided; the others are at rest and keep their last result
-    std::vector<std::uint32_t> retested; ///< without coherence, pairs at rest: tested, but without their memory
-    KeptCounts kept;                     ///< pairs at rest that are not tested
-    bool keeps = false;                  ///< the last frame ended, and no budget lets results depend on other pairs
-
-    /// The result of pair `i` in the last frame if nothing changed since; null: something did, or it was undecided.
-    const PairResult* last_result(std::size_t i) const
-    {
-        const std::uint32_t earlier = keeps ? cache.earlier(i) : PairCache::none;
-        if (earlier == PairCache::none || changed.contains(pairs[i].a) || changed.contains(pairs[i].b)) return nullptr;
-        const PairResult& last = last_results[earlier];
-        return last.verdict == Verdict::undecided ? nullptr : &last;
-    }
+    std::vector<PairResult> last_results;        ///< of the last frame that ended
+    std::vector<PairRun> kept;                   ///< pairs that keep their last result, ascending; all others are open
+    std::vector<std::uint32_t> open;             ///< pairs to be decided
+    std::vector<std::uint32_t> retested;         ///< without coherence, pairs at rest: tested, but without their memory
+    KeptCounts kept_counts;                      ///< of the pairs in `kept`
+    bool keeps = false;        ///< the last frame ended, and no budget lets results depend on other pairs
+    bool ended = true;         ///< the last frame ended
+    std::size_t undecided = 0; ///< pairs of the last frame
 
     RefineContext context;
 };

@@ -86,7 +86,7 @@ public:
     {
         begin(bodies, frame);
         level_.run(bodies, frame, stats, [](const PairResult&) { return true; });
-        stats.in += frame.kept.pairs, stats.out += frame.kept.left_by_refine;
+        stats.in += frame.kept_counts.pairs, stats.out += frame.kept_counts.left_by_refine;
         for (const Round& round : frame.context.rounds) stats.gpu_ms += round.gpu_ms, stats.wait_ms += round.wait_ms;
     }
 
@@ -101,28 +101,64 @@ private:
     /// boxes. An undecided pair is tried again.
     static void begin(const Bodies& bodies, Frame& frame)
     {
-        frame.cache.begin_frame(frame.pairs, frame.fresh.marks());
-        frame.results.swap(frame.last_results);
+        frame.cache.begin_frame(frame.pairs, frame.changed.marks(), frame.fresh.marks());
+        if (frame.ended) frame.results.swap(frame.last_results);
         frame.results.clear(), frame.results.reserve(frame.pairs.size());
-        frame.open.clear(), frame.retested.clear(), frame.kept = {};
-        constexpr std::size_t ahead = 8;
-        for (std::size_t i = 0; i < frame.pairs.size(); ++i) {
-            if (i + ahead < frame.pairs.size()) {
-                const BodyPair later = frame.pairs[i + ahead];
-                bodies.prefetch(later.b);
-                if (later.a != frame.pairs[i + ahead - 1].a) bodies.prefetch(later.a);
+        frame.kept.clear(), frame.open.clear(), frame.retested.clear(), frame.kept_counts = {};
+        const auto open_until = [&](std::uint32_t end) {
+            for (auto i = static_cast<std::uint32_t>(frame.results.size()); i < end; ++i)
+                frame.results.emplace_back(), frame.open.push_back(i);
+        };
+        if (frame.ended)
+            for (const PairRun& run : frame.cache.unchanged()) {
+                open_until(run.now);
+                if (!frame.settings.coherence && frame.keeps)
+                    retest(frame, run);
+                else if (frame.settings.coherence)
+                    keep(bodies, frame, run);
             }
-            const BodyPair pair = frame.pairs[i];
-            const PairResult* const last = frame.last_result(i);
-            if (last && frame.settings.coherence) {
-                frame.results.push_back(*last);
-                frame.kept.add(*last);
-            } else {
-                frame.results.push_back(undecided(bodies, pair));
-                (last ? frame.retested : frame.open).push_back(static_cast<std::uint32_t>(i));
-            }
+        open_until(static_cast<std::uint32_t>(frame.pairs.size()));
+        bound(bodies, frame, frame.open), bound(bodies, frame, frame.retested);
+        frame.context.trees.kept = frame.kept_counts.pairs;
+    }
+
+    /// Without Frame::keeps, only pairs of bodies that are asleep or static.
+    static void keep(const Bodies& bodies, Frame& frame, PairRun run)
+    {
+        const PairResult* const last = frame.last_results.data() + run.before;
+        const auto stays = [&](const PairResult& pair) {
+            return pair.verdict != Verdict::undecided &&
+                   (frame.keeps || (bodies.rests(pair.a.slot) && bodies.rests(pair.b.slot)));
+        };
+        for (std::uint32_t i = 0; i < run.count;) {
+            const std::uint32_t begin = i;
+            for (; i < run.count && stays(last[i]); ++i) frame.kept_counts.add(last[i]);
+            frame.results.insert(frame.results.end(), last + begin, last + i);
+            if (i > begin) frame.kept.push_back({run.now + begin, run.before + begin, i - begin});
+            if (i < run.count) frame.results.emplace_back(), frame.open.push_back(run.now + i++);
         }
-        frame.context.trees.kept = frame.kept.pairs;
+    }
+
+    static void retest(Frame& frame, PairRun run)
+    {
+        for (std::uint32_t i = 0; i < run.count; ++i) {
+            const bool decided = frame.last_results[run.before + i].verdict != Verdict::undecided;
+            (decided ? frame.retested : frame.open).push_back(run.now + i);
+            frame.results.emplace_back();
+        }
+    }
+
+    static void bound(const Bodies& bodies, Frame& frame, std::span<const std::uint32_t> pairs)
+    {
+        constexpr std::size_t ahead = 8;
+        for (std::size_t k = 0; k < pairs.size(); ++k) {
+            if (k + ahead < pairs.size()) {
+                const BodyPair later = frame.pairs[pairs[k + ahead]];
+                bodies.prefetch(later.b);
+                if (later.a != frame.pairs[pairs[k + ahead - 1]].a) bodies.prefetch(later.a);
+            }
+            frame.results[pairs[k]] = undecided(bodies, frame.pairs[pairs[k]]);
+        }
     }
 
     LevelRun level_;
@@ -142,7 +178,7 @@ public:
     void run(Bodies& bodies, Frame& frame, StageStats& stats) override
     {
         level_.run(bodies, frame, stats, [](const PairResult& result) { return is_open(result.verdict); });
-        stats.in += frame.kept.exact, stats.out += frame.kept.left_by_exact;
+        stats.in += frame.kept_counts.exact, stats.out += frame.kept_counts.left_by_exact;
     }
 
     void skip(Bodies&, Frame& frame, StageStats& stats) override

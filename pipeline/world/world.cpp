@@ -349,6 +349,16 @@ void World::set_static(BodyId body, bool is_static)
     impl_->changed();
     impl_->bodies.set_static(slot, is_static);
 }
+void World::sleep(std::span<const BodyId> bodies)
+{
+    for (const BodyId body : bodies) impl().slot_of(body);
+    for (const BodyId body : bodies) impl_->bodies.set_asleep(body.slot, true);
+}
+void World::wake(std::span<const BodyId> bodies)
+{
+    for (const BodyId body : bodies) impl().slot_of(body);
+    for (const BodyId body : bodies) impl_->bodies.set_asleep(body.slot, false);
+}
 void World::set_layers(BodyId body, std::uint32_t layer, std::uint32_t mask)
 {
     const std::uint32_t slot = impl().slot_of(body);
@@ -401,6 +411,10 @@ std::uint64_t World::user(BodyId body) const
 bool World::is_static(BodyId body) const
 {
     return impl().bodies.is_static(impl_->slot_of(body));
+}
+bool World::is_asleep(BodyId body) const
+{
+    return impl().bodies.is_asleep(impl_->slot_of(body));
 }
 BodyId World::body_at(std::uint32_t slot) const
 {

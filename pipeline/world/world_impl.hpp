@@ -23,10 +23,9 @@ struct World::Impl {
     std::vector<std::uint8_t> skipped;            ///< by stage: skipped by request
     std::vector<StageStats> stats, totals, blank; ///< blank: initial values of a frame
     MotionForecast forecast;
-    std::vector<PairOfBodies> active, last_active, began, ended; ///< active: not separate in the last frame
+    std::vector<PairOfBodies> began, ended;
     std::string backend_note;
     std::uint64_t hash = 0, frame_hash = 0; ///< of all frames; of the last frame
-    std::size_t undecided = 0;              ///< pairs of the last frame
 
     struct QueryWorker;                               // query_worker.hpp
     WorldMutex guard;                                 ///< for const calls: of the models' trees
@@ -84,6 +83,7 @@ struct World::Impl {
     void run_stages();
     void repeat_stages(); ///< the counts of the last frame, as nothing changed
     void find_events();
+    void find_events(std::span<const PairResult> now, std::span<const PairResult> last);
     std::string validate() const; ///< the first fault; empty: none
     void look_ahead();
     /// For const calls: updates AABBs and broad phase if there are changes.

@@ -29,6 +29,13 @@ std::uint64_t hash_of(std::span<const PairResult> results, bool with_kinds)
     return hash;
 }
 
+std::size_t count_undecided(std::span<const PairResult> results)
+{
+    std::size_t count = 0;
+    for (const PairResult& result : results) count += result.verdict == Verdict::undecided;
+    return count;
+}
+
 void add_to(StageStats& total, const StageStats& s)
 {
     total.frames += 1, total.in += s.in, total.out += s.out, total.culled += s.culled;
@@ -39,9 +46,13 @@ void add_to(StageStats& total, const StageStats& s)
 /// For tests of every pair: where nothing changed, bounds are the last ones, as if the pairs had not been tested.
 void keep_bounds(Frame& frame)
 {
-    for (std::size_t i = 0; i < frame.results.size(); ++i)
-        if (const PairResult* last = frame.last_result(i); last && last->verdict == Verdict::separate)
-            if (PairResult& now = frame.results[i]; now.verdict == Verdict::separate) now.bound = last->bound;
+    if (!frame.keeps) return;
+    for (const PairRun& run : frame.cache.unchanged())
+        for (std::uint32_t i = 0; i < run.count; ++i) {
+            const PairResult& last = frame.last_results[run.before + i];
+            PairResult& now = frame.results[run.now + i];
+            if (last.verdict == Verdict::separate && now.verdict == Verdict::separate) now.bound = last.bound;
+        }
 }
 
 /// `auto` uses only hardware GPUs: software renderers are slower than the cpu backend.
@@ -167,13 +178,15 @@ FrameView World::step()
             if (!p.settings.coherence) keep_bounds(frame);
             p.find_events();
             p.look_ahead();
+            frame.undecided = count_undecided(frame.results);
             p.frame_hash = hash_of(frame.results, wants_kinds(p.settings));
         } catch (...) {
-            frame.keeps = false; // some results are of this frame
+            frame.keeps = frame.ended = false; // some results are of this frame
             throw;
         }
     }
     ONCOLLIDE_ASSERT_VALID(p.validate());
+    frame.ended = true;
     frame.keeps = !p.settings.node_budget && !p.settings.memory_budget && !p.settings.resident_budget;
     for (std::size_t i = 0; i < p.stages.size(); ++i) add_to(p.totals[i], p.stats[i]);
     frame.fresh.clear(), frame.changed.clear(), frame.moved = 0, frame.same_bodies = true;
@@ -214,7 +227,7 @@ void World::Impl::run_stages()
 
 bool World::Impl::rests() const
 {
-    return frame.keeps && frame.same_bodies && settings.coherence && !frame.filter && undecided == 0;
+    return frame.keeps && frame.same_bodies && settings.coherence && !frame.filter && frame.undecided == 0;
 }
 
 void World::Impl::repeat_stages()
@@ -247,28 +260,41 @@ void World::Impl::look_ahead()
     if (!parts.empty()) models.look_ahead(std::move(parts));
 }
 
-/// Merges the two lists, which are sorted by slots. A reused slot has another generation, so its pairs are new pairs.
+/// Compares the results of two frames outside the runs of pairs that kept theirs.
 void World::Impl::find_events()
 {
-    active.swap(last_active);
-    active.clear(), began.clear(), ended.clear();
-    undecided = 0;
-    for (const PairResult& result : frame.results) {
-        if (result.verdict != Verdict::separate) active.push_back({result.a, result.b});
-        undecided += result.verdict == Verdict::undecided;
+    began.clear(), ended.clear();
+    const std::span<const PairResult> now = frame.results, last = frame.last_results;
+    std::size_t i = 0, k = 0;
+    for (const PairRun& run : frame.kept) {
+        find_events(now.subspan(i, run.now - i), last.subspan(k, run.before - k));
+        i = run.now_end(), k = run.before_end();
     }
-    const auto slots = [](const PairOfBodies& pair) { return BodyPair{pair.a.slot, pair.b.slot}; };
-    auto now = active.begin(), before = last_active.begin();
-    while (now != active.end() || before != last_active.end()) {
-        const bool only_before = now == active.end() || (before != last_active.end() && slots(*before) < slots(*now));
-        const bool only_now = !only_before && (before == last_active.end() || slots(*now) < slots(*before));
-        if (!only_before && !only_now && *now == *before) {
-            ++now, ++before;
-            continue;
+    find_events(now.subspan(i), last.subspan(k));
+}
+
+/// Merges the two lists, which are sorted by slots. A reused slot has another generation, so its pairs are new pairs.
+void World::Impl::find_events(std::span<const PairResult> now, std::span<const PairResult> last)
+{
+    const auto slots = [](const PairResult& pair) { return BodyPair{pair.a.slot, pair.b.slot}; };
+    const auto add = [](std::vector<PairOfBodies>& events, const PairResult& pair) {
+        if (pair.verdict != Verdict::separate) events.push_back({pair.a, pair.b});
+    };
+    std::size_t i = 0, k = 0;
+    while (i < now.size() && k < last.size()) {
+        if (slots(now[i]) < slots(last[k])) {
+            add(began, now[i++]);
+        } else if (slots(last[k]) < slots(now[i])) {
+            add(ended, last[k++]);
+        } else {
+            const bool same = now[i].a == last[k].a && now[i].b == last[k].b;
+            if (!same || last[k].verdict == Verdict::separate) add(began, now[i]);
+            if (!same || now[i].verdict == Verdict::separate) add(ended, last[k]);
+            ++i, ++k;
         }
-        if (!only_before) began.push_back(*now++);
-        if (!only_now) ended.push_back(*before++);
     }
+    for (; i < now.size(); ++i) add(began, now[i]);
+    for (; k < last.size(); ++k) add(ended, last[k]);
 }
 
 std::span<const std::string_view> World::stages()

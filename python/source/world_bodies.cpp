@@ -154,6 +154,26 @@ Moves many. bodies: (N,) ids. poses: (N, 4, 4) or (N, 7), metres, or one pose fo
 
 Makes a body static or dynamic. Two static bodies never form a pair; a static body may still be moved.)");
     world.attr("set_fixed") = world.attr("set_static"); // its older name
+    const auto many = [&](const char* name, const char* call, void (World::*method)(std::span<const BodyId>),
+                          const char* text) {
+        world.def(
+            name,
+            [call, method](HeldWorld& held, py::handle which) {
+                const std::vector<BodyId> ids = bodies(which, {call, "bodies"});
+                const Inside inside(held, call);
+                (held.world.*method)(ids);
+            },
+            "bodies"_a, text);
+    };
+    many("sleep", "World.sleep", &World::sleep, R"(sleep(self, bodies)
+--
+
+Puts bodies to sleep: a pair of two bodies that are each asleep or static keeps its result untested. A change of its pose,
+filter or model wakes a body. bodies: (N,) ids.)");
+    many("wake", "World.wake", &World::wake, R"(wake(self, bodies)
+--
+
+Undoes sleep(). bodies: (N,) ids.)");
     world.def(
         "set_layers",
         [](HeldWorld& held, py::handle which, py::handle layer, py::handle mask) {
@@ -252,6 +272,17 @@ The number stored by set_user() (int).)");
 
 True if the body is static.)");
     world.attr("fixed") = world.attr("is_static"); // its older name
+    world.def(
+        "is_asleep",
+        [](HeldWorld& held, py::handle which) {
+            const BodyId id = body(which, {"World.is_asleep", "body"});
+            const Looking looking(held, "World.is_asleep");
+            return held.world.is_asleep(id);
+        },
+        "body"_a, R"(is_asleep(self, body)
+--
+
+True if the body is asleep.)");
     const auto number_of_body = [&](const char* name, const char* call, std::uint32_t (World::*get)(BodyId) const,
                                     const char* text) {
         world.def(

@@ -149,6 +149,25 @@ TEST_P(EveryBroadPhase, FollowsWhatMovesFrameByFrame)
     }
 }
 
+/// Jumps give bodies new leaves. In every eighth frame so many move that the whole tree is searched for their pairs.
+TEST_P(EveryBroadPhase, FollowsBodiesThatJumpAmongBodiesAtRest)
+{
+    Boxes scene = random_boxes(1200, 16, 0.3, 17, {0, 2, 0});
+    const auto broad = make();
+    scene.add_to(*broad);
+    EXPECT_EQ(find(*broad, scene), truth(scene));
+    for (std::uint64_t frame = 0; frame < 40; ++frame) {
+        Bodies moved;
+        for (std::uint32_t body : scene.all) {
+            if (scene.is_static[body] || u01(frame, body, 0) >= (frame % 8 == 7 ? 0.5 : 0.02)) continue;
+            moved.push_back(body);
+            scene.step(body, random_step(frame, body, 40));
+        }
+        broad->move(moved);
+        ASSERT_EQ(find(*broad, scene), truth(scene)) << "frame " << frame << ": " << moved.size();
+    }
+}
+
 /// All changes at random, in bulk.
 TEST_P(EveryBroadPhase, FollowsBodiesThatComeGoMoveBecomeStaticAndChangeLayersAndGroups)
 {

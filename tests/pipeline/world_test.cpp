@@ -316,6 +316,51 @@ TEST(World, TellsWhichPairsBeganAndEnded)
     EXPECT_EQ(other.ended[0], (PairOfBodies{a, b})) << "another body in the same slot";
 }
 
+TEST(World, LetsBodiesSleepWithTheirResultsAndEvents)
+{
+    for (const bool budget : {false, true}) {
+        World world({.memory_budget = budget ? 1'000'000'000u : 0u}); // so large that it changes no result
+        const ModelId model = world.add(knot());
+        std::vector<BodyId> ids;
+        for (int i = 0; i < 6; ++i)
+            ids.push_back(world.add_body({.model = model, .pose = at(i), .user = std::uint64_t(i)}));
+        world.set_static(ids[0], true);
+        world.sleep(std::span(ids).first(4));
+        EXPECT_TRUE(world.is_asleep(ids[3]));
+        EXPECT_FALSE(world.is_asleep(ids[4]));
+        EXPECT_EQ(world.step().trees.kept, 0u) << "no pair has a result yet";
+        const FrameView slept = world.step();
+        EXPECT_TRUE(slept.began.empty() && slept.ended.empty());
+        const auto asleep = std::ranges::count_if(
+            slept.pairs, [](const PairResult& pair) { return pair.a.slot < 4 && pair.b.slot < 4; });
+        EXPECT_GE(asleep, 3);
+        EXPECT_EQ(slept.trees.kept, budget ? std::uint64_t(asleep) : slept.pairs.size());
+
+        world.set_pose(ids[3], at(2.5)); // wakes it
+        EXPECT_FALSE(world.is_asleep(ids[3]));
+        World fresh(world.settings());
+        const ModelId same = fresh.add(knot());
+        for (int i = 0; i < 6; ++i)
+            fresh.add_body({.model = same,
+                            .pose = world.pose(ids[std::size_t(i)]),
+                            .is_static = i == 0,
+                            .user = std::uint64_t(i)});
+        EXPECT_EQ(outcome_of(world), outcome_of(fresh));
+        world.set_layers(ids[2], 2, 2);
+        EXPECT_FALSE(world.is_asleep(ids[2]));
+        world.wake(ids[1]);
+        EXPECT_FALSE(world.is_asleep(ids[1]));
+        EXPECT_TRUE(world.is_asleep(ids[0])) << "static bodies may sleep, too";
+        const FrameView left = world.step();
+        EXPECT_TRUE(std::ranges::none_of(
+            left.pairs, [](const PairResult& pair) { return pair.a.slot == 2 || pair.b.slot == 2; }));
+        world.remove_body(ids[0]);
+        EXPECT_THROW(world.sleep(ids), Error);
+        EXPECT_FALSE(world.is_asleep(ids[4])) << "a refused call changes nothing";
+        EXPECT_FALSE(world.is_asleep(world.add_body({.model = model}))) << "in the slot of a body that slept";
+    }
+}
+
 TEST(World, TouchesNoGeometryOfBodiesThatMayNotCollide)
 {
     World world({.exact = ExactLevel::predicates});

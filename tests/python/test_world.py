@@ -173,6 +173,10 @@ def test_what_is_set_can_be_read_and_a_world_describes_itself(cubes):
     world.set_layers(ids[0], 2, 6), world.set_group(ids[0], 9), world.exclude(ids[0], ids[1])
     assert (world.layer(ids[0]), world.mask(ids[0]), world.group(ids[0])) == (2, 6, 9)
     assert world.excluded(ids[1], ids[0]) and not world.excluded(ids[0], ids[2])
+    world.sleep(ids)
+    world.set_pose(ids[1], at(0.8))  # wakes it
+    world.wake(ids[2:])
+    assert [world.is_asleep(i) for i in ids] == [True, False, False]
     assert world.body_at(1) == ids[1] and world.body_at(7) is None
     info = world.inspect()
     assert (info["bodies"], info["models"], info["frames"]) == (3, 1, 0) and info["bytes"] > 0
