@@ -15,7 +15,7 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::array<std::string_view, 3> exact_names{"off", "predicates", "fcl"};
+constexpr std::array<std::string_view, 4> exact_names{"off", "predicates", "fcl", "auto"};
 constexpr std::array<std::string_view, 2> mode_names{"surface", "solid"};
 constexpr std::array<std::string_view, 5> backend_names{"auto", "cpu", "gl-compute", "gl-query", "gl-raster"};
 constexpr std::array<std::string_view, 3> broad_names{"kd", "octree", "brute"};
@@ -58,7 +58,7 @@ std::string_view name_of(BoundingVolume v)
 ExactLevel exact_from_name(std::string_view name)
 {
     if (name == "on") return ExactLevel::predicates;
-    return from_name<ExactLevel>("exact", exact_names, name, {"off", "on", "predicates", "fcl"});
+    return from_name<ExactLevel>("exact", exact_names, name, {"auto", "on", "off", "predicates", "fcl"});
 }
 Mode mode_from_name(std::string_view name)
 {
@@ -115,7 +115,7 @@ std::uint64_t hash_of(const Settings& s)
     std::ranges::replace(skip, "refine", "ocst"); // its older name, so that checkpoints of older runs stay valid
     const std::string text =
         fmt::format("{} {:a} {:a} {} {} {} {} {} {} {}", s.depth.value_or(0), s.max_error.value_or(0), s.clearance,
-                    name_of(s.exact), s.contact_kinds, s.ignore_touching, name_of(s.mode), s.open_as_surface,
+                    name_of(exact_level(s)), s.contact_kinds, s.ignore_touching, name_of(s.mode), s.open_as_surface,
                     wants_obbs(s), fmt::join(skip, ","));
     std::uint64_t hash = 0;
     for (const char c : text) mix(hash, std::uint8_t(c));
@@ -127,9 +127,9 @@ void check(const Settings& s)
     const auto refuse = [](const std::string& why) { throw Error(ErrorKind::usage, why); };
     for (const SettingRow& row : settings_table()) row.check(s);
     if (s.depth && s.max_error) refuse("depth and max-error: give one of them, they set the same dial");
-    if (wants_kinds(s) && s.exact != ExactLevel::predicates)
+    if (wants_kinds(s) && exact_level(s) != ExactLevel::predicates)
         refuse(fmt::format("{} needs exact = predicates, which distinguish touching from crossing; exact is {}",
-                           s.ignore_touching ? "ignore-touching" : "kinds", name_of(s.exact)));
+                           s.ignore_touching ? "ignore-touching" : "kinds", name_of(exact_level(s))));
     if (s.open_as_surface && s.mode != Mode::solid)
         refuse("open-as-surface needs mode = solid: in surface mode all meshes are surfaces");
     if (s.ignore_touching && s.mode == Mode::solid)
@@ -143,7 +143,7 @@ void check(const Settings& s)
 
 bool exact_runs(const Settings& s)
 {
-    return s.exact != ExactLevel::off && !s.skip.contains(StageId::exact);
+    return exact_level(s) != ExactLevel::off && !s.skip.contains(StageId::exact);
 }
 
 int thread_count(const Settings& s)

@@ -13,7 +13,8 @@ namespace oncollide {
 
 class Executor;
 
-enum class ExactLevel : std::uint8_t { off, predicates, fcl };
+/// Automatic: predicates, where they cost no more than a bound; see exact_level().
+enum class ExactLevel : std::uint8_t { off, predicates, fcl, automatic };
 enum class Mode : std::uint8_t { surface, solid };
 enum class BackendKind : std::uint8_t { automatic, cpu, gl_compute, gl_query, gl_raster };
 enum class BroadPhaseKind : std::uint8_t { kd_tree, octree, brute_force };
@@ -46,15 +47,16 @@ enum class BoundingVolume : std::uint8_t { automatic, sphere, obb };
 
 /// How a World decides pairs, and how exactly. The defaults suit most scenes.
 struct Settings {
-    /// The error dial. `max_error` (m, > 0): two bodies reported `within` are closer than clearance + max_error.
-    /// Neither this nor `depth`: it is, for each pair, default_error of the smaller box's diagonal, so that on one
-    /// terrain a pedestrian gets centimetres and an airship metres. `depth` (1 to 16) is the paper's dial: the depth
-    /// of all sphere-trees. At most one of the two.
+    /// The error dial; with either of the two, results are bounded instead of exact. `max_error` (m, > 0): two bodies
+    /// reported `within` are closer than clearance + max_error. `depth` (1 to 16) is the paper's dial: the depth of all
+    /// sphere-trees. At most one of the two. Neither, and results that are not exact: the error is, for each pair,
+    /// default_error of the smaller box's diagonal, so that on one terrain a pedestrian gets centimetres and an airship
+    /// metres.
     std::optional<int> depth{};
     std::optional<double> max_error{};
     double clearance = 0; ///< metres, >= 0: pairs this close count as touching, in every stage
 
-    ExactLevel exact = ExactLevel::off;
+    ExactLevel exact = ExactLevel::automatic;
     /// Determine whether colliding pairs of meshes touch or cross. Predicates only.
     bool contact_kinds = false;
     /// Pairs of meshes that only touch are separate, with a bound of 0. Predicates, surface mode and clearance 0 only:
@@ -88,10 +90,20 @@ struct Settings {
 /// A pair's error by default, as a share of the diagonal of the smaller body's box (in its own frame).
 constexpr double default_error = 0.01;
 
+/// The exact level that `settings` stand for. Automatic is off if an error, a clearance, spheres, a GPU or a memory
+/// budget is requested, and otherwise predicates.
+inline ExactLevel exact_level(const Settings& s)
+{
+    if (s.exact != ExactLevel::automatic) return s.exact;
+    const bool bounded = s.depth || s.max_error || s.clearance > 0 || s.bounding_volume == BoundingVolume::sphere ||
+                         s.backend != BackendKind::cpu || s.memory_budget > 0;
+    return bounded ? ExactLevel::off : ExactLevel::predicates;
+}
+
 inline bool wants_obbs(const Settings& s)
 {
     if (s.bounding_volume != BoundingVolume::automatic) return s.bounding_volume == BoundingVolume::obb;
-    return s.exact == ExactLevel::predicates || (!s.depth && s.backend == BackendKind::cpu);
+    return exact_level(s) == ExactLevel::predicates || (!s.depth && s.backend == BackendKind::cpu);
 }
 
 inline bool wants_kinds(const Settings& s)
@@ -103,7 +115,7 @@ inline bool wants_kinds(const Settings& s)
 /// all of a mesh.
 inline bool reads_on_demand(const Settings& s)
 {
-    return s.mode == Mode::surface && !wants_kinds(s) && s.exact != ExactLevel::fcl && wants_obbs(s);
+    return s.mode == Mode::surface && !wants_kinds(s) && exact_level(s) != ExactLevel::fcl && wants_obbs(s);
 }
 
 /// True if the exact level is on and not skipped.

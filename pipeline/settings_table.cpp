@@ -118,15 +118,15 @@ constexpr std::string_view accuracy = "Accuracy", computation = "Computation";
 using enum SettingForm;
 
 constexpr std::array table{
-    row<&Settings::max_error>("max_error", "max_error", length, true,
-                              {"--max-error", accuracy, "M",
-                               "accuracy in metres: bodies that are 'within' a bound are at most this far apart",
-                               "1 % of the diagonal of the AABB of the smaller body of each pair"},
-                              [](const Settings& s) {
-                                  const double error = s.max_error.value_or(1);
-                                  require(std::isfinite(error) && error > 0, "max-error", error,
-                                          "a length in metres, above 0");
-                              }),
+    row<&Settings::max_error>(
+        "max_error", "max_error", length, true,
+        {"--max-error", accuracy, "M",
+         "accuracy in metres: bodies that are 'within' a bound are at most this far apart",
+         "none: results are exact; with --exact off, 1 % of the diagonal of the AABB of the smaller body of each pair"},
+        [](const Settings& s) {
+            const double error = s.max_error.value_or(1);
+            require(std::isfinite(error) && error > 0, "max-error", error, "a length in metres, above 0");
+        }),
     row<&Settings::depth>(
         "depth", "depth", whole, true,
         {"--depth",
@@ -147,12 +147,12 @@ constexpr std::array table{
         }),
     row<&Settings::exact>(
         "exact", "exact", name, true,
-        {"--exact", accuracy, "on|off|predicates|fcl",
+        {"--exact", accuracy, "auto|on|off|predicates|fcl",
          "decide exactly whether bodies collide, triangle by triangle: on (exact arithmetic; also called "
-         "predicates), off, or fcl (a cross-check: only where FCL agrees)",
-         "off"},
+         "predicates), off (within an error), or fcl (a cross-check: only where FCL agrees)",
+         "auto: on, unless an error, a depth, a clearance, spheres, a GPU or a memory budget is requested"},
         [](const Settings& s) {
-            if (s.exact == ExactLevel::fcl && !fcl_available())
+            if (exact_level(s) == ExactLevel::fcl && !fcl_available())
                 throw Error(ErrorKind::usage,
                             "exact = fcl: this is a build without FCL (ONCOLLIDE_FCL=OFF); use predicates");
         }),

@@ -306,7 +306,7 @@ public:
     double max_error(BodyId a, BodyId b) const;
 
     // --- About the World.
-    const Settings& settings() const;
+    const Settings& settings() const;                  ///< with `exact` resolved, see exact_level()
     static std::span<const std::string_view> stages(); ///< names in order: bounds, delimitation, broad, refine, exact
     /// Chained hash of all frames so far: equal input gives an equal hash for any thread count and instruction set.
     std::uint64_t hash() const;

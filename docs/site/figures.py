@@ -119,11 +119,11 @@ def reading():
 
 
 MANY = {
-    "1k": "`--frames 30 --repeats 2`",
+    "1k": "`--frames 30 --repeats 2 --exact off`",
     "1k-exact": "the same, `--exact on`",
-    "3k-slow": "`--bodies 3000 --frames 30 --pace 0.1` (slow motion)",
+    "3k-slow": "`--bodies 3000 --frames 30 --pace 0.1 --exact off` (slow motion)",
     "3k-slow-exact": "the same, `--exact on`",
-    "10k": "`--bodies 10000 --frames 10`",
+    "10k": "`--bodies 10000 --frames 10 --exact off`",
     "10k-exact": "the same, `--exact on`",
 }
 
@@ -143,6 +143,20 @@ def many():
                     number(last["candidates"]), number(last["left_over"]), number(last["false_positives"])])
     return table(["`bench many`", "FCL, ms", "oncollide, ms", "median of the ratios", "ratio of the totals",
                   "candidates of the last frame", "left over", "false positives"], out)
+
+
+def exact_cost():
+    """Times of exact frames over times of frames with an error of 1 % of the smaller body."""
+    def mean(name):
+        frames = many_frames(name)
+        return sum(f[1] for f in frames) / len(frames)
+    titles = {"1k": "1,000 meshes that move", "3k-slow": "3,000 that move slowly", "10k": "10,000 that move"}
+    out = [[title, mean(name), mean(f"{name}-exact")] for name, title in titles.items()]
+    jumps = {r["exact"]: float(r["step_ms"]) for r in rows_of("world")
+             if r["change"] == "move" and r["count"] == r["bodies"] and not r["skip"]}
+    out.append(["100,000 that jump", jumps["off"], jumps["predicates"]])
+    return table(["scene `many`", "1 %, ms per frame", "exact, ms per frame", "exact over 1 %"],
+                 [[title, f"{off:,.2f}", f"{on:,.2f}", f"{on / off:.2f}"] for title, off, on in out])
 
 
 def span(ratios):
@@ -447,7 +461,7 @@ def world():
     settings = list(dict.fromkeys((r["refined_by"], r["exact"], r["skip"]) for r in rows))
     out = []
     for refined, exact, skip in settings:
-        name = "`--skip refinement`: boxes alone" if skip else "`--exact on`" if exact != "off" else "1 % of the smaller body"
+        name = "`--skip refinement`: boxes alone" if skip else "exact" if exact != "off" else "`--exact off`: 1 % of the smaller body"
         of = {(r["change"], r["count"]): float(r["changes_ms"]) + float(r["step_ms"]) for r in rows
               if (r["refined_by"], r["exact"], r["skip"]) == (refined, exact, skip)}
         out.append([name] + ["below 0.001" if of[c] < 0.001 else f"{of[c]:,.0f}" for c in columns])
@@ -483,7 +497,7 @@ def python():
                   for r in rows_of("python")])
 
 
-TABLES = {f.__name__: f for f in (headline, many, many_pairs, narrow, narrow_large, study, study_peers, octants, octants_missed, paper, planner, rays,
+TABLES = {f.__name__: f for f in (headline, many, many_pairs, exact_cost, narrow, narrow_large, study, study_peers, octants, octants_missed, paper, planner, rays,
                                   world, broad, hard, spheres, sphere_levels, occlusion_losses, delimitation,
                                   environments, worlds, distances, shape_distances, shapes, reading, clash,
                                   python, view)}

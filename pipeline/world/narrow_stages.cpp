@@ -172,7 +172,7 @@ public:
     std::string_view unit() const override { return "pairs"; }
     std::string_view reason_to_skip(const Bodies&, const Frame& frame) const override
     {
-        return frame.settings.exact == ExactLevel::off ? "off" : std::string_view{};
+        return exact_level(frame.settings) == ExactLevel::off ? "off" : std::string_view{};
     }
 
     void run(Bodies& bodies, Frame& frame, StageStats& stats) override

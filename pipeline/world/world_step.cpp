@@ -109,7 +109,9 @@ std::unique_ptr<World::Impl> World::Impl::make(const Settings& settings, std::un
     check(settings);
     std::string note;
     if (!backend) backend = make_backend(settings, note);
-    auto made = std::make_unique<Impl>(settings, std::move(backend), std::move(note));
+    Settings resolved = settings;
+    resolved.exact = exact_level(settings);
+    auto made = std::make_unique<Impl>(resolved, std::move(backend), std::move(note));
 
     Impl& p = *made;
     p.broad =

@@ -185,7 +185,7 @@ TEST_F(CommandLine, EveryLengthMayHaveAUnit)
 
 TEST_F(CommandLine, ErrorsOfNamesListEveryValidWord)
 {
-    expect_error(64, {"run", "many", "--exact", "yes"}, {"valid: off, on, predicates, fcl"});
+    expect_error(64, {"run", "many", "--exact", "yes"}, {"valid: auto, on, off, predicates, fcl"});
     expect_error(64, {"run", "many", "--backend", "gpu"}, {"valid: auto, cpu, gl-compute, gl-query\n"});
     const std::string formats = ".json, .gltf, .glb, .dae or .3mf";
     expect_error(64, {"run", "x.urdf"}, {"x.urdf", formats, "scene --list"});

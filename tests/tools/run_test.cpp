@@ -55,7 +55,7 @@ TEST_F(CommandLine, ARunNamesThePairsThatCollideAndThoseThatMay)
     EXPECT_NE(exact.out.find("1 pair is close or undecided:\n  'shed' and 'fence', near, at most "), std::string::npos)
         << exact.out;
     EXPECT_EQ(exact.out.find("'tree'"), std::string::npos) << exact.out;
-    const Outcome bound = run({"run", "row.json"});
+    const Outcome bound = run({"run", "row.json", "--exact", "off"});
     EXPECT_NE(bound.out.find("1 pair may or may not collide (--exact on decides):\n  'crane' and 'lorry', at most"),
               std::string::npos)
         << bound.out;
@@ -76,8 +76,16 @@ TEST_F(CommandLine, TheExitCodeOfARunTellsOfItsPairsOnRequest)
         return run(arguments).code;
     };
     EXPECT_EQ(code({"--exact", "on"}), 0);
-    EXPECT_EQ(code({"--exact", "on", "--exit-code"}), 1);
-    EXPECT_EQ(code({"--exit-code"}), 2) << "nothing is called colliding without an exact level";
+    EXPECT_EQ(code({"--exit-code"}), 1) << "exact by default";
+    for (const std::vector<std::string>& bounded : std::vector<std::vector<std::string>>{
+             {"--exact", "off"}, {"--max-error", "0.01"}, {"--depth", "3"}, {"--bounding-volume", "sphere"}}) {
+        std::vector<std::string> more = bounded;
+        more.push_back("--exit-code");
+        EXPECT_EQ(code(more), 2) << bounded[0] << ": nothing is called colliding without an exact level";
+        if (bounded[0] == "--exact") continue;
+        more.insert(more.end(), {"--exact", "on"});
+        EXPECT_EQ(code(more), 1) << bounded[0];
+    }
     std::string apart = boxes;
     apart.replace(apart.find("[0.6, 0, 0]"), 11, "[1.5, 0, 0]");
     folder_.write("row.json", apart);

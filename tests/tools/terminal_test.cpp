@@ -104,7 +104,7 @@ TEST_F(Terminal, TheReferencesHaveEveryCommandAndOption)
         for (const std::string* shell : {&bash, &zsh, &fish})
             EXPECT_NE(shell->find(fmt::format("oncollide {}", command)), std::string::npos) << command;
     }
-    EXPECT_NE(markdown.find("`--exact on\\|off\\|predicates\\|fcl`"), std::string::npos) << markdown;
+    EXPECT_NE(markdown.find("`--exact auto\\|on\\|off\\|predicates\\|fcl`"), std::string::npos) << markdown;
     const std::string page = folder_.read("oncollide-run.1");
     EXPECT_TRUE(page.starts_with(".TH ONCOLLIDE\\-RUN 1 ")) << page;
     EXPECT_NE(page.find("\\-\\-max\\-error M"), std::string::npos);
@@ -147,7 +147,8 @@ TEST_F(Terminal, OldAndNewWordsMeanTheSame)
     };
     EXPECT_EQ(hash({"--exact", "on", "--contact-kinds"}), hash({"--exact", "predicates", "--kinds"}));
     EXPECT_EQ(hash({"--skip", "refinement", "--skip", "regions"}), hash({"--skip", "ocst", "--skip", "delimitation"}));
-    EXPECT_NE(hash({"--skip", "refinement"}), hash({}));
+    EXPECT_EQ(hash({"--exact", "auto"}), hash({"--exact", "on"}));
+    EXPECT_NE(hash({"--exact", "off", "--skip", "refinement"}), hash({"--exact", "off"}));
 }
 
 } // namespace

@@ -79,12 +79,11 @@ void add_option(Arguments command, const SettingRow& row, SettingsOptions::Value
     }
 }
 
-void add_group(Arguments command, SettingsOptions& o, std::string_view group, std::string_view exact)
+void add_group(Arguments command, SettingsOptions& o, std::string_view group)
 {
     command.group(std::string(group));
     for (const SettingRow& row : settings_table())
-        if (row.group == group)
-            add_option(command, row, o[row.member], row.member == "exact" && !exact.empty() ? exact : row.by_default);
+        if (row.group == group) add_option(command, row, o[row.member], row.by_default);
     command.group("Options");
 }
 
@@ -119,14 +118,14 @@ std::size_t SettingsOptions::index(std::string_view member)
     return static_cast<std::size_t>(row - settings_table().data());
 }
 
-void add_accuracy_options(Arguments command, SettingsOptions& o, std::string_view exact)
+void add_accuracy_options(Arguments command, SettingsOptions& o)
 {
-    add_group(command, o, "Accuracy", exact);
+    add_group(command, o, "Accuracy");
 }
 
 void add_pipeline_options(Arguments command, SettingsOptions& o)
 {
-    add_group(command, o, "Computation", {});
+    add_group(command, o, "Computation");
 }
 
 Settings settings_from(const SettingsOptions& o)

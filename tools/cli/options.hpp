@@ -42,8 +42,7 @@ private:
 };
 
 /// Adds the options of the group "Accuracy".
-/// @param exact  the default of --exact in --help; empty: the text of the table
-void add_accuracy_options(Arguments command, SettingsOptions& options, std::string_view exact = {});
+void add_accuracy_options(Arguments command, SettingsOptions& options);
 /// Adds the options of the group "Computation".
 void add_pipeline_options(Arguments command, SettingsOptions& options);
 /// Throws Error{usage} for a name or number out of range.

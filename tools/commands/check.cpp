@@ -108,7 +108,7 @@ std::string describe(const Scene& scene, const Settings& settings, const PairRes
                 pair.bound, pair.kind == ContactKind::near ? " (near)" : "", both, settings.clearance);
         return fmt::format("within {:.6g} m: {} are at most that far apart (certified), and may or may not collide. "
                            "A smaller --max-error narrows the bound{}.",
-                           pair.bound, both, settings.exact == ExactLevel::off ? "; --exact on decides" : "");
+                           pair.bound, both, exact_level(settings) == ExactLevel::off ? "; --exact on decides" : "");
     case Verdict::undecided:
         return fmt::format(
             "undecided: {} are at most {:.6g} m apart (certified); a budget was used up before the pair was decided.",
@@ -165,18 +165,17 @@ std::string describe_distance(const Scene& scene, const World& world, double tol
 
 int check_pair(const CheckOptions& options)
 {
-    SettingsOptions chosen = options.settings;
-    // --max-error or --depth requests a bound; without them the pair is decided.
-    if (chosen["exact"].text.empty())
-        chosen["exact"].text = chosen["depth"].whole || chosen["max_error"].number ? "off" : "on";
-    Settings settings = settings_from(chosen);
+    Settings settings = settings_from(options.settings);
+    Settings plain = settings;
+    plain.clearance = 0; // distances of one pair are cheap enough to be exact by default
+    settings.exact = exact_level(plain);
     if (options.distance && !(*options.distance >= 0))
         throw Error(ErrorKind::usage,
                     fmt::format("--distance: a tolerance of {}; must be 0 or more", *options.distance));
-    if (!options.contacts.empty() && settings.exact != ExactLevel::predicates)
+    if (!options.contacts.empty() && exact_level(settings) != ExactLevel::predicates)
         throw Error(ErrorKind::usage,
                     "--contacts: needs the exact level: leave out --max-error and --depth, or give --exact on");
-    settings.contact_kinds = settings.exact == ExactLevel::predicates;
+    settings.contact_kinds = exact_level(settings) == ExactLevel::predicates;
     // Both stages cull without a bound on the distance, and a single pair needs neither.
     for (const StageId stage : {StageId::delimitation, StageId::broad}) settings.skip.insert(stage);
     check_files({{"--json", options.json}, {"--contacts", options.contacts}}, {options.a, options.b});
@@ -222,7 +221,7 @@ void add_check(Arguments app)
     sub.add_option("--pose-a", options->pose_a, "pose of A, metres and unit quaternion (default: identity)")
         .type_name("\"x y z qx qy qz qw\"");
     sub.add_option("--pose-b", options->pose_b, "pose of B").type_name("\"x y z qx qy qz qw\"");
-    add_accuracy_options(sub, options->settings, "on, and off with --max-error or --depth");
+    add_accuracy_options(sub, options->settings);
     add_cache_options(sub, options->cache);
     sub.add_option("--json", options->json, "write the result as JSON; '-' is standard output").type_name("FILE");
     sub.add_option(

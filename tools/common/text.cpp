@@ -71,12 +71,16 @@ std::vector<int> parse_depths(const std::string& option, const std::string& text
 
 std::string describe(const Settings& s, const std::string& stand_in)
 {
+    const ExactLevel exact = exact_level(s);
+    const bool bounded = s.max_error || s.depth || exact == ExactLevel::off;
     const std::string accuracy = !stand_in.empty() ? stand_in
                                  : s.max_error     ? fmt::format("max error {} m", *s.max_error)
                                  : s.depth         ? fmt::format("depth {}", *s.depth)
-                                           : fmt::format("max error {} % of the smaller body", 100 * default_error);
-    std::string text = fmt::format("{}, exact {}, mode {}, broad {}, threads {}, age {}", accuracy, name_of(s.exact),
-                                   name_of(s.mode), name_of(s.broad_phase), thread_count(s), s.age_limit);
+                                 : bounded ? fmt::format("max error {} % of the smaller body", 100 * default_error)
+                                           : std::string();
+    std::string text =
+        fmt::format("{}{}exact {}, mode {}, broad {}, threads {}, age {}", accuracy, accuracy.empty() ? "" : ", ",
+                    name_of(exact), name_of(s.mode), name_of(s.broad_phase), thread_count(s), s.age_limit);
     if (s.clearance > 0) text += fmt::format(", clearance {} m", s.clearance);
     if (s.bounding_volume != BoundingVolume::automatic)
         text += fmt::format(", bounding volume {}", name_of(s.bounding_volume));

@@ -109,7 +109,7 @@ ScenePictures::Shown shown_from(const RenderOptions& o, const Settings& settings
                                .spheres = o.show != "meshes",
                                .bodies = std::vector<std::uint8_t>(scene.size(), o.bodies.empty()),
                                .clearance = settings.clearance,
-                               .meeting = settings.exact == ExactLevel::predicates};
+                               .meeting = exact_level(settings) == ExactLevel::predicates};
     for (const std::string& name : o.bodies) shown.bodies[index(body_of(scene, name))] = 1;
     return shown;
 }

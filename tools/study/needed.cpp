@@ -80,7 +80,7 @@ void count(StudyWorkload& workload, StudyRow& row, WholeModel& whole, const std:
     int deepest = settings.depth.value_or(1); // max_error: depth for trees that no test reached
     for (std::uint32_t g = 0; g < used.size(); ++g)
         if (const Ocst* tree = tree_of(g)) deepest = std::max(deepest, tree->depth());
-    const bool exact = settings.exact == ExactLevel::predicates;
+    const bool exact = exact_level(settings) == ExactLevel::predicates;
     row.nodes_all = 0;
     for (std::uint32_t g = 0; g < used.size() && row.nodes_all; ++g) {
         if (!used[g]) continue;

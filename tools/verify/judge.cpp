@@ -120,12 +120,12 @@ bool holds(const Finding& result, const PairTruth& truth, const Settings& settin
 
 bool decides(const Settings& settings)
 {
-    return settings.exact != ExactLevel::off && !settings.skip.contains(StageId::exact);
+    return exact_level(settings) != ExactLevel::off && !settings.skip.contains(StageId::exact);
 }
 
 bool fcl_decides(const Settings& settings)
 {
-    return settings.exact == ExactLevel::fcl;
+    return exact_level(settings) == ExactLevel::fcl;
 }
 
 bool must_be_left_over(const PairTruth& truth, const Settings& settings)

@@ -130,7 +130,7 @@ void StoredFrames::count(const FrameRow& row, std::span<const StageStats> stages
         const auto id = static_cast<StageId>(k);
         if (id < StageId::refine) continue;
         const bool requested = run_.settings.skip.contains(id);
-        const bool off = id == StageId::exact && run_.settings.exact == ExactLevel::off;
+        const bool off = id == StageId::exact && exact_level(run_.settings) == ExactLevel::off;
         const bool idle = id == StageId::refine && results_.empty();
         stage.note = requested ? by_request : off ? "off" : idle ? no_candidates : "";
         stage.skipped = !stage.note.empty();

@@ -249,7 +249,7 @@ json ViewPage::about() const
     const Settings& s = pipeline_.settings();
     json rows = json::array();
     rows.push_back({"Accuracy (max_error)", accuracy_text(s)});
-    rows.push_back({"Decided exactly (--exact)", name_of(s.exact)});
+    rows.push_back({"Decided exactly (--exact)", name_of(exact_level(s))});
     rows.push_back({"Clearance", fmt::format("{:g} m", s.clearance)});
     rows.push_back({"Inside of meshes (--mode)", s.mode == Mode::solid ? "included: solid" : "not included: surface"});
     rows.push_back({"Refined with", wants_obbs(s) ? "oriented boxes (OBB trees)" : "sphere-trees (OCST)"});
@@ -298,7 +298,7 @@ void ViewPage::close()
                    {"moving", frames_->moving().size()},
                    {"origin", columns_of(frames_->origin())},
                    {"stages", pipeline_.stages()},
-                   {"exact", pipeline_.settings().exact != ExactLevel::off},
+                   {"exact", exact_level(pipeline_.settings()) != ExactLevel::off},
                    {"refined", wants_obbs(pipeline_.settings()) ? "boxes" : "spheres"},
                    {"separate", options_.separate},
                    {"clearance", pipeline_.settings().clearance},

@@ -23,7 +23,8 @@ int bench_scene(const CompareOptions& given)
     if (!options.scene.cache.folder.empty() && !options.scene.on_demand)
         usage("--cache: needs --only oncollide; FCL needs whole meshes in memory");
     const Settings settings = settings_from(options.settings);
-    if (options.contacts && settings.exact != ExactLevel::predicates) usage("--contacts: needs --exact predicates");
+    if (options.contacts && exact_level(settings) != ExactLevel::predicates)
+        usage("--contacts: needs --exact predicates");
     Scene scene = open_scene(options.scene);
     const Shard shard = shard_from(options.shard);
     check_parts(shard, std::size_t(scene.frames), "frames");

@@ -48,7 +48,7 @@ Comparison compare(const Scene& scene, const FrameView& frame, const Settings& s
         result.false_positives += left_over && !collides;
         const bool ignored = settings.ignore_touching && ours.kind == ContactKind::touching;
         if (collides && !left_over && !ignored) miss(pair);
-        if (settings.exact != ExactLevel::off && colliding && !collides)
+        if (exact_level(settings) != ExactLevel::off && colliding && !collides)
             result.wrong_exact += !truly_collide(pair, true);
     }
     while (theirs != fcl.colliding.end()) miss(*theirs++);

@@ -32,7 +32,7 @@ std::vector<Variant> sets_of_stages()
     std::vector<Variant> all;
     for (int depth : {2, 7})
         for (const Variant& v : plain(depth))
-            for (unsigned skipped = 0; skipped < (v.settings.exact == ExactLevel::off ? 16u : 32u); ++skipped) {
+            for (unsigned skipped = 0; skipped < (exact_level(v.settings) == ExactLevel::off ? 16u : 32u); ++skipped) {
                 Variant& changed = all.emplace_back(v);
                 for (unsigned k = 0; k < 5; ++k)
                     if (skipped >> k & 1) {
@@ -72,7 +72,7 @@ std::vector<Variant> clearances()
     for (const StageId stage : all_stages)
         at_distance(without_stage(stage).name, [&](Variant& v) { without_stage(stage).apply(v.settings); });
     std::erase_if(all, [](const Variant& v) { // FCL decides independently of earlier stages
-        return v.settings.exact == ExactLevel::fcl && !v.settings.skip.empty();
+        return exact_level(v.settings) == ExactLevel::fcl && !v.settings.skip.empty();
     });
     at_distance("octree", [](Variant& v) { v.settings.broad_phase = BroadPhaseKind::octree; });
     at_distance("brute force", [](Variant& v) { v.settings.broad_phase = BroadPhaseKind::brute_force; });
@@ -109,7 +109,7 @@ std::vector<Variant> kinds()
     add(all, 4, "touching ignored", [](Variant& v) { v.settings.ignore_touching = true; });
     add(all, 4, "touching ignored, no coherence",
         [](Variant& v) { v.settings.ignore_touching = true, v.settings.coherence = false; });
-    std::erase_if(all, [](const Variant& v) { return v.settings.exact != ExactLevel::predicates; });
+    std::erase_if(all, [](const Variant& v) { return exact_level(v.settings) != ExactLevel::predicates; });
     return all;
 }
 

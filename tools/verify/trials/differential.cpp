@@ -111,8 +111,8 @@ std::string fault_against_others(const DrawnScene& drawn, const std::vector<Fram
         !fault.empty())
         return fault;
     // The order of a pair changes rounding, and budgets depend on order: only exact verdicts on the grid are compared.
-    const bool exact =
-        drawn.settings.exact == ExactLevel::predicates && !drawn.settings.node_budget && !drawn.settings.memory_budget;
+    const bool exact = exact_level(drawn.settings) == ExactLevel::predicates && !drawn.settings.node_budget &&
+                       !drawn.settings.memory_budget;
     const bool quarter_turns = std::ranges::all_of(drawn.scene.poses, [](const Eigen::Isometry3d& pose) {
         return pose.linear().cwiseAbs().sum() == 3 &&
                (8 * pose.translation()).array().round().matrix() / 8 == pose.translation();
@@ -262,9 +262,9 @@ DrawnScene shrunk(DrawnScene drawn, const std::function<bool(const DrawnScene&)>
 
 std::string options_of(const Settings& s)
 {
-    std::string text =
-        fmt::format("--exact {} --mode {} --broad {} --bounding-volume {} --threads {} --age {}", name_of(s.exact),
-                    name_of(s.mode), name_of(s.broad_phase), name_of(s.bounding_volume), s.threads, s.age_limit);
+    std::string text = fmt::format("--exact {} --mode {} --broad {} --bounding-volume {} --threads {} --age {}",
+                                   name_of(exact_level(s)), name_of(s.mode), name_of(s.broad_phase),
+                                   name_of(s.bounding_volume), s.threads, s.age_limit);
     if (s.depth) text += fmt::format(" --depth {}", *s.depth);
     if (s.max_error) text += fmt::format(" --max-error {}", *s.max_error);
     if (s.clearance > 0) text += fmt::format(" --clearance {:.17g}", s.clearance);
