@@ -1,5 +1,5 @@
-"""Compares what a shared library exports with the classes and functions that the installed headers mark with ONCOLLIDE_API:
-each must be exported, and nothing else may be.
+"""Compares the symbols that a shared library exports with the classes and functions that the installed headers mark with
+ONCOLLIDE_API: the library must export these, and no others.
 
 exports.py LIBRARY FOLDER MOST    FOLDER: the prefix's include/; MOST: symbols at most
 """

@@ -37,7 +37,7 @@ bool ours_is_the_librarys_error()
 {
     try {
         make_mesh("nothing", {}, {});
-    } catch (const std::exception& e) { // not by its type: that is what is tested
+    } catch (const std::exception& e) { // the test needs its dynamic type
         const auto* const error = dynamic_cast<const Error*>(&e);
         return typeid(e) == typeid(Error) && error && error->kind() == ErrorKind::bad_data;
     }
