@@ -23,7 +23,7 @@ struct Part {
 const std::vector<Part> parts = {
     {"GL", [] { World({.backend = BackendKind::gl_compute}); }},
     {"FCL", [] { World({.exact = ExactLevel::fcl}); }},
-    {"OCTOMAP", [] { save_octomap(make_building_map(1, 0.5, 1), "map.bt"); }},
+    {"OCTOMAP", [] { make_octree(make_building_map(1, 0.5, 1)); }},
     {"OPENMP", [] { openmp_executor(); }, false},
     {"XML", [] { load_mesh("none.3mf"); }, false},
 };

@@ -98,6 +98,19 @@ TEST(Narrowing, LeavesPairsThatPredicatesDecideAsTheyAre)
     }
 }
 
+TEST(Narrowing, FindsNothingInsideForPairsThatItDoesNotDecide)
+{
+    const Settings settings{.exact = ExactLevel::predicates, .mode = Mode::solid};
+    RefinedModels models(settings);
+    const Pairs pairs({{&models.add(mesh), &models.add(make_sphere_mesh(0.25, 100)), 0.1}});
+    Narrowing refine(settings, models.store, Level::refine);
+    RefineContext context = context_of(settings);
+    const Finding before{Verdict::separate, ContactKind::unknown, 0.25};
+    std::vector<Finding> results{before};
+    refine.run(context, pairs.tasks, nullptr, results);
+    EXPECT_EQ(results[0], before) << "the exact level will decide it";
+}
+
 TEST(Narrowing, PairsWithoutRoomAreUndecidedAndKeepTheirBounds)
 {
     const Settings settings{.exact = ExactLevel::predicates, .node_budget = 1};
