@@ -2,6 +2,11 @@
 #include <stdexcept>
 #include <string>
 
+// The shared library (BUILD_SHARED_LIBS) exports the classes and functions marked ONCOLLIDE_API, all of them in
+// installed headers. ONCOLLIDE_LOCAL hides a member class of an exported class.
+#define ONCOLLIDE_API __attribute__((visibility("default")))
+#define ONCOLLIDE_LOCAL __attribute__((visibility("hidden")))
+
 namespace oncollide {
 
 /// The kind of an error. The values are the exit codes of the command line (after BSD sysexits).
@@ -17,7 +22,7 @@ enum class ErrorKind : int {
 /// The only exception type of the library. The message names the location, the problem and the valid values. It fits on
 /// one line and is safe to print: characters from names in files are escaped (printable()).
 /// Thrown at load or creation only, never half-way through a frame.
-class Error : public std::runtime_error {
+class ONCOLLIDE_API Error : public std::runtime_error {
 public:
     Error(ErrorKind kind, const std::string& message);
     ErrorKind kind() const { return kind_; }

@@ -1,11 +1,13 @@
 #pragma once
 #include <functional>
 
+#include <oncollide/base/error.hpp>
+
 namespace oncollide {
 
 /// Runs the tasks of parallel loops. The library has two; an application with its own threads can derive another and
 /// pass it as Settings::executor. It must outlive all its users. Results do not depend on it.
-class Executor {
+class ONCOLLIDE_API Executor {
 public:
     virtual ~Executor() = default;
 
@@ -21,12 +23,12 @@ public:
 
 /// The default: the library's own threads, which sleep while idle. They start at first use and last as long as the
 /// process; after fork(), the child starts its own.
-Executor& thread_pool();
+ONCOLLIDE_API Executor& thread_pool();
 
 /// OpenMP's threads, for applications that also use OpenMP. GNU's runtime spins while waiting, unless the environment
 /// variable OMP_WAIT_POLICY=passive was set when the process started; spinning costs milliseconds per loop when other
 /// programs need the same cores. GNU's runtime does not survive fork().
 /// Throws Error{usage} in builds without OpenMP (ONCOLLIDE_OPENMP=OFF).
-Executor& openmp_executor();
+ONCOLLIDE_API Executor& openmp_executor();
 
 } // namespace oncollide

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <oncollide/base/aabb.hpp>
+#include <oncollide/base/error.hpp>
 
 namespace oncollide {
 
@@ -71,7 +72,7 @@ struct DelimitedRegion {
 ///
 /// Bodies are rows of the caller's columns. A static body forms pairs with dynamic bodies only; a body stays static or
 /// dynamic until make_dynamic() or make_static(). After a body's box, layers, mask or group change, call move().
-class BroadPhase {
+class ONCOLLIDE_API BroadPhase {
 public:
     struct Options {
         double margin = 0; ///< metres, >= 0: each box is grown by half of this on all sides before comparison
@@ -140,13 +141,13 @@ public:
 /// Cost of find_pairs(): O(changed + pairs), about a microsecond per body that left its enlarged box and a tenth per
 /// other changed body; O(n) for a search of the whole tree. Cost of query(): about a microsecond per box or segment.
 /// Memory: 45 bytes per body, 70 per body that moved, and 8 to 40 per pair, not counting forbidden pairs.
-std::unique_ptr<BroadPhase> make_kd_tree(const BroadPhase::Options& options = {});
+ONCOLLIDE_API std::unique_ptr<BroadPhase> make_kd_tree(const BroadPhase::Options& options = {});
 
 /// Octree: the same tree with boxes in the order of an octree's cells. Building costs a third of the kd-tree's,
 /// searching somewhat more: better for bodies that jump.
-std::unique_ptr<BroadPhase> make_octree(const BroadPhase::Options& options = {});
+ONCOLLIDE_API std::unique_ptr<BroadPhase> make_octree(const BroadPhase::Options& options = {});
 
 /// Compares every pair of boxes. The reference. Cost: O(n^2), a query O(n).
-std::unique_ptr<BroadPhase> make_brute_force(const BroadPhase::Options& options = {});
+ONCOLLIDE_API std::unique_ptr<BroadPhase> make_brute_force(const BroadPhase::Options& options = {});
 
 } // namespace oncollide

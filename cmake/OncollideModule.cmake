@@ -20,6 +20,19 @@ set(ONCOLLIDE_LAYERS base scenes generators files catalogue broadphase narrowpha
 # structure layouts. All users of the library get the baseline's alignment.
 set(ONCOLLIDE_EIGEN_LAYOUT EIGEN_MAX_STATIC_ALIGN_BYTES=16)
 
+# Modules are static libraries. The shared library (BUILD_SHARED_LIBS) is linked from the same objects: position-independent,
+# with hidden visibility except for ONCOLLIDE_API. All other targets share precompiled headers with the modules, so their
+# visibility is hidden, too. Each variant's files are an install component, static or shared, besides the component
+# headers: a build of one variant can install the other (`cmake --install DIR --component shared`).
+set(CMAKE_CXX_VISIBILITY_PRESET hidden)
+set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
+set(ONCOLLIDE_STATIC COMPONENT static)
+set(ONCOLLIDE_SHARED COMPONENT shared EXCLUDE_FROM_ALL)
+if(BUILD_SHARED_LIBS)
+  set(ONCOLLIDE_STATIC COMPONENT static EXCLUDE_FROM_ALL)
+  set(ONCOLLIDE_SHARED COMPONENT shared)
+endif()
+
 add_library(oncollide_flags INTERFACE)
 target_compile_definitions(oncollide_flags INTERFACE ${ONCOLLIDE_EIGEN_LAYOUT})
 target_compile_features(oncollide_flags INTERFACE cxx_std_20)
@@ -91,10 +104,10 @@ function(oncollide_add_module name)
   endif()
 
   set_property(TARGET oncollide_${name} PROPERTY ONCOLLIDE_PUBLIC_HEADERS ${arg_HEADERS})
-  install(TARGETS oncollide_${name} EXPORT oncollide ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(TARGETS oncollide_${name} EXPORT oncollide ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} ${ONCOLLIDE_STATIC})
   foreach(header IN LISTS arg_HEADERS)
     get_filename_component(folder ${header} DIRECTORY)
-    install(FILES ${header} DESTINATION ${include}/oncollide/${arg_FOLDER}/${folder})
+    install(FILES ${header} DESTINATION ${include}/oncollide/${arg_FOLDER}/${folder} COMPONENT headers)
   endforeach()
 endfunction()
 

@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/results.hpp>
 #include <oncollide/pipeline/settings.hpp>
 #include <oncollide/scenes/geometry.hpp>
@@ -18,15 +19,17 @@ namespace oncollide {
 // Throw Error{bad_data} for poses that are not rigid, and for a mesh that make_mesh would refuse.
 
 /// Exact: the verdict is separate or colliding; touching counts as colliding.
-Finding collide(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b, const Eigen::Isometry3d& pose_b);
+ONCOLLIDE_API Finding collide(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b,
+                              const Eigen::Isometry3d& pose_b);
 
 /// As World::distance().
-Distance distance(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b, const Eigen::Isometry3d& pose_b,
-                  double tolerance = 0, double cutoff = std::numeric_limits<double>::infinity());
+ONCOLLIDE_API Distance distance(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b,
+                                const Eigen::Isometry3d& pose_b, double tolerance = 0,
+                                double cutoff = std::numeric_limits<double>::infinity());
 
 /// As World::contacts().
-std::vector<Contact> contacts(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b,
-                              const Eigen::Isometry3d& pose_b);
+ONCOLLIDE_API std::vector<Contact> contacts(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b,
+                                            const Eigen::Isometry3d& pose_b);
 
 // --- Many queries.
 
@@ -49,7 +52,7 @@ struct MeshQueryColumns {
 ///     queries.run(samples, results);
 ///
 /// Not thread-safe: one call uses all its threads itself.
-class MeshQueries {
+class ONCOLLIDE_API MeshQueries {
 public:
     /// Settings that count: depth, max_error, clearance, exact (off or predicates), bounding_volume (automatic means
     /// obb), threads, age_limit (in calls) and the budgets. Throws Error{usage} if another one differs from its
@@ -77,7 +80,7 @@ public:
     std::size_t bytes() const; ///< of trees, surfaces and lists
 
 private:
-    struct Impl;
+    struct ONCOLLIDE_LOCAL Impl;
     std::unique_ptr<Impl> impl_;
 };
 

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include <oncollide/base/error.hpp>
+
 namespace oncollide {
 
 class Executor;
@@ -119,30 +121,32 @@ inline bool reads_on_demand(const Settings& s)
 }
 
 /// True if the exact level is on and not skipped.
-bool exact_runs(const Settings& settings);
+ONCOLLIDE_API bool exact_runs(const Settings& settings);
 
 /// The number of threads that `settings` stand for; >= 1.
-int thread_count(const Settings& settings);
+ONCOLLIDE_API int thread_count(const Settings& settings);
 
 /// Throws Error{usage} naming the setting, its value and the valid range.
-void check(const Settings& settings);
+ONCOLLIDE_API void check(const Settings& settings);
 
 // Names as on the command line. from_name throws Error{usage} that lists the valid names.
-std::string_view name_of(ExactLevel);
-std::string_view name_of(Mode);
-std::string_view name_of(BackendKind);
-std::string_view name_of(BroadPhaseKind);
-std::string_view name_of(BoundingVolume);
-std::string_view name_of(StageId);
-ExactLevel exact_from_name(std::string_view);
-Mode mode_from_name(std::string_view);
-BackendKind backend_from_name(std::string_view);
-BroadPhaseKind broad_phase_from_name(std::string_view);
-BoundingVolume bounding_volume_from_name(std::string_view); ///< accepts the older 'paper' and 'tight', too
-std::span<const std::string_view> all_stage_names();        ///< in order
+ONCOLLIDE_API std::string_view name_of(ExactLevel);
+ONCOLLIDE_API std::string_view name_of(Mode);
+ONCOLLIDE_API std::string_view name_of(BackendKind);
+ONCOLLIDE_API std::string_view name_of(BroadPhaseKind);
+ONCOLLIDE_API std::string_view name_of(BoundingVolume);
+ONCOLLIDE_API std::string_view name_of(StageId);
+ONCOLLIDE_API ExactLevel exact_from_name(std::string_view);
+ONCOLLIDE_API Mode mode_from_name(std::string_view);
+ONCOLLIDE_API BackendKind backend_from_name(std::string_view);
+ONCOLLIDE_API BroadPhaseKind broad_phase_from_name(std::string_view);
+/// Accepts the older 'paper' and 'tight', too.
+ONCOLLIDE_API BoundingVolume bounding_volume_from_name(std::string_view);
+ONCOLLIDE_API std::span<const std::string_view> all_stage_names(); ///< in order
 /// The stages of these names, or the names of these stages in order.
-StageSet stages_from_names(std::span<const std::string> names);
-std::vector<std::string> names_of(StageSet stages);
-StageId stage_from_name(std::string_view); ///< accepts the older 'ocst', too, and 'refinement', 'regions', 'triangles'
+ONCOLLIDE_API StageSet stages_from_names(std::span<const std::string> names);
+ONCOLLIDE_API std::vector<std::string> names_of(StageSet stages);
+/// Accepts the older 'ocst', too, and 'refinement', 'regions', 'triangles'.
+ONCOLLIDE_API StageId stage_from_name(std::string_view);
 
 } // namespace oncollide

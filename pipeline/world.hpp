@@ -11,6 +11,7 @@
 
 #include <Eigen/Geometry>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/results.hpp>
 #include <oncollide/pipeline/settings.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
@@ -152,7 +153,7 @@ struct WorldInfo {
 ///
 /// Const calls may run on many threads at once as long as no other call does. A World with a GPU backend belongs to the
 /// thread that made it.
-class World {
+class ONCOLLIDE_API World {
 public:
     /// Throws Error{usage} for settings out of range, Error{no_gpu} for a backend that cannot run here.
     explicit World(const Settings& settings = {});
@@ -319,7 +320,7 @@ public:
 
 private:
     friend struct WorldAccess; // for the library's own tools and tests; not installed
-    struct Impl;
+    struct ONCOLLIDE_LOCAL Impl;
     explicit World(std::unique_ptr<Impl> impl);
     Impl& impl() const;
     std::unique_ptr<Impl> impl_;

@@ -2,6 +2,7 @@
 #include <memory>
 #include <vector>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/scenes/scene.hpp>
 
@@ -14,7 +15,7 @@ namespace oncollide {
 ///
 /// Body i of the scene is the body in slot i of the World, geometry i the model in slot i; geometries are shared, not
 /// copied.
-class Pipeline {
+class ONCOLLIDE_API Pipeline {
 public:
     /// Errors as World's, but bodies have their scene names. Keeps only the geometries of `scene`.
     explicit Pipeline(const Scene& scene, const Settings& settings = {});
@@ -40,7 +41,7 @@ public:
     const Settings& settings() const { return world_.settings(); }
 
 private:
-    struct Played; ///< the parts of the scene that the World already has
+    struct ONCOLLIDE_LOCAL Played; ///< the parts of the scene that the World already has
     void play(const Scene& scene);
     void play_geometries(const Scene& scene);
     void add_body(const Scene& scene, std::uint32_t body);

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/runs/pipeline.hpp>
 
 namespace oncollide {
@@ -26,14 +27,14 @@ struct ReportParts {
 };
 
 /// Settings in JSON, as in results.
-std::string settings_json(const Settings& settings);
+ONCOLLIDE_API std::string settings_json(const Settings& settings);
 
 /// Collects frames and writes them as JSON, CSV, a Chrome trace, a stage table and a picture.
 /// Formats: docs/results.md. Files are written under a temporary name and renamed: complete or not at all.
 ///
 /// Frames are kept as text, with at most a megabyte per part in memory (Spool), so memory does not grow with the length
 /// of the run. A part that is not requested keeps only sums.
-class Report {
+class ONCOLLIDE_API Report {
 public:
     /// Keeps references to both. Construct it before the first step and add every step: totals and hash are the
     /// pipeline's. Another thread may write files while the pipeline steps, but not during add().
@@ -64,7 +65,7 @@ public:
     std::array<std::uint64_t, 5> kinds() const { return kinds_; }
 
 private:
-    struct Kept; ///< of each frame
+    struct ONCOLLIDE_LOCAL Kept; ///< of each frame
     using Verdicts = std::array<std::uint64_t, 4>;
 
     bool keeps(const PairResult& pair) const { return pair.verdict != Verdict::separate || separate_; }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {
@@ -30,14 +31,14 @@ struct CatalogueEntry {
 };
 
 /// Every scene of the catalogue, in the order for display.
-const std::vector<CatalogueEntry>& catalogue();
+ONCOLLIDE_API const std::vector<CatalogueEntry>& catalogue();
 
 /// For load_scene(): makes the geometries that a scene file describes by generators.
-const Generators& sample_generators();
+ONCOLLIDE_API const Generators& sample_generators();
 
 /// Makes a scene by name. Throws Error{usage} for an unknown name (lists the known ones) or options out of range.
-Scene make_scene(const std::string& name, const CatalogueOptions& options = {});
+ONCOLLIDE_API Scene make_scene(const std::string& name, const CatalogueOptions& options = {});
 /// The same for a scene too large to store: hands its bodies to `sink` and returns the rest.
-SceneInfo make_scene(const std::string& name, BodySink& sink, const CatalogueOptions& options = {});
+ONCOLLIDE_API SceneInfo make_scene(const std::string& name, BodySink& sink, const CatalogueOptions& options = {});
 
 } // namespace oncollide

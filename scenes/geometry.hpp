@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <oncollide/base/aabb.hpp>
+#include <oncollide/base/error.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 #include <oncollide/scenes/model/shape.hpp>
@@ -37,8 +38,8 @@ struct Geometry {
 };
 
 /// The exact AABB of a geometry in its own frame.
-Aabb bounds_of(const GeometryData& geometry);
-Aabb bounds_of(const Geometry& geometry);
+ONCOLLIDE_API Aabb bounds_of(const GeometryData& geometry);
+ONCOLLIDE_API Aabb bounds_of(const Geometry& geometry);
 
 /// The geometries of a scene. A geometry never changes or moves in memory: a reference stays valid while the list or
 /// any holder of share() lives. Copies of the list share the geometries.

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include <oncollide/base/aabb.hpp>
+#include <oncollide/base/error.hpp>
 
 namespace oncollide {
 
@@ -48,18 +49,19 @@ using Motion = std::variant<Still, Keyed, Drift, Jitter>;
 /// Throws Error{bad_data} naming `name` for numbers that are not finite or exceed 1e15, walls with an infinite side, a
 /// negative step, no key, keys whose times do not ascend, or a key's quaternion whose length differs from 1 by more
 /// than 1e-6.
-void check_motion(const std::string& name, const Motion& motion);
+ONCOLLIDE_API void check_motion(const std::string& name, const Motion& motion);
 
 /// Reads a TUM trajectory: lines `t x y z qx qy qz qw`, t in seconds, `#` comments. Times become frames by
 /// `frames_per_second`, counted from the first line. Quaternions are normalised; `warnings` gets a line if a length
 /// differed from 1 by more than 1e-6. Throws Error{no_input} or Error{bad_data} with path and line number.
-Keyed load_tum(const std::filesystem::path& path, double frames_per_second, std::vector<std::string>& warnings);
+ONCOLLIDE_API Keyed load_tum(const std::filesystem::path& path, double frames_per_second,
+                             std::vector<std::string>& warnings);
 
 /// One step of a random walk: moves `position` from frame - 1 to `frame` (>= 1).
-void jitter_step(const Jitter& motion, std::uint64_t frame, Eigen::Vector3d& position);
+ONCOLLIDE_API void jitter_step(const Jitter& motion, std::uint64_t frame, Eigen::Vector3d& position);
 
 /// The pose at frame `time` of a body that started at `start`. Returns `start` for Jitter, which needs its history: use
 /// Mover.
-Eigen::Isometry3d pose_at(const Motion& motion, const Eigen::Isometry3d& start, double time);
+ONCOLLIDE_API Eigen::Isometry3d pose_at(const Motion& motion, const Eigen::Isometry3d& start, double time);
 
 } // namespace oncollide

@@ -11,6 +11,7 @@
 
 #include <Eigen/Geometry>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/scenes/geometry.hpp>
 #include <oncollide/scenes/motion.hpp>
 
@@ -45,7 +46,7 @@ struct BodyInit {
 };
 
 /// Receives the bodies of a scene that is read or generated without being stored.
-class BodySink {
+class ONCOLLIDE_API BodySink {
 public:
     virtual ~BodySink() = default;
     /// Whether the sink wants the body of this index. Other bodies are only counted; most are not even constructed.
@@ -143,7 +144,7 @@ private:
 };
 
 /// Motions; bodies without a motion take no memory.
-class MotionColumn {
+class ONCOLLIDE_API MotionColumn {
 public:
     const Motion& operator[](std::size_t body) const;
     /// The bodies that have a motion, ascending, and their motions.
@@ -157,7 +158,7 @@ private:
 };
 
 /// The bodies that were changed, so that a reader can follow a scene without comparing all bodies.
-class ChangeLog {
+class ONCOLLIDE_API ChangeLog {
 public:
     struct Change {
         std::uint32_t body : 31, only_pose : 1; ///< only_pose: no other column changed
@@ -219,7 +220,7 @@ private:
 };
 
 /// Everything of a scene but its bodies, which are only counted.
-struct SceneInfo {
+struct ONCOLLIDE_API SceneInfo {
     std::string name;
     int frames = 1;  ///< number of frames of the scene's motion
     double pace = 1; ///< motion per frame, as a fraction: at 0.1 bodies move a tenth as far
@@ -258,7 +259,7 @@ private:
 /// not 0, not both are static, they are not in one group, and the pair is not excluded. add and add_body keep all
 /// columns at one length. Geometries and bodies cannot be renamed or removed. A body takes 45 bytes, 72 more if it is
 /// rotated, and the memory of its name and motion.
-struct Scene : SceneInfo {
+struct ONCOLLIDE_API Scene : SceneInfo {
     NameColumn names; ///< empty: a body without a name
     BodyColumn<GeometryId> geometry;
     PoseColumn poses; ///< current; rigid (rotation and translation), body frame to world
@@ -309,22 +310,22 @@ private:
 };
 
 /// Hands the bodies of a scene to a sink, with their poses at frame 0.
-void pass_bodies(const Scene& scene, BodySink& sink);
+ONCOLLIDE_API void pass_bodies(const Scene& scene, BodySink& sink);
 
 /// Returns why `pose` is not a rigid motion, or an empty text: entries that are not finite, a linear part R whose R^T R
 /// differs from the identity by more than 1e-6, or a reflection.
-std::string why_not_rigid(const Eigen::Isometry3d& pose);
+ONCOLLIDE_API std::string why_not_rigid(const Eigen::Isometry3d& pose);
 
 /// Moves one body, as Mover does, from its pose at frame `from` to its pose at `to`; ignores recordings.
 /// @param pose  in: the pose at `from`, read for Jitter only; out: the pose at `to`
-void move_body(const Motion& motion, const Eigen::Isometry3d& start, double pace, int from, int to,
-               Eigen::Isometry3d& pose);
+ONCOLLIDE_API void move_body(const Motion& motion, const Eigen::Isometry3d& start, double pace, int from, int to,
+                             Eigen::Isometry3d& pose);
 
 /// Writes the poses of every moving body at frame `frame` (>= 0). Stateless except for Jitter, which continues from the
 /// frame of the last call (and from the start if `frame` is smaller). A recording gives the poses of the last whole
 /// frame at that time, and throws as Recording::read does. One Mover serves one scene, whose bodies must all exist at
 /// the first call.
-class Mover {
+class ONCOLLIDE_API Mover {
 public:
     void move(Scene& scene, int frame);
 

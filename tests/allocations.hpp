@@ -3,6 +3,7 @@
 #include <cstddef>
 
 namespace oncollide {
-/// Counts if one source file of the program includes count_allocations.hpp.
+// Count if one source file of the program includes count_allocations.hpp.
 inline std::atomic<std::size_t> allocations{0};
+inline std::atomic<std::size_t> allocated_bytes{0};
 } // namespace oncollide

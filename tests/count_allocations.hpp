@@ -10,7 +10,7 @@
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(ONCOLLIDE_ASSERTIONS)
 [[gnu::noinline]] void* operator new(std::size_t size)
 {
-    ++oncollide::allocations;
+    ++oncollide::allocations, oncollide::allocated_bytes += size;
     if (void* memory = std::malloc(size ? size : 1)) return memory;
     throw std::bad_alloc();
 }

@@ -497,10 +497,18 @@ def python():
                   for r in rows_of("python")])
 
 
+def mutants():
+    code = lambda text: f"`{text}`" if text else "nothing"
+    return table(["fault", "file", "code", "becomes", "tests that fail"],
+                 [[r["fault"], f"`{r['file']}`", code(r["from"]).replace("|", "\\|"), code(r["to"]).replace("|", "\\|"),
+                   f"{r['failed']}: " + ", ".join(f"`{name}`" for name in r["found_by"].split()) + (", ..." if int(r["failed"]) > 4 else "")]
+                  for r in rows_of("mutants")])
+
+
 TABLES = {f.__name__: f for f in (headline, many, many_pairs, exact_cost, narrow, narrow_large, study, study_peers, octants, octants_missed, paper, planner, rays,
                                   world, broad, hard, spheres, sphere_levels, occlusion_losses, delimitation,
                                   environments, worlds, distances, shape_distances, shapes, reading, clash,
-                                  python, view)}
+                                  python, view, mutants)}
 # Ranges of ratios. many, environments: how many times as fast as FCL in Release, on tumbling meshes (1,000 and 10,000) and in large
 # environments.
 PHRASES = {

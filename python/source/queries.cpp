@@ -150,11 +150,11 @@ void bind_queries(py::module_& m)
 
 Tests many pairs at many poses, without bodies: for planners that sample poses.
 
-    queries = oncollide.Queries([robot, house], exact="predicates", threads=0)
+    queries = oncollide.Queries([robot, house], threads=0)
     verdict, bound = queries.run(0, 1, robot_poses, np.eye(4))
 
 geometries: a sequence of Geometry, of any kind; queries use their indices. settings: World's max_error, depth,
-clearance, exact ('off' or 'predicates'), bounding_volume, threads, age_limit (in calls) and the budgets. Trees grow
+clearance, exact ('auto', 'off' or 'predicates'), bounding_volume, threads, age_limit (in calls) and the budgets. Trees grow
 where queries need them, and are kept from call to call. One thread at a time; a call uses `threads` threads.)")
         .def(py::init([](py::handle geometries, const py::kwargs& settings) {
                  const Place place{"Queries", "geometries"};

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/scenes/geometry.hpp>
 
 namespace oncollide {
@@ -15,12 +16,12 @@ namespace oncollide {
 /// Reads a mesh, a map or a terrain from a file of any format, with default options, as load_mesh, load_octomap and
 /// load_terrain do; its name is the path. A cooked mesh stays in its file: tests read the parts that they need. Throws
 /// as those functions do. Cost: theirs.
-std::shared_ptr<Geometry> load_geometry(const std::filesystem::path& path);
+ONCOLLIDE_API std::shared_ptr<Geometry> load_geometry(const std::filesystem::path& path);
 
 /// The kind of geometry that a file holds, by its extension; mesh for an unknown extension. `cooked` may hold each
 /// kind.
 enum class FileKind : std::uint8_t { mesh, map, terrain, cooked };
-FileKind kind_of_file(const std::filesystem::path& path);
+ONCOLLIDE_API FileKind kind_of_file(const std::filesystem::path& path);
 
 // --- Meshes.
 
@@ -43,10 +44,10 @@ struct MeshOptions {
 /// triangle; Error{usage} for options out of range. Messages begin with the path and name the line of a text file. (A
 /// text file cut at the end of a line may go undetected: OBJ announces no counts.) Cost: reading the file; memory for
 /// the file, the mesh and, for STL and glTF, a table of its points at the same time.
-Mesh load_mesh(const std::filesystem::path& path, const MeshOptions& options = {});
+ONCOLLIDE_API Mesh load_mesh(const std::filesystem::path& path, const MeshOptions& options = {});
 
 /// The extensions that load_mesh accepts, lower case, without the dot.
-const std::vector<std::string>& mesh_extensions();
+ONCOLLIDE_API const std::vector<std::string>& mesh_extensions();
 
 // --- Occupancy maps.
 
@@ -62,10 +63,10 @@ struct MapOptions {
 /// cell) or Error{usage} for a threshold out of range. As in OctoMap, a `.bt` file whose root has no children means
 /// that the whole grid is occupied. The probabilities of a `.ot` file are kept for later scans. Cost: a `.bt` file 10
 /// ns per byte and 4 bytes per byte.
-OccupancyMap load_octomap(const std::filesystem::path& path, const MapOptions& options = {});
+ONCOLLIDE_API OccupancyMap load_octomap(const std::filesystem::path& path, const MapOptions& options = {});
 
 /// Writes the known cells as a `.bt` file (temporary name, then renamed). Throws Error{cannot_write}.
-void save_octomap(const OccupancyMap& map, const std::filesystem::path& path);
+ONCOLLIDE_API void save_octomap(const OccupancyMap& map, const std::filesystem::path& path);
 
 // --- Terrains.
 
@@ -96,14 +97,14 @@ struct TerrainOptions {
 /// make_terrain; Error{usage} for options out of range or given for a cooked file (.cooked, whose chunks are read on
 /// first use), and for a file of GDAL in a build without it. Allocates nothing for sizes in a header that exceed the
 /// file. Cost: reading the file; 8 more bytes per height.
-Terrain load_terrain(const std::filesystem::path& path, const TerrainOptions& options = {});
+ONCOLLIDE_API Terrain load_terrain(const std::filesystem::path& path, const TerrainOptions& options = {});
 
 /// The extensions that load_terrain accepts, lower case, without the dot.
-const std::vector<std::string>& terrain_extensions();
+ONCOLLIDE_API const std::vector<std::string>& terrain_extensions();
 
 /// Writes the heights as a .npy file of doubles, holes as NaN; and the diagonals, if cells differ, to
 /// diagonals_file(path). (Temporary names, then renamed.) Throws Error{cannot_write}.
-void save_terrain(const Terrain& terrain, const std::filesystem::path& path);
-std::string diagonals_file(const std::string& path);
+ONCOLLIDE_API void save_terrain(const Terrain& terrain, const std::filesystem::path& path);
+ONCOLLIDE_API std::string diagonals_file(const std::string& path);
 
 } // namespace oncollide

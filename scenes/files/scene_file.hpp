@@ -10,6 +10,7 @@
 
 #include <Eigen/Geometry>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/scene.hpp>
 
@@ -35,16 +36,16 @@ constexpr int scene_schema_version = 1;
 /// Reads a scene file (JSON; schema in docs/scene-format.md). Paths in it are relative to the file's own folder. "-" is
 /// standard input, whose folder is the current one. Throws Error{no_input} or Error{bad_data}; messages begin with the
 /// path and the place in it (`bodies[3].mesh`), and for an unknown key or name list the valid ones.
-Scene load_scene(const std::filesystem::path& path, const SceneReading& reading = {});
+ONCOLLIDE_API Scene load_scene(const std::filesystem::path& path, const SceneReading& reading = {});
 /// The same for a scene too large to store: hands its bodies to `sink` and returns the rest. Names of bodies may be
 /// equal. A scene whose "exclude" names bodies, not numbers, is stored meanwhile.
-SceneInfo load_scene(const std::filesystem::path& path, BodySink& sink, const SceneReading& reading = {});
+ONCOLLIDE_API SceneInfo load_scene(const std::filesystem::path& path, BodySink& sink, const SceneReading& reading = {});
 
 /// Writes `scene` with its poses at frame 0 (start_poses), so that load_scene restores it bit for bit: every number is
 /// written in a form that reads back exactly. Paths of files that the scene uses are relative to `path`'s folder.
 /// Geometries made in code without a recipe are written into the scene file (meshes) or beside it as `.bt` files
 /// (maps). Temporary name, then renamed. Throws Error{cannot_write}.
-void save_scene(const Scene& scene, const std::filesystem::path& path);
+ONCOLLIDE_API void save_scene(const Scene& scene, const std::filesystem::path& path);
 
 // --- Assemblies.
 
@@ -66,14 +67,14 @@ struct Assembly {
 };
 
 /// Whether the file name means an assembly: glTF, GLB, COLLADA (.dae) and 3MF.
-bool is_assembly_file(const std::filesystem::path& path);
+ONCOLLIDE_API bool is_assembly_file(const std::filesystem::path& path);
 
 /// Reads a mesh file as an assembly: each node of a glTF or COLLADA file, and each object that a 3MF file's build
 /// places, is a part if it has triangles, at its pose in the scene; any other file is one part. Throws as load_mesh.
 /// @param scale  metres per unit of the file; finite, > 0
-Assembly load_assembly(const std::filesystem::path& path, double scale = 1, int threads = 1);
+ONCOLLIDE_API Assembly load_assembly(const std::filesystem::path& path, double scale = 1, int threads = 1);
 
 /// The same as a scene of one frame: a dynamic body for each part. Parts with equal names get a number appended.
-Scene load_assembly_scene(const std::filesystem::path& path);
+ONCOLLIDE_API Scene load_assembly_scene(const std::filesystem::path& path);
 
 } // namespace oncollide

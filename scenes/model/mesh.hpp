@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include <oncollide/base/aabb.hpp>
+#include <oncollide/base/error.hpp>
 
 namespace oncollide {
 
@@ -27,16 +28,17 @@ struct Mesh {
 /// Throws Error{bad_data} naming the first fault: no triangle, an index out of range, a vertex that is not finite or
 /// whose magnitude exceeds 1e15 (the squared distances of the narrow phase must stay finite in float relative frames).
 /// Cost: O(vertices + triangles).
-Mesh make_mesh(const std::string& name, std::vector<Eigen::Vector3d> vertices, std::vector<Triangle> triangles);
+ONCOLLIDE_API Mesh make_mesh(const std::string& name, std::vector<Eigen::Vector3d> vertices,
+                             std::vector<Triangle> triangles);
 
 /// Throws as make_mesh, for a mesh that was made without make_mesh or changed since. Cost: as make_mesh.
-void check_mesh(const std::string& name, const Mesh& mesh);
+ONCOLLIDE_API void check_mesh(const std::string& name, const Mesh& mesh);
 
 /// `mesh` with every vertex v replaced by scale * (v - origin). Throws Error{bad_data} if the result is not finite.
-Mesh transformed(const std::string& name, Mesh mesh, double scale, const Eigen::Vector3d& origin);
+ONCOLLIDE_API Mesh transformed(const std::string& name, Mesh mesh, double scale, const Eigen::Vector3d& origin);
 
 /// True if every edge is shared by exactly two triangles that traverse it in opposite directions, so that the mesh has
 /// an inside. Vertices at equal positions count as one; zero-area triangles are ignored. Cost: O(n log n).
-bool is_closed(const Mesh& mesh);
+ONCOLLIDE_API bool is_closed(const Mesh& mesh);
 
 } // namespace oncollide

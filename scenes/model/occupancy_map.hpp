@@ -8,6 +8,7 @@
 #include <string>
 
 #include <oncollide/base/aabb.hpp>
+#include <oncollide/base/error.hpp>
 
 namespace octomap {
 class OcTree;
@@ -38,7 +39,7 @@ enum class CellState : std::uint8_t { unknown, free, occupied };
 /// Cell (i, j, k), -32768 to 32767 each, is the closed box from (i, j, k) to (i + 1, j + 1, k + 1) resolutions.
 /// Neighbours share their faces exactly. An octree holds the states of the cells: 8 bytes per inner node, none for its
 /// leaves. A map that was moved from may only be assigned to or destroyed.
-class OccupancyMap {
+class ONCOLLIDE_API OccupancyMap {
 public:
     static constexpr std::int32_t lowest_cell = -32768, highest_cell = 32767;
 
@@ -97,17 +98,19 @@ private:
 /// @param unknown_is_occupied  unknown cells count as occupied, within the box around all known cells
 /// Throws Error{usage} for a cube that is not within the grid, Error{bad_data} if no cell is occupied or the resolution
 /// is not from 1e-6 to 1e6 m. Cost: 200 ns per cube.
-OccupancyMap make_occupancy_map(const std::string& name, double resolution, std::span<const MapCell> occupied,
-                                std::span<const MapCell> free = {}, bool unknown_is_occupied = false);
+ONCOLLIDE_API OccupancyMap make_occupancy_map(const std::string& name, double resolution,
+                                              std::span<const MapCell> occupied, std::span<const MapCell> free = {},
+                                              bool unknown_is_occupied = false);
 
 /// Converts an octree in memory, at its threshold of occupancy; its inner nodes may be out of date. The second overload
 /// keeps the octree, which must not change any more: scans continue from its probabilities. Throws Error{bad_data} if
 /// no cell is occupied, the resolution is not from 1e-6 to 1e6 m, an occupancy is not finite, or the tree is null.
-OccupancyMap make_occupancy_map(const octomap::OcTree& tree, bool unknown_is_occupied = false);
-OccupancyMap make_occupancy_map(std::shared_ptr<const octomap::OcTree> tree, bool unknown_is_occupied = false);
+ONCOLLIDE_API OccupancyMap make_occupancy_map(const octomap::OcTree& tree, bool unknown_is_occupied = false);
+ONCOLLIDE_API OccupancyMap make_occupancy_map(std::shared_ptr<const octomap::OcTree> tree,
+                                              bool unknown_is_occupied = false);
 
 /// An octree of the map's known cells, all as certain as OctoMap allows; also of the unknown cells if they count as
 /// occupied. Cost: 100 ns and 20 to 80 bytes per node.
-std::shared_ptr<octomap::OcTree> make_octree(const OccupancyMap& map);
+ONCOLLIDE_API std::shared_ptr<octomap::OcTree> make_octree(const OccupancyMap& map);
 
 } // namespace oncollide

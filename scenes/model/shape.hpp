@@ -2,6 +2,7 @@
 #include <variant>
 #include <vector>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide {
@@ -38,10 +39,10 @@ constexpr double half_space_end = 0x1p52;
 
 /// Throws Error{bad_data} naming `name` and the wrong dimension: not finite, not positive, so small that its products
 /// lose digits (below 1e-60 m), flat hull.
-void check_shape(const std::string& name, const Shape& shape);
+ONCOLLIDE_API void check_shape(const std::string& name, const Shape& shape);
 
 /// The exact AABB of the shape in its own frame; a half-space ends at half_space_end.
-Aabb bounds_of(const Shape& shape);
+ONCOLLIDE_API Aabb bounds_of(const Shape& shape);
 
 /// A convex closed mesh that encloses the shape.
 struct BoundingMesh {
@@ -53,6 +54,6 @@ struct BoundingMesh {
 /// are exact (0). Hulls are expanded by their rounding error: about 1e-12 of their size, up to 1e-6 if many points are
 /// nearly coplanar. The mesh certainly encloses the shape, rounding included. The shape must have passed check_shape
 /// and must not be a half-space.
-BoundingMesh bounding_mesh_of(const Shape& shape);
+ONCOLLIDE_API BoundingMesh bounding_mesh_of(const Shape& shape);
 
 } // namespace oncollide

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include <oncollide/base/aabb.hpp>
+#include <oncollide/base/error.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide {
@@ -40,7 +41,7 @@ struct TerrainGrid {
 /// Heights are stored in tiles of eight by eight. At 1 and 2 bytes they are integers, relative to the tile's least, in
 /// units of the terrain's unit times a power of two that each tile chooses. make_terrain guarantees at least one cell.
 /// Copies share the heights. A terrain in a cooked file (load_terrain) reads the parts that are used.
-class Terrain {
+class ONCOLLIDE_API Terrain {
 public:
     static constexpr std::uint32_t tile = 8;
     static constexpr std::uint64_t most_cells = 1u << 31; ///< triangle indices have 32 bits
@@ -118,14 +119,14 @@ private:
 /// heights, a spacing that is not positive or too small for such large coordinates (2^-30 of them), coordinates that
 /// are not finite or beyond 1e15 m, a NaN height unless no_data is NaN, or no cell at all; Error{usage} for bytes other
 /// than 0, 1, 2, 4 and 8. Cost: 5 ns per height.
-Terrain make_terrain(const std::string& name, const TerrainGrid& grid, std::span<const double> heights);
-Terrain make_terrain(const std::string& name, const TerrainGrid& grid, std::span<const float> heights);
+ONCOLLIDE_API Terrain make_terrain(const std::string& name, const TerrainGrid& grid, std::span<const double> heights);
+ONCOLLIDE_API Terrain make_terrain(const std::string& name, const TerrainGrid& grid, std::span<const float> heights);
 
 /// Moves the terrain so that its bounds' centre is at the origin.
-Terrain centred(Terrain terrain);
+ONCOLLIDE_API Terrain centred(Terrain terrain);
 
 /// The same surface as a mesh: the cells' triangles row by row, the two of a cell in the order of their numbers; absent
 /// cells have none. Throws Error{bad_data} for more triangles than a mesh can have.
-Mesh mesh_of(const Terrain& terrain);
+ONCOLLIDE_API Mesh mesh_of(const Terrain& terrain);
 
 } // namespace oncollide

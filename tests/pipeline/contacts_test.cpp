@@ -157,6 +157,32 @@ TEST(Contacts, OfSolidsSayWhichWayIsOut)
 }
 
 /// The contacts of a half-space are exactly the parts that touch it.
+/// Touching triangles are decided by exact arithmetic, crossing ones in eights.
+TEST(Contacts, OfTrianglesHaveTheNormalsOfBothWhetherTheyTouchOrCross)
+{
+    World world;
+    const ModelId box = world.add(make_box_mesh({1, 1, 1}));
+    const Mesh mesh = make_box_mesh({1, 1, 1});
+    Isometry3d quarter = Isometry3d::Identity();
+    quarter.linear() << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+    const auto normal_of = [&](const BodyPart& part, const Isometry3d& pose) -> Vector3d {
+        const Triangle& t = mesh.triangles[part.triangle];
+        const Vector3d &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+        return pose.linear() * (b - a).cross(c - a).normalized();
+    };
+    for (const auto& [x, kind] : {std::pair(2.0, ContactKind::touching), {1.75, ContactKind::crossing}}) {
+        quarter.translation() = Vector3d(x, 0.25, 0.25);
+        const PlacedModel a{.model = box}, b{.model = box, .pose = quarter};
+        int of_kind = 0;
+        for (const Contact& c : world.contacts(a, b)) {
+            of_kind += c.kind == kind;
+            EXPECT_LT((c.normal_a - normal_of(c.a, a.pose)).norm(), 1e-12) << name_of(c.kind);
+            EXPECT_LT((c.normal_b - normal_of(c.b, b.pose)).norm(), 1e-12) << name_of(c.kind);
+        }
+        EXPECT_GT(of_kind, 0) << name_of(kind);
+    }
+}
+
 TEST(Contacts, OfAHalfSpaceAreAllPartsThatReachIntoIt)
 {
     World world;

@@ -4,11 +4,13 @@
 #include <zip.h>
 #endif
 
+#include "allocations.hpp"
 #include "scenes/test_files.hpp"
 #include "scenes/xml_writers.hpp"
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
+#include <oncollide/scenes/files/threemf/zip_archive.hpp>
 
 namespace oncollide {
 namespace {
@@ -227,14 +229,9 @@ TEST_F(XmlAssembly, Bad3mfIsRefusedWithItsLine)
     expect_bad_model(box_object_, "", "the file holds no triangle");
     expect_bad_model(R"(<object id="7"><components><component objectid="7"/></components></object>)", item,
                      "is object 7 a component of itself?");
-    std::string doubling = R"(<object id="7"/>)";
-    for (int i = 8; i < 60; ++i)
-        doubling += fmt::format(R"(<object id="{0}"><components><component objectid="{1}"/><component objectid="{1}"/>)"
-                                "</components></object>",
-                                i, i - 1);
-    const auto path = folder_.write("a.3mf", as_3mf(model_xml(doubling, R"(<item objectid="59"/>)")));
-    expect_error(
-        ErrorKind::bad_data, [&] { load_mesh(path); }, "expand to more than 10000000");
+    expect_bad_model(box_object_ + R"(<object id="8"><components><component objectid="7"/><component objectid="8"/>)"
+                                   "</components></object>",
+                     R"(<item objectid="8"/>)", "is object 8 a component of itself?");
     expect_bad("a.3mf", as_3mf(model_xml(box_object_, item, "mile")), "the unit is 'mile'");
     std::string model = model_xml(box_object_, item);
     model.insert(model.find(" unit"), R"( requiredextensions="b" xmlns:b="http://example.org/beams")");
@@ -247,6 +244,57 @@ TEST_F(XmlAssembly, Bad3mfIsRefusedWithItsLine)
     damaged[damaged.find("<vertex x=\"") + 11] ^= 1;
     expect_bad("a.3mf", damaged, "3D/3dmodel.model: ");
     for (std::size_t size = 0; size < zip.size(); size += 101) expect_bad("a.3mf", zip.substr(0, size), "");
+}
+
+/// Files of `levels` objects or nodes, each two instances of the next; the last has the content.
+std::string doubling_3mf(int levels, const std::string& content)
+{
+    std::string objects = fmt::format(R"(<object id="{}">{}</object>)", levels, content);
+    for (int i = levels - 1; i > 0; --i)
+        objects += fmt::format(R"(<object id="{0}"><components><component objectid="{1}"/><component objectid="{1}"/>)"
+                               "</components></object>",
+                               i, i + 1);
+    return as_3mf(model_xml(objects, R"(<item objectid="1"/>)"));
+}
+std::string doubling_dae(int levels, const Mesh& mesh, const std::string& content)
+{
+    std::string nodes = fmt::format(R"(<node id="n{}">{}</node>)", levels, content);
+    for (int i = levels - 1; i > 0; --i)
+        nodes +=
+            fmt::format(R"(<node id="n{0}"><instance_node url="#n{1}"/><instance_node url="#n{1}"/></node>)", i, i + 1);
+    return as_dae(mesh, R"(<node><instance_node url="#n1"/></node>)", "<up_axis>Z_UP</up_axis>",
+                  "<library_nodes>" + nodes + "</library_nodes>");
+}
+
+TEST_F(XmlAssembly, InstancesAreCountedBeforeAnyOfThemIsMade)
+{
+    const std::string object = object_xml(box_, 7), mesh = object.substr(object.find('>') + 1);
+    const std::string box = mesh.substr(0, mesh.find("</object>"));
+    EXPECT_EQ(load_assembly(folder_.write("a.3mf", doubling_3mf(10, box))).parts.size(), 512u);
+    EXPECT_EQ(load_assembly(folder_.write("a.dae", doubling_dae(10, box_, shown_))).parts.size(), 512u);
+    const auto refuse = [&](const std::string& name, const std::string& bytes, const auto& load,
+                            std::string_view part) {
+        SCOPED_TRACE(name + ": " + std::string(part));
+        const auto path = folder_.write(name, bytes);
+        const std::size_t before = allocated_bytes;
+        expect_error(
+            ErrorKind::bad_data, [&] { load(path); }, path.string() + ": ", part);
+        EXPECT_LT(allocated_bytes - before, 4'000'000u) << "nodes were made before they were counted";
+    };
+    const auto whole = [](const std::filesystem::path& path) { load_mesh(path); };
+    const auto parts = [](const std::filesystem::path& path) { load_assembly(path); };
+    const std::string limit =
+        "expand to more than 10000000 triangles, vertices and parts of meshes; the limit is the size "
+        "of its files in bytes, but at least 10000000 and at most 200000000";
+    for (const int levels : {24, 60, 900}) { // at 24 and above the parts alone are too many
+        refuse("a.3mf", doubling_3mf(levels, box), parts, limit);
+        refuse("a.dae", doubling_dae(levels, box_, shown_), parts, limit);
+        refuse("a.3mf", doubling_3mf(levels, box), whole, limit);
+    }
+    refuse("a.3mf", doubling_3mf(20, box), whole, limit); // a million nodes, and 21 pieces each
+    refuse("a.dae", doubling_dae(20, box_, shown_), whole, limit);
+    refuse("a.3mf", doubling_3mf(23, ""), parts, "the file holds no triangle");
+    refuse("a.3mf", doubling_3mf(1001, box), parts, "nested deeper than 1000 levels");
 }
 
 #ifdef ONCOLLIDE_XML
@@ -264,7 +312,11 @@ TEST_F(XmlAssembly, AnArchiveThatUnpacksToAMultipleIsRefusedBeforeItIsRead)
     ASSERT_LT(std::filesystem::file_size(path), 200'000u);
     expect_error(
         ErrorKind::bad_data, [&] { load_mesh(path); },
-        "bomb.3mf: 3D/3dmodel.model: it unpacks to more than 100 times the archive");
+        "bomb.3mf: 3D/3dmodel.model: it unpacks to more than 100 times the archive and 16 MiB");
+    const FileBytes bytes = read_large_file(path, 1'000'000);
+    int pieces = 0;
+    EXPECT_THROW(ZipArchive({"bomb", bytes}).read("3D/3dmodel.model", [&](std::string_view) { ++pieces; }), Error);
+    EXPECT_EQ(pieces, 0) << "the directory of the archive says its size";
 }
 #endif
 

@@ -1,6 +1,7 @@
 #include <oncollide/scenes/files/assembly/part_placer.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -10,13 +11,18 @@ namespace oncollide {
 
 void ExpansionLimit::spend(std::uint64_t pieces, std::uint64_t beside)
 {
+    if (pieces > 0) check(spent_ += pieces, beside);
+}
+
+void ExpansionLimit::check(std::uint64_t spent, std::uint64_t beside) const
+{
     constexpr std::uint64_t always = 10'000'000, never = 200'000'000;
-    if (pieces == 0) return;
-    const std::uint64_t spent = spent_ += pieces;
     if (spent <= always) return;
     const std::uint64_t most = std::clamp<std::uint64_t>(source_.bytes.size() + beside, always, never);
     if (spent > most)
-        source_.fail(fmt::format("its nodes expand to more than {} triangles, vertices and parts of meshes", most));
+        source_.fail(fmt::format("its nodes expand to more than {} triangles, vertices and parts of meshes; the limit "
+                                 "is the size of its files in bytes, but at least {} and at most {}",
+                                 most, always, never));
 }
 
 bool PartPlacer::place(std::uint32_t node, std::uint32_t mesh, const Eigen::Affine3d& pose)
@@ -41,13 +47,14 @@ std::pair<std::uint32_t, Eigen::Matrix3d> PartPlacer::shared(std::uint32_t mesh,
     std::vector<std::uint32_t>& of_mesh = by_mesh_[mesh];
     constexpr std::size_t most = 64; // entries compared: a file may scale each part differently
     for (std::size_t k = 0; k < std::min(of_mesh.size(), most); ++k) {
-        const Eigen::Matrix3d rotated = linear * placed_[of_mesh[k]].linear.inverse();
+        const Eigen::Matrix3d rotated = linear * placed_[of_mesh[k]].inverse;
+        if (!(std::abs(rotated.col(0).squaredNorm() - 1) < 1e-6)) continue; // nearly all end here
         if (rotated.allFinite() && is_rotation(rotated))
             return {of_mesh[k], linear == placed_[of_mesh[k]].linear ? same : rotated};
     }
     const bool rigid = is_rotation(linear);
     of_mesh.push_back(static_cast<std::uint32_t>(placed_.size()));
-    placed_.push_back({mesh, rigid ? same : linear});
+    placed_.push_back({mesh, rigid ? same : linear, rigid ? same : linear.inverse()});
     return {of_mesh.back(), rigid ? linear : same};
 }
 

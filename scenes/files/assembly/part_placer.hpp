@@ -19,8 +19,12 @@ public:
     /// Throws Error{bad_data} if all threads together spent too many pieces.
     /// @param beside bytes of other files that were read
     void spend(std::uint64_t pieces, std::uint64_t beside = 0);
+    /// Throws as spend(), but spends nothing: refuses work before it begins.
+    void expect(std::uint64_t pieces) const { check(spent_ + pieces, 0); }
 
 private:
+    void check(std::uint64_t spent, std::uint64_t beside) const;
+
     const MeshSource& source_;
     std::atomic<std::uint64_t> spent_ = 0;
 };
@@ -49,6 +53,9 @@ public:
 
     /// Returns false and does nothing if the pose leads out of the allowed coordinates.
     bool place(std::uint32_t node, std::uint32_t mesh, const Eigen::Affine3d& pose);
+    /// The meshes that the parts placed so far need, by number in the file: one entry for each scale, shear or mirror.
+    std::size_t meshes() const { return placed_.size(); }
+    std::uint32_t mesh(std::size_t i) const { return placed_[i].mesh; }
     /// All placed parts.
     /// @param above by node, the parent node or no_node
     RawAssembly take(std::span<const std::uint32_t> above, const std::function<std::string(std::uint32_t)>& name_of,
@@ -58,7 +65,7 @@ private:
     /// A mesh of the file, rotated, scaled or mirrored: shared by parts that differ only in a rigid pose.
     struct Placed {
         std::uint32_t mesh;
-        Eigen::Matrix3d linear;
+        Eigen::Matrix3d linear, inverse;
     };
     std::pair<std::uint32_t, Eigen::Matrix3d> shared(std::uint32_t mesh, const Eigen::Matrix3d& linear);
 

@@ -10,13 +10,6 @@ class Adder {
 public:
     Adder(const MeshSource& source, const PlacedMeshes& placed) : source_(source), placed_(placed) {}
 
-    /// Vertices and triangles of a mesh, and 1.
-    std::uint64_t pieces(std::uint32_t number) const
-    {
-        const RawMesh& mesh = placed_.meshes[number];
-        return 1 + mesh.vertices.size() + mesh.triangles.size();
-    }
-
     void operator()(std::uint32_t number, const Eigen::Affine3d& pose, WeldedMesh& to) const
     {
         const RawMesh& mesh = placed_.meshes[number];
@@ -42,7 +35,8 @@ private:
 RawMesh whole_mesh(const MeshSource& source, const PlacedMeshes& placed, ExpansionLimit& expansion)
 {
     const Adder add(source, placed);
-    for (const PlacedMeshes::Show& show : placed.shows) expansion.spend(add.pieces(show.mesh)); // all before the work
+    for (const PlacedMeshes::Show& show : placed.shows)
+        expansion.spend(placed.pieces(show.mesh)); // all before the work
     WeldedMesh mesh;
     for (const PlacedMeshes::Show& show : placed.shows) add(show.mesh, show.pose, mesh);
     return mesh.take();
@@ -56,18 +50,16 @@ RawAssembly parts_of(const MeshSource& source, const PlacedMeshes& placed, Expan
         const std::string& name = placed.names[placed.nodes[node].name];
         return name.empty() ? fmt::format("node {}", node) : name;
     };
-    for (const PlacedMeshes::Show& show : placed.shows)
-        if (!placed.meshes[show.mesh].triangles.empty() &&
-            !placer.place(show.node, show.mesh, Eigen::Scaling(scale) * show.pose))
+    for (const PlacedMeshes::Show& show : placed.shows) {
+        if (placed.meshes[show.mesh].triangles.empty()) continue;
+        const std::size_t known = placer.meshes();
+        if (!placer.place(show.node, show.mesh, Eigen::Scaling(scale) * show.pose))
             source.fail(fmt::format("{} places its mesh beyond 1e15 m", oncollide::quoted(name_of(show.node))));
+        if (placer.meshes() > known) expansion.spend(placed.pieces(show.mesh));
+    }
     std::vector<std::uint32_t> above;
     for (const PlacedMeshes::Node& node : placed.nodes) above.push_back(node.above);
-    const Adder add(source, placed);
-    const auto add_within_limit = [&](std::uint32_t mesh, const Eigen::Affine3d& pose, WeldedMesh& to) {
-        expansion.spend(add.pieces(mesh));
-        add(mesh, pose, to);
-    };
-    return placer.take(above, name_of, add_within_limit, threads);
+    return placer.take(above, name_of, Adder(source, placed), threads);
 }
 
 } // namespace oncollide

@@ -21,9 +21,13 @@ struct PlacedMeshes {
     std::vector<std::string> names;
     std::vector<Node> nodes;
     std::vector<Show> shows;
+
+    /// Vertices and triangles of a mesh, and 1.
+    std::uint64_t pieces(std::uint32_t mesh) const { return pieces_of(meshes[mesh]); }
+    static std::uint64_t pieces_of(const RawMesh& mesh) { return 1 + mesh.vertices.size() + mesh.triangles.size(); }
 };
 
-// Equal positions become one vertex.
+// Equal positions become one vertex. Only meshes are counted here: the caller has counted the nodes (ExpandedSizes).
 RawMesh whole_mesh(const MeshSource& source, const PlacedMeshes& placed, ExpansionLimit& expansion);
 RawAssembly parts_of(const MeshSource& source, const PlacedMeshes& placed, ExpansionLimit& expansion, double scale,
                      int threads);

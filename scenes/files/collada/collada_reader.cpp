@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/text/printable.hpp>
+#include <oncollide/scenes/files/assembly/expanded_size.hpp>
 #include <oncollide/scenes/files/assembly/placed_meshes.hpp>
 #include <oncollide/scenes/files/collada/collada_mesh.hpp>
 #include <oncollide/scenes/files/collada/collada_pose.hpp>
@@ -40,18 +41,28 @@ public:
                 if (element.name == "visual_scene") scenes_.add(element);
                 if (element.name == "node" || element.name == "visual_scene") add_nodes(element);
             }
-        expand(shown_scene(), collada_units(source, root_));
     }
 
-    RawMesh whole() { return whole_mesh(source_, placed_, expansion_); }
-    RawAssembly parts(double scale, int threads) { return parts_of(source_, placed_, expansion_, scale, threads); }
+    RawMesh whole()
+    {
+        const XmlElement& scene = shown_scene();
+        expansion_.expect(count(scene));
+        expand(scene);
+        return whole_mesh(source_, placed_, expansion_);
+    }
+    RawAssembly parts(double scale, int threads)
+    {
+        const XmlElement& scene = shown_scene();
+        count(scene);
+        expand(scene);
+        return parts_of(source_, placed_, expansion_, scale, threads);
+    }
 
 private:
     /// A node of the file during the traversal; instances may turn it into several nodes of the world.
     struct Open {
         const XmlElement* element;
         std::uint32_t above;
-        int level;
         Eigen::Affine3d pose; ///< of the parent node
     };
 
@@ -75,39 +86,82 @@ private:
         return *first;
     }
 
-    void expand(const XmlElement& scene, const Eigen::Affine3d& units)
+    /// The node that a child of a node or scene is or instances; null: the child is no node.
+    const XmlElement* node_of(const XmlElement& child) const
+    {
+        if (child.name == "instance_node") return &nodes_.find(child, "url");
+        return child.name == "node" ? &child : nullptr;
+    }
+
+    /// Counts the nodes and reads the meshes before anything is placed. Returns the pieces of the shown meshes.
+    std::uint64_t count(const XmlElement& scene)
+    {
+        ExpandedSize size;
+        for (const XmlElement& child : scene.children)
+            if (const XmlElement* const node = node_of(child)) size.add(size_of(*node, 1));
+        expansion_.spend(size.nodes);
+        return size.pieces;
+    }
+    ExpandedSize size_of(const XmlElement& node, int level)
+    {
+        const auto measure = [&] {
+            ExpandedSize size{.nodes = 1};
+            for (const XmlElement& child : node.children)
+                if (is_shown(child)) {
+                    Eigen::Affine3d pose = Eigen::Affine3d::Identity();
+                    size.add({.nodes = 1, .pieces = placed_.pieces(mesh_of(shown_by(child, pose)))});
+                }
+            for (const XmlElement& child : node.children)
+                if (const XmlElement* const below = node_of(child)) size.add(size_of(*below, level + 1));
+            return size;
+        };
+        return sizes_.of(&node, level, measure, [&] {
+            source_.fail(fmt::format("nodes are nested deeper than {} levels; does {} instance itself?",
+                                     XmlReader::most_levels, oncollide::quoted(name_of(node))),
+                         node.line);
+        });
+    }
+
+    void expand(const XmlElement& scene)
     {
         std::vector<Open> open;
-        const auto add_children = [&](const XmlElement& element, std::uint32_t above, int level,
-                                      const Eigen::Affine3d& pose) {
-            for (auto child = element.children.rbegin(); child != element.children.rend(); ++child) {
-                if (child->name == "node") open.push_back({&*child, above, level, pose});
-                if (child->name == "instance_node") open.push_back({&nodes_.find(*child, "url"), above, level, pose});
-            }
+        const auto add_children = [&](const XmlElement& element, std::uint32_t above, const Eigen::Affine3d& pose) {
+            for (auto child = element.children.rbegin(); child != element.children.rend(); ++child)
+                if (const XmlElement* const node = node_of(*child)) open.push_back({node, above, pose});
         };
-        add_children(scene, no_node, 1, units);
+        add_children(scene, no_node, collada_units(source_, root_));
         while (!open.empty()) {
             const Open node = open.back();
             open.pop_back();
-            if (node.level > XmlReader::most_levels)
-                source_.fail(fmt::format("nodes are nested deeper than {} levels; does {} instance itself?",
-                                         XmlReader::most_levels, oncollide::quoted(name_of(*node.element))),
-                             node.element->line);
-            expansion_.spend(1);
             const auto number = static_cast<std::uint32_t>(placed_.nodes.size());
             const Eigen::Affine3d pose = node.pose * collada_pose(source_, *node.element);
             placed_.nodes.push_back({node.above, definition(*node.element)});
-            for (const XmlElement& child : node.element->children) show(child, number, pose);
-            add_children(*node.element, number, node.level + 1, pose);
+            for (const XmlElement& child : node.element->children)
+                if (is_shown(child)) show(child, number, pose);
+            add_children(*node.element, number, pose);
         }
+    }
+
+    static bool is_shown(const XmlElement& child)
+    {
+        return child.name == "instance_geometry" || child.name == "instance_controller";
     }
 
     void show(const XmlElement& child, std::uint32_t node, Eigen::Affine3d pose)
     {
-        if (child.name != "instance_geometry" && child.name != "instance_controller") return;
+        const XmlElement& shown = shown_by(child, pose);
+        placed_.shows.push_back({node, mesh_of(shown), pose});
+        std::string& name = placed_.names[placed_.nodes[node].name];
+        if (name.empty()) name = name_of(shown);
+    }
+
+    /// The geometry that an instance shows.
+    /// @param pose  of the instance; changed to the pose in which the geometry was bound to its bones
+    const XmlElement& shown_by(const XmlElement& child, Eigen::Affine3d& pose) const
+    {
         const XmlElement* shown =
             child.name == "instance_geometry" ? &geometries_.find(child, "url") : &controllers_.find(child, "url");
-        for (int level = 0; shown->name == "controller"; ++level) { // in the pose in which it was bound to its bones
+        for (int level = 0; shown->name == "controller"; ++level) {
             if (level > 8) source_.fail("controllers are their own sources", shown->line);
             const XmlElement* const skin = shown->find("skin");
             const XmlElement* const deforms = skin ? skin : shown->find("morph");
@@ -116,10 +170,7 @@ private:
                 pose = pose * collada_matrix(source_, *bind);
             shown = &source_of(*deforms);
         }
-        expansion_.spend(1);
-        placed_.shows.push_back({node, mesh_of(*shown), pose});
-        std::string& name = placed_.names[placed_.nodes[node].name];
-        if (name.empty()) name = name_of(*shown);
+        return *shown;
     }
 
     /// The source of a controller: another controller, or a geometry.
@@ -154,6 +205,7 @@ private:
     const XmlElement root_;
     ExpansionLimit expansion_;
     ColladaIds geometries_, controllers_, nodes_, scenes_;
+    ExpandedSizes sizes_{XmlReader::most_levels}; ///< of nodes
     std::unordered_map<const XmlElement*, std::uint32_t> definitions_, meshes_;
     PlacedMeshes placed_;
 };

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/scenes/files/assembly/expanded_size.hpp>
 #include <oncollide/scenes/files/assembly/placed_meshes.hpp>
 #include <oncollide/scenes/files/threemf/model_part.hpp>
 #include <oncollide/scenes/files/xml/xml_reader.hpp>
@@ -35,15 +36,24 @@ public:
 
 class ThreeMfReader {
 public:
-    explicit ThreeMfReader(const MeshSource& source) : source_(source), archive_(source), expansion_(source)
+    explicit ThreeMfReader(const MeshSource& source)
+        : source_(source), archive_(source), expansion_(source), root_(model_file())
     {
-        const std::string root = model_file();
-        read_models(root);
-        expand(root);
+        read_models(root_);
     }
 
-    RawMesh whole() { return whole_mesh(source_, placed_, expansion_); }
-    RawAssembly parts(double scale, int threads) { return parts_of(source_, placed_, expansion_, scale, threads); }
+    RawMesh whole()
+    {
+        expansion_.expect(count());
+        expand();
+        return whole_mesh(source_, placed_, expansion_);
+    }
+    RawAssembly parts(double scale, int threads)
+    {
+        count();
+        expand();
+        return parts_of(source_, placed_, expansion_, scale, threads);
+    }
 
 private:
     using Model = std::map<std::string, ModelPart>::value_type;
@@ -53,7 +63,6 @@ private:
         const ModelReference* reference;
         const Model* from; ///< the model that contains the reference
         std::uint32_t above;
-        int level;
         Eigen::Affine3d frame; ///< of the parent node, from that model's units
     };
 
@@ -86,38 +95,71 @@ private:
         }
     }
 
-    void expand(const std::string& root)
+    struct Placed {
+        const Model& model;
+        std::uint32_t id;
+        const ModelObject& object;
+    };
+    Placed placed(const ModelReference& reference, const Model& from) const
+    {
+        const Model& model = reference.model.empty() ? from : *models_.find(reference.model);
+        const auto found = model.second.objects.find(reference.object);
+        if (found == model.second.objects.end())
+            fail(reference, from, fmt::format("there is no object {} in {}", reference.object, model.first));
+        return {model, found->first, found->second};
+    }
+    [[noreturn]] void fail(const ModelReference& reference, const Model& from, const std::string& what) const
+    {
+        source_.fail(fmt::format("{}: line {}: {}", from.first, reference.line, what));
+    }
+
+    /// Counts the nodes and checks all references before anything is made. Returns the pieces of the shown meshes.
+    std::uint64_t count()
+    {
+        const Model& first = *models_.find(root_);
+        ExpandedSize size;
+        for (const ModelReference& item : first.second.build) size.add(size_of(item, first, 1));
+        if (size.pieces == 0) source_.fail("the file holds no triangle");
+        expansion_.spend(size.nodes);
+        return size.pieces;
+    }
+    ExpandedSize size_of(const ModelReference& reference, const Model& from, int level)
+    {
+        const auto [model, id, object] = placed(reference, from);
+        const auto measure = [&, &model = model, &object = object] {
+            ExpandedSize size{.nodes = 1};
+            if (!object.mesh.triangles.empty()) size.pieces = PlacedMeshes::pieces_of(object.mesh);
+            for (const ModelReference& component : object.components) size.add(size_of(component, model, level + 1));
+            return size;
+        };
+        return sizes_.of(&object, level, measure, [&, id = id] {
+            fail(reference, from,
+                 fmt::format("objects are nested deeper than {} levels; is object {} a component of itself?",
+                             XmlReader::most_levels, id));
+        });
+    }
+
+    void expand()
     {
         std::vector<Open> open;
         const auto add = [&](const std::vector<ModelReference>& references, const Model& model, std::uint32_t above,
-                             int level, const Eigen::Affine3d& pose) {
+                             const Eigen::Affine3d& pose) {
             for (auto reference = references.rbegin(); reference != references.rend(); ++reference)
-                open.push_back({&*reference, &model, above, level, pose});
+                open.push_back({&*reference, &model, above, pose});
         };
-        const Model& first = *models_.find(root);
-        add(first.second.build, first, no_node, 1, Eigen::Affine3d(Eigen::Scaling(first.second.metres)));
+        const Model& first = *models_.find(root_);
+        add(first.second.build, first, no_node, Eigen::Affine3d(Eigen::Scaling(first.second.metres)));
         while (!open.empty()) {
             const Open next = open.back();
             open.pop_back();
-            const auto& [reference, from, above, level, frame] = next;
-            const Model& model = reference->model.empty() ? *from : *models_.find(reference->model);
-            const auto found = model.second.objects.find(reference->object);
-            const auto fail = [&](const std::string& what) {
-                source_.fail(fmt::format("{}: line {}: {}", next.from->first, next.reference->line, what));
-            };
-            if (found == model.second.objects.end())
-                fail(fmt::format("there is no object {} in {}", reference->object, model.first));
-            const auto& [id, object] = *found;
-            if (level > XmlReader::most_levels)
-                fail(fmt::format("objects are nested deeper than {} levels; is object {} a component of itself?",
-                                 XmlReader::most_levels, id));
-            expansion_.spend(1);
-            Eigen::Affine3d pose = frame * reference->pose;
-            if (model.second.metres != from->second.metres) pose.scale(model.second.metres / from->second.metres);
+            const auto [model, id, object] = placed(*next.reference, *next.from);
+            Eigen::Affine3d pose = next.frame * next.reference->pose;
+            if (model.second.metres != next.from->second.metres)
+                pose.scale(model.second.metres / next.from->second.metres);
             const auto number = static_cast<std::uint32_t>(placed_.nodes.size());
-            placed_.nodes.push_back({above, definition(object, id)});
+            placed_.nodes.push_back({next.above, definition(object, id)});
             if (!object.mesh.triangles.empty()) placed_.shows.push_back({number, mesh_of(object), pose});
-            add(object.components, model, number, level + 1, pose);
+            add(object.components, model, number, pose);
         }
     }
 
@@ -138,7 +180,9 @@ private:
     const MeshSource& source_;
     const ZipArchive archive_;
     ExpansionLimit expansion_;
+    const std::string root_; ///< the model that has the build
     std::map<std::string, ModelPart> models_;
+    ExpandedSizes sizes_{XmlReader::most_levels}; ///< of objects
     std::unordered_map<const ModelObject*, std::uint32_t> definitions_, meshes_;
     PlacedMeshes placed_;
 };

@@ -1,5 +1,7 @@
 #include <oncollide/scenes/files/threemf/zip_archive.hpp>
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <zip.h>
 
@@ -45,6 +47,14 @@ void ZipArchive::read(const std::string& name, const std::function<void(std::str
     const std::unique_ptr<zip_file_t, decltype(close)> file(
         zip_fopen_index(handle_->archive, static_cast<zip_uint64_t>(index), 0), close);
     if (!file) fail(zip_strerror(handle_->archive));
+    const std::uint64_t allowed = always + ratio * source_.bytes.size();
+    const auto check = [&](std::uint64_t unpacked) {
+        if (unpacked > allowed)
+            fail(fmt::format("it unpacks to more than {} times the archive and {} MiB", ratio, always >> 20));
+    };
+    zip_stat_t stat; // the size in the directory is checked before any work; the unpacked bytes are counted in any case
+    if (zip_stat_index(handle_->archive, static_cast<zip_uint64_t>(index), 0, &stat) == 0 && stat.valid & ZIP_STAT_SIZE)
+        check(handle_->unpacked + std::min<std::uint64_t>(stat.size, most));
     std::string piece(std::size_t{1} << 20, '\0');
     for (std::uint64_t total = 0;;) {
         const zip_int64_t length = zip_fread(file.get(), piece.data(), piece.size());
@@ -53,8 +63,7 @@ void ZipArchive::read(const std::string& name, const std::function<void(std::str
         total += static_cast<std::uint64_t>(length);
         if (total > most) fail("it unpacks to more than 2 GiB");
         handle_->unpacked += static_cast<std::uint64_t>(length);
-        if (handle_->unpacked > always + ratio * source_.bytes.size())
-            fail(fmt::format("it unpacks to more than {} times the archive", ratio));
+        check(handle_->unpacked);
         visit(std::string_view(piece).substr(0, static_cast<std::size_t>(length)));
     }
 }

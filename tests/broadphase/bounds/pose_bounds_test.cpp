@@ -96,6 +96,31 @@ TEST(PoseBounds, EncloseSmallMeshesOfFarFilesThatPosesTakeBack)
     }
 }
 
+/// Without a rotation the extents are known exactly; far away, they are less than the rounding of the sums.
+TEST(PoseBounds, EncloseShapesFarFromTheOrigin)
+{
+    const std::pair<Shape, Eigen::Vector3d> shapes[] = {{Sphere{0.1}, {0.1, 0.1, 0.1}},
+                                                        {Box{{0.1, 0.2, 0.3}}, {0.1, 0.2, 0.3}},
+                                                        {Capsule{0.1, 0.5}, {0.1, 0.1, 0.35}},
+                                                        {Cylinder{0.1, 0.5}, {0.1, 0.1, 0.25}},
+                                                        {Ellipsoid{{0.1, 0.2, 0.3}}, {0.1, 0.2, 0.3}},
+                                                        {Cone{0.1, 0.5}, {0.1, 0.1, 0.25}}};
+    for (const auto& [shape, half] : shapes) {
+        const GeometryData geometry = shape;
+        const PoseBounds bounds(geometry);
+        for (std::uint64_t i = 0; i < 300; ++i) {
+            Eigen::Isometry3d pose = random_pose(6, i, i % 2 ? 1e9 : 1e15);
+            pose.linear().setIdentity();
+            for (const Aabb& box : {bounds.box(pose), bounds.sphere_box(pose)})
+                for (int axis = 0; axis < 3; ++axis) {
+                    const long double at = pose.translation()[axis];
+                    ASSERT_LE(box.min[axis], at - half[axis]) << shape.index() << ", pose " << i;
+                    ASSERT_GE(box.max[axis], at + half[axis]) << shape.index() << ", pose " << i;
+                }
+        }
+    }
+}
+
 TEST(PoseBounds, GiveAtMostATenthMoreCandidatesThanExactBoxesOnMany)
 {
     Scene scene = make_scene("many", {.bodies = 400, .frames = {}, .seed = 12345, .data = {}});

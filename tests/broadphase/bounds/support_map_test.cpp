@@ -3,6 +3,7 @@
 #include "random_pose.hpp"
 
 #include <oncollide/base/numbers/random.hpp>
+#include <oncollide/broadphase/aabb_kernel.hpp>
 #include <oncollide/broadphase/bounds/support_map.hpp>
 
 namespace oncollide {
@@ -99,6 +100,23 @@ TEST(UsedPoints, AreTheVerticesThatTrianglesUseRelativeToTheCentre)
     const float expected[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 5, 0}};
     for (std::size_t i = 0; i < 8; ++i)
         for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_EQ(points.xyz[axis][i], expected[i < 3 ? i : 0][axis]) << i;
+}
+
+TEST(AabbKernel, TakesTheFirstPointOfTheFirstLaneWhereProjectionsAreEqual)
+{
+    const std::vector<float> zeros(24, 0.f);
+    const float along_x[3] = {1, 0, 0};
+    const auto farthest = [&](std::initializer_list<std::size_t> largest) {
+        std::vector<float> x(24, -1.f);
+        for (const std::size_t i : largest) x[i] = 7;
+        const std::uint32_t found = baseline::aabb_kernel().farthest(x.data(), zeros.data(), zeros.data(), 24, along_x);
+        EXPECT_EQ(aabb_kernel().farthest(x.data(), zeros.data(), zeros.data(), 24, along_x), found);
+        return found;
+    };
+    EXPECT_EQ(farthest({13}), 13u);
+    EXPECT_EQ(farthest({5, 13, 21}), 5u) << "one lane";
+    EXPECT_EQ(farthest({3, 9, 17}), 9u) << "lanes 3, 1 and 1";
+    EXPECT_EQ(farthest({0, 1, 2}), 0u);
 }
 
 } // namespace
