@@ -11,8 +11,8 @@ struct CommonCorner {
     int a, b;
 };
 
-/// True if two corners of A are also corners of B. Such triangles never cross: their planes are one, or share only the
-/// line through these corners.
+/// True if two corners of A are also corners of B. Then the triangles do not cross: they lie in one plane, or their
+/// planes meet in the line through these corners.
 bool have_common_edge(const TrianglePoints& a, const TrianglePoints& b);
 
 /// Returns a common corner if some plane through it certainly has the rest of the two triangles on opposite open sides;

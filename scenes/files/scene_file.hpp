@@ -52,7 +52,8 @@ void save_scene(const Scene& scene, const std::filesystem::path& path);
 struct AssemblyPart {
     std::string name;    ///< of its node, else of its mesh, else "node 17"; for other files the file name without
                          ///< extension
-    std::string path;    ///< the names of at most seven of its ancestors and its own, separated by '/'
+    std::string path;    ///< the names of at most 63 of its ancestors (7 in a file of more than 100,000 parts) and its
+                         ///< own, separated by '/'
     std::uint32_t above; ///< the number of its parent node; no_node_above: it has none
     std::size_t mesh;    ///< in Assembly::meshes
     Eigen::Isometry3d pose;

@@ -1,7 +1,7 @@
 // oncollide bench clash: time from files to a complete report, and a check of the report.
 #include "bench/bench.hpp"
 #include "clash/clash_pictures.hpp"
-#include "clash/planted_assembly.hpp"
+#include "clash/planted/planted_assembly.hpp"
 #include "clash/report.hpp"
 
 #include <chrono>
