@@ -78,6 +78,14 @@ Triangle sorted(Triangle t)
     return t;
 }
 
+Aabb box_of(const Mesh& mesh, const Eigen::Isometry3d& pose)
+{
+    Aabb box;
+    for (const Triangle& triangle : mesh.triangles)
+        for (const std::uint32_t v : triangle) box.add(pose * mesh.vertices[v]);
+    return box;
+}
+
 bool same_triangles(const Mesh& a, const Eigen::Isometry3d& pose_a, const VertexGrid& grid, const Mesh& b)
 {
     std::vector<std::uint32_t> in_b(a.vertices.size(), VertexGrid::none);
@@ -108,7 +116,10 @@ bool same_geometry(const PartList& list, const Part& a, const Part& b, double to
     }
     const double radius = std::max({tolerance, 0x1p-22 * largest, std::numeric_limits<double>::min()});
     if (a.mesh == b.mesh && moved <= radius) return true;
-    // A vertex on each side of a box decides most pairs.
+    const Aabb box_a = box_of(mesh_a, a.pose), box_b = box_of(mesh_b, b.pose);
+    if ((box_a.min - box_b.min).cwiseAbs().maxCoeff() > radius ||
+        (box_a.max - box_b.max).cwiseAbs().maxCoeff() > radius)
+        return false;
     const VertexGrid grid(mesh_b, b.pose, radius);
     return same_triangles(mesh_a, a.pose, grid, mesh_b);
 }
