@@ -71,8 +71,9 @@ bool is_assembly_file(const std::filesystem::path& path);
 
 /// Reads a mesh file as an assembly: each node of a glTF or COLLADA file, and each object that a 3MF file's build
 /// places, is a part if it has triangles, at its pose in the scene; any other file is one part. Throws as load_mesh.
-/// @param scale  metres per unit of the file; finite, > 0
-Assembly load_assembly(const std::filesystem::path& path, double scale = 1, int threads = 1);
+/// @param scale    metres per unit of the file; finite, > 0
+/// @param objects  an OBJ file is divided into its objects (`o`), or without any into its groups (`g`)
+Assembly load_assembly(const std::filesystem::path& path, double scale = 1, int threads = 1, bool objects = false);
 
 /// The same as a scene of one frame: a dynamic body for each part. Parts with equal names get a number appended.
 Scene load_assembly_scene(const std::filesystem::path& path);

@@ -14,8 +14,7 @@ struct ResolvedClash {
 /// Compares with the JSON report of an earlier run. A clash that is also there becomes `active`, unless it got worse
 /// (near, then touching, then a deeper kind) or had been resolved. Comments are taken over, and of active clashes a
 /// status that a user wrote. Clashes have the same id there, or in a report without ids the same names of parts.
-/// Returns the clashes that no longer exist, including those that the baseline lists as resolved. Throws
-/// Error{bad_data}.
+/// Returns all clashes of the baseline that do not exist now. Throws Error{bad_data}.
 std::vector<ResolvedClash> compare_with_baseline(const std::string& file, const PartList& parts,
                                                  std::vector<Clash>& clashes);
 

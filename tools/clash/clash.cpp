@@ -251,7 +251,9 @@ void add_clash(Arguments app)
     auto o = std::make_shared<ClashOptions>();
     sub.add_option("parts", o->inputs,
                    "part files (OBJ, STL, PLY, OFF; one part per file, in the file's coordinates), glTF, COLLADA or "
-                   "3MF assemblies (one part per node that shows a mesh), folders of these")
+                   "3MF assemblies (one part per node that shows a mesh), one OBJ file (one part per object or group), "
+                   "folders of "
+                   "these")
         .required()
         .type_name("FILES|FOLDER|ASSEMBLY");
     add_comparing_options(sub, o.get());

@@ -181,6 +181,7 @@ void write_page(OutputFile& file, const ClashReport& r, const ClashPictures& pic
             : "");
     if (!pictures.note.empty()) file.print("<p class=\"soft\">{}</p>\n", xml_escaped(pictures.note));
     for (const std::string& warning : r.warnings) file.print("<p class=\"warning\">{}</p>\n", xml_escaped(warning));
+    write_settings(file, r);
     write_section(file, r, pictures, ClashStatus::fresh, r.baseline.empty() ? "Clashes" : "New clashes");
     write_section(file, r, pictures, ClashStatus::active, "Active clashes, also in the baseline");
     if (!r.resolved.empty()) {
@@ -192,7 +193,6 @@ void write_page(OutputFile& file, const ClashReport& r, const ClashPictures& pic
     }
     write_section(file, r, pictures, ClashStatus::contact, "Pairs that only touch (not a clash)");
     write_section(file, r, pictures, ClashStatus::ignored, "Ignored pairs");
-    write_settings(file, r);
     file.print("<script>{}</script>\n</body></html>\n", script);
 }
 

@@ -124,6 +124,32 @@ TEST_F(ClashKinds, OnlySetAAgainstSetBIsCompared)
     expect_error(64, {"clash", "a.off", "b.off", "--set-b", "b"}, {"--set-b: needs --set-a"});
 }
 
+TEST_F(ClashKinds, AnObjFileAloneIsDividedIntoItsObjects)
+{
+    // A box of quads between `low` and `high` along x, with corners counted backwards.
+    const auto box = [](double low, double high) {
+        std::string text;
+        for (const double x : {low, high})
+            for (const char* yz : {"0 0", "1 0", "1 1", "0 1"}) text += fmt::format("v {} {}\n", x, yz);
+        return text + "f -8 -5 -6 -7\nf -4 -3 -2 -1\nf -8 -7 -3 -4\nf -7 -6 -2 -3\nf -6 -5 -1 -2\nf -5 -8 -4 -1\n";
+    };
+    folder_.write("one.obj", "o left arm\ng any\n" + box(0, 1) + "o right\n" + box(0.5, 2) + "o far\n" + box(5, 6) +
+                                 "g more\no left arm\n" + box(7, 8) + "o empty\n");
+    EXPECT_EQ(run({"clash", "one.obj", "-o", "r.json"}).code, 1);
+    EXPECT_EQ(pairs("r.json"), (Pairs{"left arm right crossing new"}));
+    EXPECT_EQ(read_json("r.json")["parts"], 3);
+    EXPECT_EQ(read_json("r.json")["open"], nlohmann::json::array());
+    EXPECT_EQ(read_json("r.json")["clashes"][0]["b"]["path"], "one.obj:right");
+    folder_.write("groups.obj", box(0, 1) + "g b\n" + box(0.5, 2));
+    EXPECT_EQ(run({"clash", "groups.obj", "-o", "r.json"}).code, 1);
+    EXPECT_EQ(pairs("r.json"), (Pairs{"groups b crossing new"}));
+    // Beside other files it is one part, as any file.
+    folder_.write("two.obj", box(1.5, 3));
+    run({"clash", "one.obj", "two.obj", "-o", "r.json"});
+    EXPECT_EQ(pairs("r.json"), (Pairs{"one two crossing new"}));
+    expect_error(65, {"clash", "two.obj"}, {"only one part ('two')", "an OBJ file of several objects"});
+}
+
 TEST_F(ClashKinds, PathsNameFilesAndAllNodes)
 {
     tools::write_glb_file(tools::make_planted_assembly({.parts = 40, .triangles = 100, .meshes = {}, .every = 2}),

@@ -37,7 +37,7 @@ TEST_F(ClashReview, IdsDependOnThePartsAlone)
     write_box("elsewhere/g.off", {200, 0, 0}, {201, 1, 1});
     run({"clash", "elsewhere", "--clearance", "1", "-o", "r.json"});
     EXPECT_EQ(ids("r.json"), before);
-    // Equal paths: the geometry tells them apart.
+    // Parts with equal paths differ in their geometry.
     for (const char* folder : {"l", "r", "m"}) std::filesystem::create_directories(folder_ / folder);
     write_box("l/bolt.off", {0, 0, 0}, {1, 1, 1}), write_box("r/bolt.off", {0.5, 0, 0}, {2, 1, 1});
     write_box("m/bolt.off", {0.6, 0, 0}, {3, 1, 1});

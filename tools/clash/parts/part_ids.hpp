@@ -13,8 +13,8 @@ void make_ids_unique(PartList& list);
 /// 64 bits of a text, the same on every machine.
 std::uint64_t hash_of(std::string_view text);
 
-/// The id of a clash, from the ids of its parts in either order: "c" and 16 hexadecimal digits. A spreadsheet does not
-/// take it for a number.
+/// The id of a clash, from the ids of its parts in either order: "c" and 16 hexadecimal digits, so that
+/// spreadsheets keep it as text.
 std::string clash_id(const Part& a, const Part& b);
 
 } // namespace oncollide::tools

@@ -171,7 +171,8 @@ PartList read_parts(const std::vector<std::string>& files, const Units& units, c
     list.files = files, list.has_sets = !rules.set_a.empty();
     std::vector<Assembly> read(files.size());
     const auto load = [&](std::size_t i, int inner) {
-        read[i] = load_assembly(files[i], units.scale_of(files[i]), inner);
+        // An OBJ file alone is divided: as one part it could not clash.
+        read[i] = load_assembly(files[i], units.scale_of(files[i]), inner, files.size() == 1);
     };
     if (files.size() == 1)
         load(0, threads);
@@ -185,7 +186,7 @@ PartList read_parts(const std::vector<std::string>& files, const Units& units, c
         const auto first = static_cast<std::uint32_t>(list.meshes.size());
         Aabb bounds;
         const std::string file_name = fs::path(files[i]).filename().string(), file = path_in(rules.inputs, files[i]);
-        const bool has_nodes = is_assembly_file(files[i]);
+        const bool has_nodes = is_assembly_file(files[i]) || read[i].parts.size() > 1;
         for (const AssemblyPart& part : read[i].parts) {
             const bool of_nodes = part.above != no_node_above || part.name != fs::path(files[i]).stem().string();
             names.push_back({valid(part.name), valid(of_nodes ? part.path : file_name),
@@ -208,8 +209,8 @@ PartList read_parts(const std::vector<std::string>& files, const Units& units, c
     }
     if (list.parts.size() < 2)
         throw Error(ErrorKind::bad_data,
-                    fmt::format("{}: only one part ('{}'); give two files, a folder, or a glTF, COLLADA or 3MF "
-                                "assembly of several nodes",
+                    fmt::format("{}: only one part ('{}'); give two files, a folder, a glTF, COLLADA or 3MF assembly "
+                                "of several nodes, or an OBJ file of several objects",
                                 files.front(), names.front().own));
     name_parts(list, names);
     make_ids_unique(list);
