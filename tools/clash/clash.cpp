@@ -259,16 +259,16 @@ void add_clash(Arguments app)
     add_comparing_options(sub, o.get());
     add_report_options(sub, o.get());
     sub.footer(
-        "All pairs of parts are decided exactly: duplicate (same geometry, same place), enclosed (one inside the\n"
-        "other), crossing, touching, near (with --clearance). Parts should be closed surfaces; parts inside a part\n"
-        "that is not closed are not found; open parts are listed.\n"
+        "All pairs of parts are decided exactly: duplicate (same geometry, same place), enclosed (one inside\n"
+        "the other), crossing, touching, near (with --clearance). Parts should be closed surfaces; parts inside\n"
+        "a part that is not closed are not found; open parts are listed.\n"
         "Exit codes: 0 no new clash, 1 a new clash, 64 and above: error.\n"
         "Examples:\n"
         "  oncollide clash factory.glb --clearance 2mm -o report.html\n"
         "  oncollide clash parts/ --units mm --group 'bolt*' --ignore known.csv -o clashes.json -o clashes.xml\n"
-        "  oncollide clash robot.glb cell.glb --set-a 'robot.glb*' -o report.html --view view.html --bcf "
-        "issues.bcfzip\n"
+        "  oncollide clash robot.glb cell.glb --set-a 'robot.glb*' -o report.html --view view.html\n"
         "  oncollide clash parts/ --baseline clashes.json -o today.json   # 1 only for new clashes\n"
+        "  oncollide clash parts/ --bcf issues.bcfzip\n"
         "More: docs/clash.md.");
     sub.action([o] { return clash(*o); });
 }
