@@ -121,7 +121,8 @@ int bench_clash(const ClashBenchOptions& o)
     write_stl_files(planted, folder.path() / "parts");
     write_glb_file(planted, folder.path() / "assembly.glb");
     say("{}", describe_program("cpu"));
-    say("{} parts, {} triangles, {} planted pairs (touching, crossing, enclosed, near); seconds, {} threads\n",
+    say("{} parts, {} triangles, {} planted pairs (touching, crossing, enclosed, duplicate, near); seconds, {} "
+        "threads\n",
         grouped(planted.parts.size()), grouped(planted.triangles), grouped(planted.pairs.size()),
         o.threads ? o.threads : hardware_threads());
     std::optional<CsvFile> csv;

@@ -1,5 +1,6 @@
 #include "common/zip_bytes.hpp"
 
+#include <ctime>
 #include <memory>
 
 #include <fmt/format.h>
