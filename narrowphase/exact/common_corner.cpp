@@ -25,6 +25,14 @@ bool parted(const Vector3d& a1, const Vector3d& a2, const Vector3d& b1, const Ve
 
 } // namespace
 
+bool have_common_edge(const TrianglePoints& a, const TrianglePoints& b)
+{
+    int common = 0;
+    for (const Vector3d& p : a)
+        for (const Vector3d& q : b) common += p.x() == q.x() && p.y() == q.y() && p.z() == q.z();
+    return common > 1 && a[0] != a[1] && a[1] != a[2] && a[2] != a[0] && b[0] != b[1] && b[1] != b[2] && b[2] != b[0];
+}
+
 std::optional<CommonCorner> only_common_corner(const TrianglePoints& a, const TrianglePoints& b)
 {
     for (int i = 0; i < 3; ++i)

@@ -11,6 +11,10 @@ struct CommonCorner {
     int a, b;
 };
 
+/// True if two corners of A are also corners of B. Then the triangles do not cross: they lie in one plane, or their
+/// planes meet in the line through these corners.
+bool have_common_edge(const TrianglePoints& a, const TrianglePoints& b);
+
 /// Returns a common corner if some plane through it certainly has the rest of the two triangles on opposite open sides;
 /// for fans of n triangles around one point, that decides nearly all n^2 pairs. Returns none if nothing is known. Cost:
 /// 5 ns without a common corner, 20 with one.

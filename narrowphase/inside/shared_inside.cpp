@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <oncollide/narrowphase/exact/common_corner.hpp>
 #include <oncollide/narrowphase/inside/corner_fans.hpp>
 
 namespace oncollide {
@@ -92,6 +93,11 @@ bool SharedInside::inside(const Side& side, const Vector3d& point)
     return locator_.place(point, side.tree->mesh(), side.tree, side.to_a) == PointLocation::inside;
 }
 
+SharedInside::Side SharedInside::first(ObbTree& a)
+{
+    return {&a, RelativePose(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity())};
+}
+
 std::optional<Vector3d> SharedInside::beside_corners(const Side& side, const std::vector<std::uint8_t>& flags,
                                                      const Side& other)
 {
@@ -112,13 +118,38 @@ std::optional<Vector3d> SharedInside::beside_corners(const Side& side, const std
     return std::nullopt;
 }
 
-std::optional<Vector3d> SharedInside::find(ObbTree& a, ObbTree& b, const RelativePose& b_to_a)
+void SharedInside::set_points_beside(const Side& side_a, const Side& side_b, TrianglePair pair)
+{
+    const TrianglePoints here = corners(side_a, pair.a), moved = corners(side_b, pair.b);
+    const auto ends = common_segment(here, moved).ends;
+    // Rounded up to a power of two, so that the points tried around a contact do not depend on the other triangle.
+    const double far = std::exp2(std::ceil(std::log2(std::max(largest(here), largest(moved)))));
+    const bool is_point = !((ends[1] - ends[0]).stableNorm() > 0x1p-40 * far);
+    points_.clear();
+    for (const int side : {0, 1}) {
+        const TrianglePoints& t = side ? moved : here;
+        if (!seen_.emplace(side, side ? pair.b : pair.a, as_array(ends), far).second) continue;
+        if (is_point)
+            beside_point(ends[0], t, far, points_);
+        else
+            beside_segment(ends, t, far, points_);
+    }
+}
+
+bool SharedInside::is_beside(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, TrianglePair pair)
+{
+    const Side side_a = first(a), side_b{&b, b_to_a};
+    if (only_common_corner(corners(side_a, pair.a), corners(side_b, pair.b))) return false;
+    seen_.clear();
+    set_points_beside(side_a, side_b, pair);
+    return std::ranges::any_of(points_, [&](const Vector3d& p) { return inside(side_a, p) && inside(side_b, p); });
+}
+
+std::optional<Vector3d> SharedInside::find(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, bool not_parted)
 {
     placed_ = 0;
-    if (walk_.contact(a, b, b_to_a).parted) return std::nullopt;
-    const Side side_a{&a, RelativePose(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity())};
-    const Side side_b{&b, b_to_a};
-    const auto shared = [&](const Vector3d& point) { return inside(side_a, point) && inside(side_b, point); };
+    if (!not_parted && walk_.contact(a, b, b_to_a).parted) return std::nullopt;
+    const Side side_a = first(a), side_b{&b, b_to_a};
     walk_.all_meeting(a, b, b_to_a, contacts_, corners_);
     for (const auto& [of_a, of_b] : contacts_) {
         if (!corners_.of_a[of_a] && !corners_.of_b[of_b]) continue;
@@ -128,23 +159,10 @@ std::optional<Vector3d> SharedInside::find(ObbTree& a, ObbTree& b, const Relativ
     if (const auto point = beside_corners(side_a, corners_.of_a, side_b)) return point;
     if (const auto point = beside_corners(side_b, corners_.of_b, side_a)) return point;
     seen_.clear();
-    for (const auto& [of_a, of_b] : contacts_) {
-        const TrianglePoints here = corners(side_a, of_a), moved = corners(side_b, of_b);
-        const auto ends = common_segment(here, moved).ends;
-        // Rounded up to a power of two, so that the points tried around a contact do not depend on the other triangle.
-        const double far = std::exp2(std::ceil(std::log2(std::max(largest(here), largest(moved)))));
-        const bool is_point = !((ends[1] - ends[0]).stableNorm() > 0x1p-40 * far);
-        points_.clear();
-        for (const int side : {0, 1}) {
-            const TrianglePoints& t = side ? moved : here;
-            if (!seen_.emplace(side, side ? of_b : of_a, as_array(ends), far).second) continue;
-            if (is_point)
-                beside_point(ends[0], t, far, points_);
-            else
-                beside_segment(ends, t, far, points_);
-        }
+    for (const TrianglePair& pair : contacts_) {
+        set_points_beside(side_a, side_b, pair);
         for (const Vector3d& point : points_)
-            if (shared(point)) return point;
+            if (inside(side_a, point) && inside(side_b, point)) return point;
     }
     return std::nullopt;
 }

@@ -28,7 +28,11 @@ public:
     /// for each triangle and each segment along which other triangles meet it, two for each triangle and each point in
     /// which other triangles meet it, and one for each fan of triangles around a corner that is also a corner of the
     /// other mesh.
-    std::optional<Eigen::Vector3d> find(ObbTree& a, ObbTree& b, const RelativePose& b_to_a);
+    /// @param not_parted  the caller knows that no face's plane separates the meshes
+    std::optional<Eigen::Vector3d> find(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, bool not_parted = false);
+    /// True if a point that find() tries beside the contact of this pair is inside both. Between a mesh and its copy
+    /// one or two pairs suffice. Cost: up to 16 located points.
+    bool is_beside(ObbTree& a, ObbTree& b, const RelativePose& b_to_a, TrianglePair pair);
 
     std::uint64_t points_placed() const { return placed_; } ///< by the last find()
 
@@ -42,7 +46,10 @@ private:
         ObbTree* tree;
         RelativePose to_a;
     };
+    static Side first(ObbTree& a); ///< the side that defines the frame
     static TrianglePoints corners(const Side& side, std::uint32_t triangle);
+    /// Sets points_ to points beside the contact of the pair, except around contacts that were seen before.
+    void set_points_beside(const Side& side_a, const Side& side_b, TrianglePair pair);
     bool inside(const Side& side, const Eigen::Vector3d& point);
     std::optional<Eigen::Vector3d> beside_corners(const Side& side, const std::vector<std::uint8_t>& flags,
                                                   const Side& other);

@@ -75,12 +75,19 @@ Finding decide(PairWorker& worker, const PairTask& task, const PairOptions& opti
         if (meeting) return {Verdict::colliding, ContactKind::unknown, 0};
         bound = gap;
     } else {
-        auto [meeting, gap, contact, parted] = walk.contact(a, b, b_to_a, hint_of(memory), place.get());
+        // Closed meshes that only touch in all pairs of triangles may still share an interior point. For a mesh and its
+        // copy, a point beside the first contact is one.
+        constexpr bool meshes = std::same_as<decltype(walk), Traversal&>;
+        const auto have_insides = [&] { return task.a->has_inside() && task.b->has_inside(); };
+        const auto overlap = [&](TrianglePair pair) {
+            if constexpr (meshes) return have_insides() && worker.inside.is_beside(a, b, b_to_a, pair);
+            return false;
+        };
+        auto [meeting, gap, contact, parted] = walk.contact(a, b, b_to_a, hint_of(memory), place.get(), overlap);
         remember(memory, meeting);
-        // Closed meshes that only touch in all pairs of triangles may still share an interior point.
-        if constexpr (std::same_as<decltype(walk), Traversal&>)
-            if (contact == TriangleContact::touching && !parted && task.a->has_inside() && task.b->has_inside() &&
-                worker.inside.find(a, b, b_to_a))
+        if constexpr (meshes)
+            if (contact == TriangleContact::touching && !parted && have_insides() &&
+                worker.inside.find(a, b, b_to_a, true))
                 contact = TriangleContact::crossing;
         const bool touching = contact == TriangleContact::touching;
         if (meeting)

@@ -38,9 +38,9 @@ typename TraversalOf<A, B>::Meeting TraversalOf<A, B>::first_meeting(A& a, B& b,
 }
 
 template <class A, class B>
-typename TraversalOf<A, B>::Contact TraversalOf<A, B>::contact(A& a, B& b, const RelativePose& b_to_a,
-                                                               std::optional<TrianglePair> hint,
-                                                               std::optional<Place>* place)
+typename TraversalOf<A, B>::Contact
+TraversalOf<A, B>::contact(A& a, B& b, const RelativePose& b_to_a, std::optional<TrianglePair> hint,
+                           std::optional<Place>* place, FunctionRef<bool(TrianglePair)> overlap)
 {
     const Tests& triangles = walk_.leaves();
     Contact contact;
@@ -49,14 +49,15 @@ typename TraversalOf<A, B>::Contact TraversalOf<A, B>::contact(A& a, B& b, const
         if (how > contact.kind) contact.pair = pair, contact.kind = how;
         return how;
     };
-    const auto only_corner = [&](TrianglePair pair) {
-        return contact.kind == TriangleContact::touching &&
-               only_common_corner(triangles.points_a(pair.a), triangles.points_b(pair.b));
+    const auto corners_touch_at_most = [&](TrianglePair pair) {
+        if (contact.kind != TriangleContact::touching) return false;
+        const TrianglePoints of_a = triangles.points_a(pair.a), of_b = triangles.points_b(pair.b);
+        return have_common_edge(of_a, of_b) || only_common_corner(of_a, of_b);
     };
     if constexpr (!two_meshes<A, B>) { // few triangles of a terrain meet in a point, and a terrain has no inside
         contact.bound = walk_.meetings(
-            a, b, b_to_a, hint, [&](TrianglePair pair) { return take(pair) != TriangleContact::crossing; }, only_corner,
-            place);
+            a, b, b_to_a, hint, [&](TrianglePair pair) { return take(pair) != TriangleContact::crossing; },
+            corners_touch_at_most, place);
         return contact;
     } else {
         // Two fans of n triangles that touch in one plane or in a point give n^2 pairs: one plane decides all of them.
@@ -79,11 +80,16 @@ typename TraversalOf<A, B>::Contact TraversalOf<A, B>::contact(A& a, B& b, const
                 return;
             }
         };
+        int tried = 0;
+        constexpr int most_tried = 4;
         const auto found = [&](TrianglePair pair) {
-            if (take(pair) == TriangleContact::touching && !parted(pair)) add_plane(pair);
+            if (take(pair) == TriangleContact::touching && !parted(pair)) {
+                add_plane(pair);
+                if (!contact.parted && tried++ < most_tried && overlap(pair)) contact.kind = TriangleContact::crossing;
+            }
             return contact.kind != TriangleContact::crossing && !contact.parted;
         };
-        const auto touch_at_most = [&](TrianglePair pair) { return parted(pair) || only_corner(pair); };
+        const auto touch_at_most = [&](TrianglePair pair) { return parted(pair) || corners_touch_at_most(pair); };
         contact.bound = walk_.meetings(a, b, b_to_a, hint, found, touch_at_most, place);
         return contact;
     }

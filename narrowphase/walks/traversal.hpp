@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include <oncollide/base/function_ref.hpp>
 #include <oncollide/narrowphase/exact/plane_sides.hpp>
 #include <oncollide/narrowphase/obb/obb_tree.hpp>
 #include <oncollide/narrowphase/walks/box_walk.hpp>
@@ -49,8 +50,12 @@ public:
     };
     /// Costs more than first_meeting() for meshes that touch: it then tests all triangles that meet, unless it finds a
     /// plane that separates the meshes.
-    Contact contact(A& a, B& b, const RelativePose& b_to_a, std::optional<TrianglePair> hint = {},
-                    std::optional<Place>* place = nullptr);
+    /// @param overlap  called for some of the pairs that touch; true if it found a common point of the meshes' insides:
+    ///                 they then count as crossing
+    Contact contact(
+        A& a, B& b, const RelativePose& b_to_a, std::optional<TrianglePair> hint = {},
+        std::optional<Place>* place = nullptr,
+        FunctionRef<bool(TrianglePair)> overlap = [](TrianglePair) { return false; });
 
     /// Writes all pairs that meet to `out`, each once, sorted; overwrites `out`.
     void all_meeting(A& a, B& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out);

@@ -76,12 +76,13 @@ bool is_assembly_file(const std::filesystem::path& path)
     return format_of(path) != nullptr;
 }
 
-Assembly load_assembly(const std::filesystem::path& path, double scale, int threads)
+Assembly load_assembly(const std::filesystem::path& path, double scale, int threads, bool objects)
 {
     if (!(scale > 0) || !std::isfinite(scale))
         throw Error(ErrorKind::usage,
                     fmt::format("{}: the scale is {}; it must be finite and above 0", path.string(), scale));
     if (const Format* const format = format_of(path)) return load_parts(*format, path, scale, threads);
+    if (objects && lower_extension(path) == ".obj") return load_parts({".obj", read_obj_parts}, path, scale, threads);
     const std::string name = path == "-" ? "standard input" : path.stem().string();
     return {{shared_geometry(path.string(), load_mesh(path, {.scale = scale}))},
             {{name, name, no_node_above, 0, Eigen::Isometry3d::Identity()}}};

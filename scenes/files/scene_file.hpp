@@ -53,7 +53,8 @@ ONCOLLIDE_API void save_scene(const Scene& scene, const std::filesystem::path& p
 struct AssemblyPart {
     std::string name;    ///< of its node, else of its mesh, else "node 17"; for other files the file name without
                          ///< extension
-    std::string path;    ///< the names of at most seven of its ancestors and its own, separated by '/'
+    std::string path;    ///< the names of at most 63 of its ancestors (7 in a file of more than 100,000 parts) and its
+                         ///< own, separated by '/'
     std::uint32_t above; ///< the number of its parent node; no_node_above: it has none
     std::size_t mesh;    ///< in Assembly::meshes
     Eigen::Isometry3d pose;
@@ -71,8 +72,10 @@ ONCOLLIDE_API bool is_assembly_file(const std::filesystem::path& path);
 
 /// Reads a mesh file as an assembly: each node of a glTF or COLLADA file, and each object that a 3MF file's build
 /// places, is a part if it has triangles, at its pose in the scene; any other file is one part. Throws as load_mesh.
-/// @param scale  metres per unit of the file; finite, > 0
-ONCOLLIDE_API Assembly load_assembly(const std::filesystem::path& path, double scale = 1, int threads = 1);
+/// @param scale    metres per unit of the file; finite, > 0
+/// @param objects  an OBJ file is divided into its objects (`o`), or without any into its groups (`g`)
+ONCOLLIDE_API Assembly load_assembly(const std::filesystem::path& path, double scale = 1, int threads = 1,
+                                     bool objects = false);
 
 /// The same as a scene of one frame: a dynamic body for each part. Parts with equal names get a number appended.
 ONCOLLIDE_API Scene load_assembly_scene(const std::filesystem::path& path);

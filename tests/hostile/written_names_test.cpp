@@ -1,6 +1,7 @@
 // Names that contain the syntax of JSON, CSV, XML and HTML, in every file that a command writes; each file is parsed.
 #include "tools/command_fixture.hpp"
 #include "tools/csv_rows.hpp"
+#include "tools/zip_files.hpp"
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/base/text/utf8.hpp>
 
@@ -171,6 +172,28 @@ TEST_F(WrittenNames, OfPartsThatClash)
     const Outcome outcome = run({"clash", mesh_a_, mesh_b_, "--units", "m", "--ignore", "r.csv"});
     EXPECT_EQ(outcome.code, 0) << "the report, read as a list of known pairs, names both parts: " << outcome.out;
     EXPECT_EQ(run({"clash", mesh_a_, mesh_b_, "--units", "m", "--baseline", "r.json"}).code, 0);
+    // A status and a comment that a user wrote, and all names in BCF.
+    nlohmann::json edited = read_json("r.json");
+    edited["clashes"][0]["status"] = edited["clashes"][0]["comment"] = "=" + hostile_name;
+    folder_.write("edited.json", edited.dump());
+    write({"clash", mesh_a_, mesh_b_, "--units", "m", "--baseline", "edited.json", "-o", "e.json", "-o", "e.csv", "-o",
+           "e.xml", "-o", "e.html"});
+    EXPECT_EQ(read_json("e.json")["clashes"][0]["comment"], "=" + hostile_name);
+    EXPECT_EQ(csv("e.csv").at(0)["comment"], "'=" + hostile_name);
+    EXPECT_EQ(csv("e.csv").at(0)["status"], "'=" + hostile_name);
+    EXPECT_TRUE(well_formed(folder_.read("e.xml")));
+    expect_page("e.html");
+#ifdef ONCOLLIDE_XML
+    write({"clash", mesh_a_, mesh_b_, "--units", "m", "--baseline", "edited.json", "--bcf", "r.bcfzip"});
+    const auto files = read_zip(folder_.read("r.bcfzip"));
+    EXPECT_GE(files.size(), 3u);
+    EXPECT_EQ(bcf_faults(files), std::vector<std::string>());
+    for (const auto& [name, text] : files) {
+        if (name.ends_with(".png")) continue;
+        EXPECT_TRUE(well_formed(text)) << name;
+        EXPECT_TRUE(as_utf8(text) == text) << name;
+    }
+#endif
 }
 
 } // namespace

@@ -124,5 +124,65 @@ TEST(PairTests, GiveOneVerdictInBothOrdersWhereBodiesTouch)
     EXPECT_GT(separate, 50);
 }
 
+/// A mesh with its vertices and triangles in another order.
+Mesh reordered(const Mesh& mesh)
+{
+    const auto count = static_cast<std::uint32_t>(mesh.vertices.size());
+    const auto place = [&](std::uint32_t v) {
+        return static_cast<std::uint32_t>((v * std::uint64_t{7919} + 3) % count);
+    };
+    std::vector<Eigen::Vector3d> vertices(count);
+    for (std::uint32_t v = 0; v < count; ++v) vertices[place(v)] = mesh.vertices[v];
+    std::vector<Triangle> triangles(mesh.triangles.rbegin(), mesh.triangles.rend());
+    for (Triangle& t : triangles) t = {place(t[1]), place(t[2]), place(t[0])};
+    return make_mesh("reordered", std::move(vertices), std::move(triangles));
+}
+
+/// A mesh that coincides with its copy has millions of pairs of triangles that only touch.
+TEST(PairTests, DecideAMeshAgainstItsCopyByAFewTriangles)
+{
+    const Settings settings;
+    ModelStore store(settings, make_cpu_backend());
+    const Mesh knot = make_torus_knot_mesh(2, 3, 0.5, 0.2, 0.08, 20'000);
+    ASSERT_NE(knot.vertices.size() % 7919, 0u);
+    std::vector<Model*> models;
+    for (const Mesh& mesh : {knot, knot, reordered(knot)}) {
+        models.push_back(&store[store.add(std::make_shared<const Geometry>(Geometry{{}, mesh, {}}))]);
+        store.obb_tree(*models.back(), 0);
+    }
+    for (Model* other : models)
+        for (const double by : {0.0, 1e-9})
+            for (const Eigen::Isometry3d& pose : {Eigen::Isometry3d::Identity(), random_pose(1, 2)}) {
+                PairWorker worker;
+                const Eigen::Isometry3d moved = Eigen::Translation3d(by, 0, 0) * pose;
+                const PairTask task{0, models[0], other, &pose, &moved};
+                const Finding found = tests_for(task).decide(worker, task, {.kinds = true}, nullptr);
+                EXPECT_EQ(found, Finding(Verdict::colliding, ContactKind::crossing, 0));
+                EXPECT_LT(worker.counts().triangles, 2000u)
+                    << "of " << 13 * knot.triangles.size() << ", moved by " << by;
+            }
+}
+
+/// The copy of an open surface only touches it.
+TEST(PairTests, FindThatAnOpenMeshTouchesItsCopy)
+{
+    const Settings settings;
+    ModelStore store(settings, make_cpu_backend());
+    Mesh open = make_torus_knot_mesh(2, 3, 0.5, 0.2, 0.08, 2000);
+    open.triangles.pop_back();
+    std::vector<Model*> models;
+    for (const Mesh& mesh : {open, reordered(open)}) {
+        models.push_back(&store[store.add(std::make_shared<const Geometry>(Geometry{{}, mesh, {}}))]);
+        store.obb_tree(*models.back(), 0);
+    }
+    const Eigen::Isometry3d pose = random_pose(1, 2);
+    PairWorker worker;
+    for (Model* other : models) {
+        const PairTask task{0, models[0], other, &pose, &pose};
+        EXPECT_EQ(tests_for(task).decide(worker, task, {.kinds = true}, nullptr),
+                  Finding(Verdict::colliding, ContactKind::touching, 0));
+    }
+}
+
 } // namespace
 } // namespace oncollide

@@ -68,7 +68,13 @@ TriangleContact contact(const Mesh& a, const Mesh& b, const RelativePose& b_to_a
 bool found(const Mesh& a, const Mesh& b, const RelativePose& b_to_a)
 {
     ObbTree tree_a(a), tree_b(b);
-    const auto point = SharedInside().find(tree_a, tree_b, b_to_a);
+    SharedInside inside;
+    const auto point = inside.find(tree_a, tree_b, b_to_a);
+    std::vector<TrianglePair> pairs;
+    Traversal().all_meeting(tree_a, tree_b, b_to_a, pairs);
+    if (pairs.size() > 50) pairs.resize(50);
+    for (const TrianglePair& pair : pairs)
+        EXPECT_LE(inside.is_beside(tree_a, tree_b, b_to_a, pair), point.has_value()) << pair.a << ' ' << pair.b;
     if (!point) return false;
     EXPECT_EQ(std::abs(std::round(winding_number(a, *point))), 1) << point->transpose();
     return true;

@@ -77,7 +77,7 @@ CASES = [
     (lambda: World(max_eror=1), TypeError, "World: no setting 'max_eror'; valid: max_error, depth"),
     (lambda: World(max_error=0), Error, "max-error = 0: must be a length in metres, above 0"),
     (lambda: World(max_error=1, depth=3), Error, "give one of them"),
-    (lambda: World(exact="yes"), ValueError, "World: exact: no 'yes'; valid: off, on, predicates, fcl"),
+    (lambda: World(exact="yes"), ValueError, "World: exact: no 'yes'; valid: auto, on, off, predicates, fcl"),
     (lambda: World(threads=-1), ValueError, "World: threads: -1 is out of range"),
     (lambda: World(threads=1.0), TypeError, "World: threads: expected a whole number; got float"),
     (lambda: World(coherence=1), TypeError, "World: coherence: expected True or False; got int"),

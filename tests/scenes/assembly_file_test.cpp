@@ -133,7 +133,28 @@ TEST_F(AssemblyFile, LongChainsOfNodesMakeNoLongNames)
     for (int i = 1; i < 3000; ++i) nodes += fmt::format(R"(,{{"name":"n","mesh":0,"children":[{}]}})", i + 1);
     const Assembly found = load(nodes + R"(,{"mesh":0})");
     ASSERT_EQ(found.parts.size(), 3001u);
-    EXPECT_EQ(found.parts.back().path, "n/n/n/n/n/n/n/node 3000");
+    std::string ancestors;
+    for (int i = 0; i < 63; ++i) ancestors += "n/";
+    EXPECT_EQ(found.parts.back().path, ancestors + "node 3000");
+}
+
+TEST_F(AssemblyFile, AnObjFileIsDividedIntoItsObjectsIfRequested)
+{
+    // A triangle before the first object, an L of one polygon, and a square; groups do not count beside objects.
+    const auto path = folder_.write("l.obj", "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3\n"
+                                             "o the L\ng a\nf 1 2 3 4 5 6\ng b\no square\nv 5 5 5\nv 6 5 5\nv 6 6 5\n"
+                                             "v 5 6 5\nf -4 -3 -2 -1\n");
+    EXPECT_EQ(load_assembly(path).parts.size(), 1u);
+    const Assembly found = load_assembly(path, 2, 1, true);
+    ASSERT_EQ(found.parts.size(), 3u);
+    const auto expect_part = [&](std::size_t number, const char* name, std::size_t triangles, std::size_t vertices) {
+        EXPECT_EQ(found.parts[number].name, name);
+        EXPECT_EQ(found.parts[number].above, no_node_above);
+        EXPECT_EQ(mesh_of(found, number).triangles.size(), triangles) << name;
+        EXPECT_EQ(mesh_of(found, number).vertices.size(), vertices) << name;
+    };
+    expect_part(0, "l", 1, 3), expect_part(1, "the L", 4, 6), expect_part(2, "square", 2, 4);
+    EXPECT_EQ(mesh_of(found, 2).bounds.max, Eigen::Vector3d(12, 12, 10));
 }
 
 } // namespace

@@ -91,7 +91,8 @@ TEST_F(Terminal, TheLogSaysAsMuchAsItsVariable)
     EXPECT_NE(said("error", "nowhere").err.find("no scene named"), std::string::npos) << "errors are always printed";
     const Outcome wrong = said("inof");
     EXPECT_EQ(wrong.code, 64);
-    EXPECT_NE(wrong.err.find("ONCOLLIDE_LOG: unknown level 'inof'; did you mean 'info'?"), std::string::npos) << wrong.err;
+    EXPECT_NE(wrong.err.find("ONCOLLIDE_LOG: unknown level 'inof'; did you mean 'info'?"), std::string::npos)
+        << wrong.err;
 }
 
 TEST_F(Terminal, TheReferencesHaveEveryCommandAndOption)

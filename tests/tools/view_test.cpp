@@ -448,6 +448,36 @@ TEST_F(ViewInBrowser, EveryViewShowsWhatItIsFor)
     EXPECT_NE(phone.document.find("Boxes of the bodies"), std::string::npos);
 }
 
+/// A link of a clash report selects the pair and moves the camera to the clash.
+TEST_F(ViewInBrowser, AClashIsSeenFromNear)
+{
+    const auto write_box = [&](const std::string& name, double low, double high) {
+        std::string text = "OFF\n8 12 0\n";
+        for (const double x : {low, high})
+            for (const char* yz : {"0 0", "100 0", "100 100", "0 100"}) text += fmt::format("{} {}\n", x, yz);
+        folder_.write(name, text + "3 0 2 1\n3 0 3 2\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n3 2 3 7\n"
+                                   "3 2 7 6\n3 3 0 4\n3 3 4 7\n");
+    };
+    write_box("left.off", 0, 100), write_box("right.off", 99, 200), write_box("far.off", 50'000, 50'100);
+    EXPECT_EQ(run({"clash", "left.off", "right.off", "far.off", "--quiet", "--view", "v.html", "-o", "r.html"}).code,
+              1);
+    const std::string page = folder_.read("r.html"), mark = "href=\"./v.html#";
+    const std::size_t begin = page.find(mark) + mark.size();
+    std::string link = page.substr(begin, page.find('"', begin) - begin);
+    for (std::size_t at = 0; (at = link.find("&amp;", at)) != link.npos;) link.replace(at, 5, "&");
+    EXPECT_TRUE(link.starts_with("pair=0,1&isolate&at=99.5,50,50,")) << link;
+    const Seen near = look("v.html", link + "&theme=light"), all = look("v.html", "frame=0&theme=light");
+    const auto scale = [](const Seen& seen) {
+        const std::size_t at = seen.document.find("<b>", seen.document.find("id=\"scale\""));
+        return seen.document.substr(at + 3, seen.document.find("</b>", at) - at - 3);
+    };
+    EXPECT_EQ(scale(near), "50 mm");
+    EXPECT_EQ(scale(all), "10 m");
+    EXPECT_GT(in_scene(near.picture, is_colliding), 8000);
+    EXPECT_LT(in_scene(all.picture, is_colliding), 1000);
+    EXPECT_NE(near.document.find("surfaces cross"), std::string::npos) << "the pair is selected";
+}
+
 TEST_F(ViewInBrowser, TheSliderAndKeysChangeTheFrame)
 {
     write_scene("scene.json", 1.5, "</script><script>document.title='owned'</script>");

@@ -1,7 +1,7 @@
 // oncollide bench clash: time from files to a complete report, and a check of the report.
 #include "bench/bench.hpp"
 #include "clash/clash_pictures.hpp"
-#include "clash/planted_assembly.hpp"
+#include "clash/planted/planted_assembly.hpp"
 #include "clash/report.hpp"
 
 #include <chrono>
@@ -121,7 +121,8 @@ int bench_clash(const ClashBenchOptions& o)
     write_stl_files(planted, folder.path() / "parts");
     write_glb_file(planted, folder.path() / "assembly.glb");
     say("{}", describe_program("cpu"));
-    say("{} parts, {} triangles, {} planted pairs (touching, crossing, enclosed, near); seconds, {} threads\n",
+    say("{} parts, {} triangles, {} planted pairs (touching, crossing, enclosed, duplicate, near); seconds, {} "
+        "threads\n",
         grouped(planted.parts.size()), grouped(planted.triangles), grouped(planted.pairs.size()),
         o.threads ? o.threads : hardware_threads());
     std::optional<CsvFile> csv;

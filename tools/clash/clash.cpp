@@ -1,6 +1,12 @@
 // oncollide clash: finds the parts of an assembly that interfere with each other.
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -8,26 +14,31 @@
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 
+#include "clash/bcf_file.hpp"
 #include "clash/clash_pictures.hpp"
+#include "clash/clash_view.hpp"
+#include "clash/known_pairs.hpp"
 #include "clash/report.hpp"
 #include "cli/command.hpp"
 #include "cli/log.hpp"
 #include "cli/outputs.hpp"
 #include "cli/progress.hpp"
+#include "common/zip_bytes.hpp"
+#include "view/view_page.hpp"
 
 namespace oncollide::tools {
 namespace {
 
 struct ClashOptions {
-    std::vector<std::string> inputs, units, groups, out;
-    std::string clearance = "0", tolerance = "0", ignore, baseline;
-    int list = 20, pictures = 40, threads = 0;
+    std::vector<std::string> inputs, units, groups, set_a, set_b, out;
+    std::string clearance = "0", tolerance = "0", ignore, baseline, bcf, view;
+    int list = 20, pictures = 40, threads = 0, view_limit = 40;
     bool touching = false, quiet = false;
 };
 
 using Write = void (*)(OutputFile&, const ClashReport&);
 
-enum class Form { json, csv, junit, page };
+enum class Form { json, csv, junit, page, bcf };
 
 Form form_of(const std::string& file)
 {
@@ -35,10 +46,10 @@ Form form_of(const std::string& file)
     if (file.ends_with(".csv")) return Form::csv;
     if (file.ends_with(".xml")) return Form::junit;
     if (file.ends_with(".html")) return Form::page;
-    usage(
-        fmt::format("--out {}: the name must end in .html, .json, .csv or .xml (JUnit), or be '-' for JSON on standard "
-                    "output",
-                    file));
+    if (file.ends_with(".bcf") || file.ends_with(".bcfzip")) return Form::bcf;
+    usage(fmt::format("--out {}: the name must end in .html, .json, .csv, .xml (JUnit), .bcf or .bcfzip, or be '-' for "
+                      "JSON on standard output",
+                      file));
 }
 
 void check_out(const ClashOptions& o, const std::vector<std::string>& inputs)
@@ -46,19 +57,51 @@ void check_out(const ClashOptions& o, const std::vector<std::string>& inputs)
     std::vector<std::pair<const char*, std::string>> files;
     for (const std::string& file : o.out) {
         if (file.empty()) usage("--out: the file name is empty");
-        form_of(file);
+        if (form_of(file) == Form::bcf) check_zip("--out " + file);
         files.emplace_back("--out", file);
     }
+    if (!o.bcf.empty()) check_zip("--bcf"), files.emplace_back("--bcf", o.bcf);
+    if (!o.view.empty()) files.emplace_back("--view", o.view);
     std::vector<std::string> all = inputs;
     all.push_back(o.ignore), all.push_back(o.baseline);
     check_files(files, all);
+    check_view("--view", o.view, o.view_limit, {}, all);
 }
 
-void write_reports(const ClashOptions& o, const ClashReport& report)
+/// The file names with their formats.
+std::vector<std::pair<std::string, Form>> reports_of(const ClashOptions& o)
 {
-    for (const std::string& name : o.out) {
+    std::vector<std::pair<std::string, Form>> reports;
+    for (const std::string& name : o.out) reports.emplace_back(name, form_of(name));
+    if (!o.bcf.empty()) reports.emplace_back(o.bcf, Form::bcf);
+    return reports;
+}
+
+/// `file` in a link on the page `from`. Every byte that means something in a URL is escaped.
+std::string link_from(const std::string& from, const std::string& file)
+{
+    namespace fs = std::filesystem;
+    std::error_code error;
+    const fs::path folder = fs::absolute(from, error).parent_path();
+    std::string url;
+    for (const char c : fs::absolute(file, error).lexically_relative(folder).string())
+        url +=
+            std::isalnum(static_cast<unsigned char>(c)) || std::string_view("-_.~/").find(c) != std::string_view::npos
+                ? std::string(1, c)
+                : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+    return "./" + url;
+}
+
+void write_reports(const ClashOptions& o, ClashReport& report)
+{
+    std::optional<ClashPictures> drawn;
+    const auto pictures = [&]() -> const ClashPictures& {
+        if (!drawn) drawn = draw_clashes(report, std::size_t(o.pictures), o.quiet);
+        return *drawn;
+    };
+    for (const auto& [name, form] : reports_of(o)) {
         OutputFile file(name);
-        switch (form_of(name)) {
+        switch (form) {
         case Form::json:
             write_json(file, report);
             break;
@@ -69,11 +112,31 @@ void write_reports(const ClashOptions& o, const ClashReport& report)
             write_junit(file, report);
             break;
         case Form::page:
-            write_page(file, report, draw_clashes(report, std::size_t(o.pictures), o.quiet));
+            report.view = o.view.empty() ? "" : link_from(name, o.view);
+            write_page(file, report, pictures());
+            break;
+        case Form::bcf:
+            write_bcf(file, report, pictures());
+            if (!o.quiet && !drawn->note.empty()) log(LogLevel::note, fmt::format("{}: {}", name, drawn->note));
             break;
         }
         file.commit();
     }
+    if (o.view.empty()) return;
+    const std::string summary = write_clash_view(o.view, report, std::size_t(o.view_limit) * 1'000'000);
+    if (!o.quiet) log(LogLevel::note, summary);
+}
+
+/// Now, or the time that a build sets for files that must not differ from run to run.
+std::int64_t report_time()
+{
+    const char* const set = std::getenv("SOURCE_DATE_EPOCH");
+    std::int64_t seconds = 0;
+    if (!set || !*set) return std::time(nullptr);
+    const auto [end, error] = std::from_chars(set, set + std::strlen(set), seconds);
+    if (error != std::errc() || *end || seconds < 0 || seconds > 253402300799)
+        usage(fmt::format("SOURCE_DATE_EPOCH={}: expected the seconds since 1970", set));
+    return seconds;
 }
 
 void print(const ClashOptions& o, const ClashReport& report)
@@ -97,17 +160,87 @@ int clash(const ClashOptions& o)
                                  .threads = o.threads};
     const std::vector<std::string> files = files_of(o.inputs);
     check_out(o, files);
-    PartList parts = read_parts(files, units, o.groups, o.threads ? o.threads : hardware_threads());
+    if (o.set_a.empty() && !o.set_b.empty()) usage("--set-b: needs --set-a");
+    const std::int64_t time = report_time();
+    const PartRules rules{o.groups, o.set_a, o.set_b, o.inputs};
+    PartList parts = read_parts(files, units, rules, o.threads ? o.threads : hardware_threads());
     Clashes found = find_clashes(parts, settings);
     std::vector<std::string> warnings = std::move(parts.warnings);
     if (!o.ignore.empty()) ignore_pairs(o.ignore, parts, found.list, warnings);
-    std::vector<FixedClash> fixed;
-    if (!o.baseline.empty()) fixed = compare_with_baseline(o.baseline, parts, found.list);
-    const ClashReport report{parts,      found,    units.reported(), settings,
-                             o.baseline, o.ignore, std::move(fixed), std::move(warnings)};
+    std::vector<ResolvedClash> resolved;
+    if (!o.baseline.empty()) resolved = compare_with_baseline(o.baseline, parts, found.list);
+    ClashReport report{parts,      found,    units.reported(),    settings,
+                       o.baseline, o.ignore, std::move(resolved), std::move(warnings),
+                       rules,      time};
     if (!o.quiet) print(o, report);
     write_reports(o, report);
     return report.count(ClashStatus::fresh) ? 1 : 0;
+}
+
+void add_comparing_options(Arguments sub, ClashOptions* o)
+{
+    sub.add_option("--units", o->units,
+                   "unit of the files and of the report: mm, cm, m or in (default mm). glTF files are in metres; "
+                   "COLLADA and 3MF files define their unit. PATTERN=UNIT sets the unit of some files: 'frame*.stl=m' "
+                   "(repeatable)")
+        .type_name("UNIT")
+        .repeatable();
+    sub.add_option("--clearance", o->clearance, "parts closer than this also clash: 2mm, 0.1in (default 0)")
+        .type_name("LENGTH");
+    sub.add_option(
+           "--tolerance", o->tolerance,
+           "parts that overlap, or are apart, by no more than this count as touching: the overlap is at most this "
+           "thick, or moving one part by this much separates them (default 0)")
+        .type_name("LENGTH");
+    sub.add_flag("--touching", o->touching, "parts that only touch also clash, for example bolted faces");
+    sub.add_option(
+           "--group", o->groups,
+           "do not compare parts of the same group: file (parts of a file), node (parts below a node of an assembly), "
+           "or a pattern of names, 'bolt*' (repeatable; the first match counts)")
+        .type_name("file|node|PATTERN")
+        .repeatable();
+    sub.add_option("--set-a", o->set_a,
+                   "compare only the parts that match this pattern (name or path, 'robot/*') with the parts of --set-b "
+                   "(repeatable)")
+        .type_name("PATTERN")
+        .repeatable();
+    sub.add_option("--set-b", o->set_b, "the other set; default: all parts outside --set-a (repeatable)")
+        .type_name("PATTERN")
+        .repeatable();
+    sub.add_option("--ignore", o->ignore,
+                   "known pairs to ignore: CSV, two names or patterns per row; rows of an earlier .csv report work")
+        .type_name("FILE.csv");
+}
+
+void add_report_options(Arguments sub, ClashOptions* o)
+{
+    sub.add_option("--baseline", o->baseline,
+                   "the JSON report of an earlier run: only new or worse clashes count; resolved clashes are listed. "
+                   "Comments and statuses that you wrote into it are taken over")
+        .type_name("OLD.json");
+    sub.add_option(
+           "-o,--out", o->out,
+           "write a report: .html (one page with pictures), .json, .csv, .xml (JUnit) or .bcfzip (BCF 2.1); '-': "
+           "JSON on standard output (repeatable)")
+        .type_name("FILE")
+        .repeatable();
+    sub.add_option("--bcf", o->bcf,
+                   "write the new and active clashes as BCF 2.1, one topic per clash with camera, parts and picture")
+        .type_name("FILE.bcfzip");
+    sub.add_option("--view", o->view,
+                   "write all parts as a page in 3D, to which the clashes of .html reports link; needs Debian's "
+                   "libjs-three")
+        .type_name("FILE.html");
+    add_view_limit(sub, o->view_limit);
+    sub.add_option("--list", o->list, "number of clashes to print, the worst first (default 20)").type_name("N");
+    sub.add_option("--pictures", o->pictures,
+                   "number of clashes to draw in pages and BCF files, the worst first (default 40)")
+        .type_name("N");
+    sub.add_option("--threads", o->threads,
+                   "number of threads; 0: all (default). Does not change the "
+                   "result")
+        .type_name("N");
+    sub.add_flag("--quiet", o->quiet, "print only errors");
 }
 
 } // namespace
@@ -118,58 +251,24 @@ void add_clash(Arguments app)
     auto o = std::make_shared<ClashOptions>();
     sub.add_option("parts", o->inputs,
                    "part files (OBJ, STL, PLY, OFF; one part per file, in the file's coordinates), glTF, COLLADA or "
-                   "3MF assemblies (one part per node that shows a mesh), folders of these")
+                   "3MF assemblies (one part per node that shows a mesh), one OBJ file (one part per object or group), "
+                   "folders of "
+                   "these")
         .required()
         .type_name("FILES|FOLDER|ASSEMBLY");
-    sub.add_option("--units", o->units,
-                   "unit of the files and of the report: mm, cm, m or in (default mm). glTF files are in metres; "
-                   "COLLADA and 3MF files define their unit. PATTERN=UNIT sets the unit of some files: 'frame*.stl=m' "
-                   "(repeatable)")
-        .type_name("UNIT")
-        .repeatable();
-    sub.add_option("--clearance", o->clearance, "parts closer than this also clash: 2mm, 0.1in (default 0)")
-        .type_name("LENGTH");
-    sub.add_option("--tolerance", o->tolerance,
-                   "parts that overlap by no more than this count as touching: the overlap is at most this thick, or "
-                   "moving one part by this much separates them (default 0)")
-        .type_name("LENGTH");
-    sub.add_flag("--touching", o->touching, "parts that only touch also clash, for example bolted faces");
-    sub.add_option(
-           "--group", o->groups,
-           "do not compare parts of the same group: file (parts of a file), node (parts below a node of an assembly), "
-           "or a pattern of names, 'bolt*' (repeatable; the first match counts)")
-        .type_name("file|node|PATTERN")
-        .repeatable();
-    sub.add_option("--ignore", o->ignore,
-                   "known pairs to ignore: CSV, two names or patterns per row; rows of an earlier .csv report work")
-        .type_name("FILE.csv");
-    sub.add_option("--baseline", o->baseline,
-                   "the JSON report of an earlier run: only new or worse clashes count; fixed clashes are listed")
-        .type_name("OLD.json");
-    sub.add_option("-o,--out", o->out,
-                   "write a report: .html (one page with pictures), .json, .csv or .xml (JUnit); '-': JSON on standard "
-                   "output (repeatable)")
-        .type_name("FILE")
-        .repeatable();
-    sub.add_option("--list", o->list, "number of clashes to print, the worst first (default 20)").type_name("N");
-    sub.add_option("--pictures", o->pictures,
-                   "number of clashes to draw in a page, the worst first (default "
-                   "40)")
-        .type_name("N");
-    sub.add_option("--threads", o->threads,
-                   "number of threads; 0: all (default). Does not change the "
-                   "result")
-        .type_name("N");
-    sub.add_flag("--quiet", o->quiet, "print only errors");
+    add_comparing_options(sub, o.get());
+    add_report_options(sub, o.get());
     sub.footer(
-        "All pairs of parts are decided exactly: enclosed (one inside the other), crossing, touching, near (with\n"
-        "--clearance). Parts should be closed surfaces; parts inside a part that is not closed are not found; open\n"
-        "parts are listed.\n"
+        "All pairs of parts are decided exactly: duplicate (same geometry, same place), enclosed (one inside\n"
+        "the other), crossing, touching, near (with --clearance). Parts should be closed surfaces; parts inside\n"
+        "a part that is not closed are not found; open parts are listed.\n"
         "Exit codes: 0 no new clash, 1 a new clash, 64 and above: error.\n"
         "Examples:\n"
         "  oncollide clash factory.glb --clearance 2mm -o report.html\n"
         "  oncollide clash parts/ --units mm --group 'bolt*' --ignore known.csv -o clashes.json -o clashes.xml\n"
+        "  oncollide clash robot.glb cell.glb --set-a 'robot.glb*' -o report.html --view view.html\n"
         "  oncollide clash parts/ --baseline clashes.json -o today.json   # 1 only for new clashes\n"
+        "  oncollide clash parts/ --bcf issues.bcfzip\n"
         "More: docs/clash.md.");
     sub.action([o] { return clash(*o); });
 }

@@ -37,9 +37,9 @@ Subject subject_of(const Clashes& found, const PartList& parts, const Clash& cla
 {
     constexpr double width = 3;
     Subject subject;
-    if (clash.kind == ContactKind::near)
+    if (clash.apart())
         subject.lines.push_back({clash.nearest_a, clash.nearest_b, width, red});
-    else if (clash.kind != ContactKind::enclosed) {
+    else if (clash.kind != ClashKind::enclosed && clash.kind != ClashKind::duplicate) {
         const PairOfBodies pair = found.pair(clash);
         const std::vector<Contact> contacts = found.world->contacts(pair.a, pair.b);
         constexpr std::size_t most = 100'000; // more would not be distinguishable
@@ -48,7 +48,7 @@ Subject subject_of(const Clashes& found, const PartList& parts, const Clash& cla
     }
     for (const Picture::Line& line : subject.lines)
         subject.points.push_back(line.from), subject.points.push_back(line.to);
-    if (clash.kind == ContactKind::enclosed)
+    if (clash.kind == ClashKind::enclosed || clash.kind == ClashKind::duplicate)
         for (const std::uint32_t part : {clash.a, clash.b}) {
             const auto& mesh = std::get<Mesh>(parts.meshes[parts.parts[part].mesh]->data);
             for (const Eigen::Vector3d& v : mesh.vertices) {
@@ -98,17 +98,49 @@ void paste(Painter& painter, const Picture& picture, Image& image, int column)
         std::copy_n(pixels.begin() + 3 * side * y, 3 * side, image.pixels.begin() + 3 * (image.width * y + column));
 }
 
-Image draw(Painter& painter, const ClashReport& report, const Clash& clash)
+/// The subject of a picture and its camera.
+struct Scenery {
+    Subject subject;
+    Aabb box_a, box_b, part; ///< part: around the contact
+    ClashView view;
+};
+
+Scenery scenery_of(const ClashReport& report, const Clash& clash)
 {
     const PartList& parts = report.parts;
-    const Subject subject = subject_of(report.found, parts, clash);
-    const Aabb box_a = box_of(parts, clash.a), box_b = box_of(parts, clash.b);
-    Aabb whole = box_a, part = clash.reach.overlap;
-    whole.add(box_b);
-    for (const Eigen::Vector3d& p : subject.points) part.add(p);
-    const double smaller = std::min(box_a.diagonal(), box_b.diagonal());
+    Scenery s{.subject = subject_of(report.found, parts, clash),
+              .box_a = box_of(parts, clash.a),
+              .box_b = box_of(parts, clash.b),
+              .part = clash.reach.overlap,
+              .view = {}};
+    for (const Eigen::Vector3d& p : s.subject.points) s.part.add(p);
+    Aabb whole = s.box_a;
+    whole.add(s.box_b);
+    const double smaller = std::min(s.box_a.diagonal(), s.box_b.diagonal());
     // Near enough to see the contact, far enough to recognise the parts, and not nearer than floats can draw.
-    const double near = std::max({0.9 * part.diagonal(), 0.15 * smaller, 1e-4 * whole.diagonal()});
+    const double near = std::max({0.9 * s.part.diagonal(), 0.15 * smaller, 1e-4 * whole.diagonal()});
+    s.view = {good_side(s.subject.points, s.part.centre()), s.part.centre(), std::min(near, 0.6 * whole.diagonal())};
+    return s;
+}
+
+/// The camera of a clash without a picture: from the front and above, around the contact.
+ClashView plain_view(const PartList& parts, const Clash& clash)
+{
+    const auto size = [&](std::uint32_t part) {
+        return std::get<Mesh>(parts.meshes[parts.parts[part].mesh]->data).bounds.diagonal();
+    };
+    Aabb box = clash.reach.overlap;
+    if (clash.apart()) box.add(clash.nearest_a), box.add(clash.nearest_b);
+    return {Eigen::Vector3d(0.45, -1, 0.45).normalized(), clash.where,
+            std::max(0.9 * box.diagonal(), 0.15 * std::min(size(clash.a), size(clash.b)))};
+}
+
+Image draw(Painter& painter, const ClashReport& report, const Clash& clash, const Scenery& scenery)
+{
+    const auto& [subject, box_a, box_b, part, view] = scenery;
+    const PartList& parts = report.parts;
+    Aabb whole = box_a;
+    whole.add(box_b);
 
     Picture picture;
     picture.width = picture.height = side, picture.background = paper;
@@ -121,16 +153,15 @@ Image draw(Painter& painter, const ClashReport& report, const Clash& clash)
     // drawn unchanged.
     const bool a_is_larger = box_a.diagonal() > box_b.diagonal();
     add(a_is_larger ? clash.a : clash.b, a_is_larger ? colour_a : colour_b, 50);
-    if (clash.kind == ContactKind::enclosed)
+    if (clash.kind == ClashKind::enclosed || clash.kind == ClashKind::duplicate)
         add(a_is_larger ? clash.b : clash.a, red, 255);
     else
         add(a_is_larger ? clash.b : clash.a, a_is_larger ? colour_b : colour_a, 110);
     picture.lines = subject.lines;
-    const Eigen::Vector3d from = good_side(subject.points, part.centre());
     Image image{2 * side, side, std::vector<std::uint8_t>(std::size_t(2 * side * side * 3))};
-    picture.camera = camera_from(from, part.centre(), std::min(near, 0.6 * whole.diagonal()));
+    picture.camera = camera_from(view.from, view.middle, view.radius);
     paste(painter, picture, image, 0);
-    picture.camera = camera_from(from, whole.centre(), 0.55 * whole.diagonal());
+    picture.camera = camera_from(view.from, whole.centre(), 0.55 * whole.diagonal());
     // A dot marks a contact that is too small to be visible from afar.
     if (part.diagonal() < 0.08 * whole.diagonal()) picture.lines.push_back({part.centre(), part.centre(), 9, red});
     paste(painter, picture, image, side);
@@ -144,9 +175,10 @@ ClashPictures draw_clashes(const ClashReport& report, std::size_t most, bool qui
     ClashPictures pictures;
     const std::vector<Clash>& list = report.found.list;
     pictures.images.resize(list.size());
+    for (const Clash& clash : list) pictures.views.push_back(plain_view(report.parts, clash));
     std::vector<std::size_t> shown;
     std::size_t wanted = 0;
-    for (const ClashStatus status : {ClashStatus::fresh, ClashStatus::same})
+    for (const ClashStatus status : {ClashStatus::fresh, ClashStatus::active})
         for (std::size_t i = 0; i < list.size(); ++i)
             if (list[i].status == status && ++wanted <= most) shown.push_back(i);
     if (shown.empty()) {
@@ -163,8 +195,11 @@ ClashPictures draw_clashes(const ClashReport& report, std::size_t most, bool qui
         constexpr std::size_t batch = 16;
         for (std::size_t begin = 0; begin < shown.size(); begin += batch) {
             std::vector<Image> images;
-            for (std::size_t k = begin; k < std::min(begin + batch, shown.size()); ++k, progress.step())
-                images.push_back(draw(painter, report, list[shown[k]]));
+            for (std::size_t k = begin; k < std::min(begin + batch, shown.size()); ++k, progress.step()) {
+                const Scenery scenery = scenery_of(report, list[shown[k]]);
+                pictures.views[shown[k]] = scenery.view;
+                images.push_back(draw(painter, report, list[shown[k]], scenery));
+            }
             parallel_chunks(images.size(), 1, thread_count(report.found.world->settings()),
                             [&](std::size_t from, std::size_t to, int) {
                                 for (std::size_t k = from; k < to; ++k)

@@ -6,17 +6,19 @@
 
 #include <oncollide/base/threads/parallel.hpp>
 
+#include "clash/duplicates.hpp"
+#include "clash/parts/part_ids.hpp"
 #include "clash/tolerance.hpp"
 
 namespace oncollide::tools {
 namespace {
 
-int rank(ContactKind kind)
+ClashKind kind_of(ContactKind kind)
 {
-    return kind == ContactKind::enclosed   ? 0
-           : kind == ContactKind::crossing ? 1
-           : kind == ContactKind::touching ? 2
-                                           : 3;
+    return kind == ContactKind::enclosed   ? ClashKind::enclosed
+           : kind == ContactKind::crossing ? ClashKind::crossing
+           : kind == ContactKind::touching ? ClashKind::touching
+                                           : ClashKind::near;
 }
 
 void add_parts(const PartList& list, Clashes& found)
@@ -28,7 +30,13 @@ void add_parts(const PartList& list, Clashes& found)
     std::vector<BodySpec> bodies;
     for (std::size_t i = 0; i < list.parts.size(); ++i) {
         const Part& part = list.parts[i];
-        bodies.push_back({.model = models[part.mesh], .pose = part.pose, .group = part.group, .user = i});
+        const auto [layer, mask] = layers_of(list, part);
+        bodies.push_back({.model = models[part.mesh],
+                          .pose = part.pose,
+                          .layer = layer,
+                          .mask = mask,
+                          .group = part.group,
+                          .user = i});
     }
     found.bodies.resize(bodies.size());
     world.add_bodies(bodies, found.bodies);
@@ -41,14 +49,38 @@ void add_parts(const PartList& list, Clashes& found)
         if (!closed[part.mesh]) found.open.push_back(part.name);
 }
 
+/// Their common part is the whole of each: there is nothing to search for.
+void measure_duplicate(const PartList& list, Clash& clash)
+{
+    const Part& part = list.parts[clash.a];
+    const auto& mesh = std::get<Mesh>(list.meshes[part.mesh]->data);
+    Aabb box;
+    for (const Triangle& triangle : mesh.triangles)
+        for (const std::uint32_t v : triangle) box.add(part.pose * mesh.vertices[v]);
+    clash.reach.contact = clash.reach.overlap = box;
+    clash.reach.thickness = (box.max - box.min).minCoeff();
+    clash.where = box.centre();
+}
+
+void find_duplicates(const PartList& list, const World& world, double tolerance, std::vector<Clash>& clashes)
+{
+    parallel_chunks(clashes.size(), 1, thread_count(world.settings()), [&](std::size_t begin, std::size_t end, int) {
+        for (Clash& clash : std::span(clashes).subspan(begin, end - begin)) {
+            if (!same_geometry(list, list.parts[clash.a], list.parts[clash.b], tolerance)) continue;
+            clash.kind = ClashKind::duplicate;
+            measure_duplicate(list, clash);
+        }
+    });
+}
+
 void measure(const World& world, const Clashes& found, std::vector<Clash>& clashes)
 {
     std::vector<PairOfBodies> pairs;
     std::vector<std::size_t> near, of_pairs;
     for (std::size_t i = 0; i < clashes.size(); ++i)
-        if (clashes[i].kind == ContactKind::near)
+        if (clashes[i].kind == ClashKind::near)
             near.push_back(i);
-        else
+        else if (clashes[i].kind != ClashKind::duplicate)
             pairs.push_back(found.pair(clashes[i])), of_pairs.push_back(i);
     std::vector<Penetration> reaches(pairs.size());
     world.penetration(pairs, reaches);
@@ -68,11 +100,29 @@ void measure(const World& world, const Clashes& found, std::vector<Clash>& clash
     });
 }
 
+/// Parts that cross, or are apart, by no more than the tolerance touch.
+void apply_tolerance(const Clashes& found, const ClashSettings& settings, Clash& clash)
+{
+    if (clash.kind == ClashKind::near)
+        // Parts beyond the clearance are in the list because they are within the tolerance.
+        clash.tolerated = clash.upper <= settings.tolerance || clash.lower > settings.clearance;
+    else if (clash.kind == ClashKind::crossing)
+        clash.tolerated = is_within_tolerance(found, clash, settings.tolerance);
+    if (clash.tolerated) clash.kind = ClashKind::touching;
+    if (clash.kind == ClashKind::touching && !settings.touching) clash.status = ClashStatus::contact;
+}
+
 } // namespace
+
+std::string_view name_of(ClashKind kind)
+{
+    constexpr std::string_view names[] = {"duplicate", "enclosed", "crossing", "touching", "near"};
+    return names[static_cast<int>(kind)];
+}
 
 std::string_view name_of(ClashStatus status)
 {
-    constexpr std::string_view names[] = {"new", "same", "ignored", "contact"};
+    constexpr std::string_view names[] = {"new", "active", "ignored", "contact"};
     return names[static_cast<int>(status)];
 }
 
@@ -84,38 +134,44 @@ double Clash::severity() const
 
 bool more_severe(const Clash& a, const Clash& b)
 {
-    const auto order = [](const Clash& c) {
-        return std::tuple(rank(c.kind), c.kind == ContactKind::near ? c.lower : -c.severity(), c.a, c.b);
-    };
+    const auto order = [](const Clash& c) { return std::tuple(c.kind, c.apart() ? c.lower : -c.severity(), c.a, c.b); };
     return order(a) < order(b);
+}
+
+PartLayers layers_of(const PartList& list, const Part& part)
+{
+    const std::uint32_t sets = part.sets; // bit 1: set A, bit 2: set B
+    return list.has_sets ? PartLayers{sets ? sets : 4u, (sets & 1) << 1 | (sets & 2) >> 1} : PartLayers{};
+}
+
+Settings settings_of(const ClashSettings& settings)
+{
+    return {.clearance = std::max(settings.clearance, settings.tolerance),
+            .exact = ExactLevel::predicates,
+            .contact_kinds = true,
+            .mode = Mode::solid,
+            .open_as_surface = true,
+            .threads = settings.threads};
 }
 
 Clashes find_clashes(const PartList& parts, const ClashSettings& settings)
 {
     Clashes found;
-    found.world = std::make_unique<World>(Settings{.clearance = settings.clearance,
-                                                   .exact = ExactLevel::predicates,
-                                                   .contact_kinds = true,
-                                                   .mode = Mode::solid,
-                                                   .open_as_surface = true,
-                                                   .threads = settings.threads});
+    found.world = std::make_unique<World>(settings_of(settings));
     World& world = *found.world;
     add_parts(parts, found);
     const FrameView frame = world.step();
     found.pairs = frame.pairs.size();
     for (const PairResult& pair : frame.pairs) {
         if (pair.verdict == Verdict::separate) continue;
-        const std::uint64_t a = world.user(pair.a), b = world.user(pair.b);
-        found.list.push_back({.a = static_cast<std::uint32_t>(std::min(a, b)),
-                              .b = static_cast<std::uint32_t>(std::max(a, b)),
-                              .kind = pair.kind});
+        const auto [a, b] = std::minmax(
+            {static_cast<std::uint32_t>(world.user(pair.a)), static_cast<std::uint32_t>(world.user(pair.b))});
+        found.list.push_back(
+            {.a = a, .b = b, .kind = kind_of(pair.kind), .id = clash_id(parts.parts[a], parts.parts[b])});
     }
+    find_duplicates(parts, world, settings.tolerance, found.list);
     measure(world, found, found.list);
-    for (Clash& clash : found.list) {
-        if (clash.kind == ContactKind::crossing && is_within_tolerance(found, clash, settings.tolerance))
-            clash.kind = ContactKind::touching, clash.tolerated = true;
-        if (clash.kind == ContactKind::touching && !settings.touching) clash.status = ClashStatus::contact;
-    }
+    for (Clash& clash : found.list) apply_tolerance(found, settings, clash);
     std::ranges::sort(found.list, more_severe);
     return found;
 }

@@ -1,43 +1,62 @@
 #pragma once
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <oncollide/pipeline/world.hpp>
 
-#include "clash/part_list.hpp"
+#include "clash/parts/part_list.hpp"
 
 namespace oncollide::tools {
+
+/// How two parts clash, the most severe first.
+enum class ClashKind : std::uint8_t {
+    duplicate, ///< both have the same geometry at the same place
+    enclosed,  ///< as ContactKind, as the others
+    crossing,
+    touching,
+    near,
+};
+inline constexpr std::array clash_kinds{ClashKind::duplicate, ClashKind::enclosed, ClashKind::crossing,
+                                        ClashKind::touching, ClashKind::near};
+std::string_view name_of(ClashKind kind);
 
 /// Status of a pair of parts in a report.
 enum class ClashStatus : std::uint8_t {
     fresh,   ///< not known yet; in reports "new"
-    same,    ///< also in the baseline
+    active,  ///< also in the baseline
     ignored, ///< in the list of known pairs
     contact, ///< the parts only touch, and touching is not a clash
 };
 std::string_view name_of(ClashStatus status);
 
-/// Two parts that touch, cross, enclose or are near each other. Lengths in the unit of the report.
+/// Two parts that are the same, or touch, cross, enclose or are near each other. Lengths in the unit of the report.
 struct Clash {
-    std::uint32_t a, b;          ///< in PartList::parts, a < b
-    ContactKind kind;            ///< enclosed, crossing, touching or near
-    Penetration reach{};         ///< unless near
-    bool tolerated = false;      ///< touching: they cross by no more than the tolerance
-    double lower = 0, upper = 0; ///< near: certified bounds on the distance
+    std::uint32_t a, b; ///< in PartList::parts, a < b
+    ClashKind kind;
+    std::string id{};            ///< as clash_id()
+    Penetration reach{};         ///< unless apart; of a duplicate only the box and the thickness
+    bool tolerated = false;      ///< touching: they cross, or are apart, by no more than the tolerance
+    double lower = 0, upper = 0; ///< certified bounds on the distance of parts that are apart; else 0
     Eigen::Vector3d where =
-        Eigen::Vector3d::Zero(); ///< the centre of the overlap; near: midway between the nearest points
-    Eigen::Vector3d nearest_a = Eigen::Vector3d::Zero(), nearest_b = Eigen::Vector3d::Zero(); ///< near
+        Eigen::Vector3d::Zero(); ///< the centre of the overlap; apart: midway between the nearest points
+    Eigen::Vector3d nearest_a = Eigen::Vector3d::Zero(), nearest_b = Eigen::Vector3d::Zero(); ///< apart
     ClashStatus status = ClashStatus::fresh;
-    std::string was{}; ///< the kind in the baseline, if less severe
+    std::string was{};     ///< the kind in the baseline, if less severe
+    std::string review{};  ///< a status that a user wrote into the baseline, such as "approved"; only if active
+    std::string comment{}; ///< from the baseline
 
+    bool apart() const { return upper > 0; }
+    /// The status in reports.
+    std::string_view status_text() const { return review.empty() ? name_of(status) : std::string_view(review); }
     /// Sorting key: the thickness of the overlap, or, for parts that are not closed, the length of the contact curve.
     double severity() const;
 };
 
 struct ClashSettings {
     double clearance = 0;  ///< parts closer than this are near
-    double tolerance = 0;  ///< parts that certainly overlap by no more than this touch
+    double tolerance = 0;  ///< parts that certainly overlap, or are apart, by no more than this touch
     bool touching = false; ///< touching is a clash
     int threads = 0;
 };
@@ -53,10 +72,18 @@ struct Clashes {
     PairOfBodies pair(const Clash& clash) const { return {bodies[clash.a], bodies[clash.b]}; }
 };
 
-/// Decides all pairs of parts of different groups, exactly.
+/// The settings that decide pairs.
+Settings settings_of(const ClashSettings& settings);
+/// The layers of a part: parts are compared if each is on a layer in the other's mask.
+struct PartLayers {
+    std::uint32_t layer = 1, mask = 0xffffffffu;
+};
+PartLayers layers_of(const PartList& list, const Part& part);
+
+/// Decides all pairs of parts of different groups, exactly; with sets, the pairs of a part of A and a part of B.
 Clashes find_clashes(const PartList& parts, const ClashSettings& settings);
 
-/// True if `a` is listed before `b`: enclosed, crossing, touching, near; within a kind the deeper or nearer pair first.
+/// True if `a` is listed before `b`: by kind; within a kind the deeper or nearer pair first.
 bool more_severe(const Clash& a, const Clash& b);
 
 } // namespace oncollide::tools

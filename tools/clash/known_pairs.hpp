@@ -10,20 +10,10 @@ namespace oncollide::tools {
 std::string name_in_csv(const std::string& name);
 
 /// Reads known pairs from a CSV file: two names or patterns per row, in either order; further columns and text after
-/// `#` are ignored, so a CSV report can be used. Matching clashes become `ignored`. Throws Error{bad_data} naming the
-/// row.
+/// `#` are ignored, so a CSV report can be used, of which resolved clashes do not count. Matching clashes become
+/// `ignored`. Throws Error{bad_data} naming the row.
 /// @param warnings  receives a line for each name or pattern that matches no part
 void ignore_pairs(const std::string& file, const PartList& parts, std::vector<Clash>& clashes,
                   std::vector<std::string>& warnings);
-
-/// A clash of the baseline that no longer exists.
-struct FixedClash {
-    std::string a, b, kind;
-};
-
-/// Compares with the JSON report of an earlier run. A clash that is also there becomes `same`, unless it got worse
-/// (near, then touching, then crossing or enclosed). Returns the clashes that are fixed. Throws Error{bad_data}.
-std::vector<FixedClash> compare_with_baseline(const std::string& file, const PartList& parts,
-                                              std::vector<Clash>& clashes);
 
 } // namespace oncollide::tools

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -25,6 +27,17 @@ std::string shortened(const std::string& name)
     return text.size() <= most ? text : "..." + text.substr(text.size() - most + 3);
 }
 
+/// " (2 approved, 1 reviewed)": active clashes that a user has given a status.
+std::string reviews_text(const ClashReport& r)
+{
+    std::map<std::string, std::size_t> counts;
+    for (const Clash& clash : r.found.list)
+        if (!clash.review.empty()) ++counts[clash.review];
+    std::vector<std::string> texts;
+    for (const auto& [review, count] : counts) texts.push_back(fmt::format("{} {}", grouped(count), review));
+    return texts.empty() ? "" : fmt::format(" ({})", fmt::join(texts, ", "));
+}
+
 } // namespace
 
 std::size_t ClashReport::count(ClashStatus status) const
@@ -32,7 +45,7 @@ std::size_t ClashReport::count(ClashStatus status) const
     return std::size_t(std::ranges::count(found.list, status, &Clash::status));
 }
 
-std::size_t ClashReport::count(ClashStatus status, ContactKind kind) const
+std::size_t ClashReport::count(ClashStatus status, ClashKind kind) const
 {
     return std::size_t(
         std::ranges::count_if(found.list, [&](const Clash& c) { return c.status == status && c.kind == kind; }));
@@ -41,6 +54,11 @@ std::size_t ClashReport::count(ClashStatus status, ContactKind kind) const
 std::string ClashReport::length(double value) const
 {
     return fmt::format("{:.4g} {}", value, unit.name);
+}
+
+std::string time_text(std::int64_t seconds)
+{
+    return fmt::format("{:%Y-%m-%d %H:%M UTC}", fmt::gmtime(std::time_t(seconds)));
 }
 
 std::string point_text(const Eigen::Vector3d& point)
@@ -56,7 +74,7 @@ std::vector<std::string> summary(const ClashReport& r)
                     plural(r.parts.files.size(), "file"), plural(r.parts.triangles, "triangle"), size.x(), size.y(),
                     size.z(), r.unit.name)};
     std::vector<std::string> kinds;
-    for (const ContactKind kind : clash_kinds)
+    for (const ClashKind kind : clash_kinds)
         if (const std::size_t n = r.count(ClashStatus::fresh, kind))
             kinds.push_back(fmt::format("{} {}", grouped(n), name_of(kind)));
     const std::size_t fresh = r.count(ClashStatus::fresh);
@@ -65,16 +83,17 @@ std::vector<std::string> summary(const ClashReport& r)
         : r.baseline.empty() ? "no clashes"
                              : "no new clashes");
     if (!r.baseline.empty())
-        lines.push_back(fmt::format("{} also in {}, {} fixed since", plural(r.count(ClashStatus::same), "clash"),
-                                    r.baseline, grouped(r.fixed.size())));
+        lines.push_back(fmt::format("{} active, also in {}{}; {} resolved",
+                                    plural(r.count(ClashStatus::active), "clash"), r.baseline, reviews_text(r),
+                                    grouped(r.resolved.size())));
     if (!r.ignore.empty())
         lines.push_back(
             fmt::format("{} ignored, listed in {}", plural(r.count(ClashStatus::ignored), "pair"), r.ignore));
     if (const std::size_t n = r.count(ClashStatus::contact))
-        lines.push_back(fmt::format("{} {} without overlapping{}; this is a clash only if --touching is "
-                                    "given",
-                                    plural(n, "pair"), n == 1 ? "touches" : "touch",
-                                    r.settings.tolerance > 0 ? " by more than " + r.length(r.settings.tolerance) : ""));
+        lines.push_back(fmt::format(
+            "{} {} {}; this is a clash only if --touching is given", plural(n, "pair"), n == 1 ? "touches" : "touch",
+            r.settings.tolerance > 0 ? fmt::format("(overlap or gap of at most {})", r.length(r.settings.tolerance))
+                                     : "without overlapping"));
     if (!r.found.open.empty())
         lines.push_back(fmt::format(
             "{} not closed ('{}'{}): parts wholly inside {} are not found",
@@ -85,8 +104,9 @@ std::vector<std::string> summary(const ClashReport& r)
 
 std::string measure_text(const ClashReport& r, const Clash& c)
 {
-    if (c.kind == ContactKind::near) return fmt::format("{} apart", r.length(c.upper));
-    if (c.kind == ContactKind::touching && !c.tolerated) return "0 deep";
+    if (c.kind == ClashKind::duplicate) return "same geometry, same place";
+    if (c.apart()) return fmt::format("{} apart", r.length(c.upper));
+    if (c.kind == ClashKind::touching && !c.tolerated) return "0 deep";
     std::string text;
     if (std::isfinite(c.reach.thickness)) text = fmt::format("{} thick", r.length(c.reach.thickness));
     if (c.reach.depth > 0) text += fmt::format("{}a vertex {} deep", text.empty() ? "" : ", ", r.length(c.reach.depth));
@@ -97,13 +117,13 @@ std::string clash_table(const ClashReport& r, std::size_t most)
 {
     std::vector<std::array<std::string, 6>> rows{
         {"", "kind", "overlap or gap", "part", "part", fmt::format("where ({})", r.unit.name)}};
-    const std::size_t all = r.count(ClashStatus::fresh) + r.count(ClashStatus::same);
-    for (const ClashStatus status : {ClashStatus::fresh, ClashStatus::same})
+    const std::size_t all = r.count(ClashStatus::fresh) + r.count(ClashStatus::active);
+    for (const ClashStatus status : {ClashStatus::fresh, ClashStatus::active})
         for (const Clash& c : r.found.list) {
             if (c.status != status || rows.size() > most) continue;
-            const std::string note = status == ClashStatus::same ? " (same)"
-                                     : c.was.empty()             ? ""
-                                                                 : fmt::format(" (was {})", printable(c.was));
+            const std::string note = status == ClashStatus::active ? fmt::format(" ({})", printable(c.status_text()))
+                                     : c.was.empty()               ? ""
+                                                                   : fmt::format(" (was {})", printable(c.was));
             rows.push_back({std::to_string(rows.size()), std::string(name_of(c.kind)) + note, measure_text(r, c),
                             shortened(r.name(c.a)), shortened(r.name(c.b)), point_text(c.where)});
         }

@@ -1,12 +1,12 @@
 #pragma once
-#include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include <oncollide/base/files/output_file.hpp>
 
+#include "clash/baseline.hpp"
 #include "clash/clashes.hpp"
-#include "clash/known_pairs.hpp"
 #include "render/png.hpp"
 
 namespace oncollide::tools {
@@ -18,22 +18,24 @@ struct ClashReport {
     const Unit& unit;
     ClashSettings settings;
     std::string baseline, ignore; ///< files; empty: none
-    std::vector<FixedClash> fixed;
+    std::vector<ResolvedClash> resolved;
     std::vector<std::string> warnings;
+    PartRules rules{};
+    std::int64_t time = 0; ///< seconds since 1970, UTC; pages and BCF show it
+    std::string view{};    ///< the 3D page, as pages beside it name it; empty: none
 
     const std::string& name(std::uint32_t part) const { return parts.parts[part].name; }
     std::size_t count(ClashStatus status) const;
-    std::size_t count(ClashStatus status, ContactKind kind) const;
+    std::size_t count(ClashStatus status, ClashKind kind) const;
     std::string length(double value) const; ///< "1.25 mm"
 };
-
-inline constexpr std::array clash_kinds{ContactKind::enclosed, ContactKind::crossing, ContactKind::touching,
-                                        ContactKind::near};
 
 /// Lines for the screen and the page: "8 new clashes: 2 enclosed, 6 crossing", and notes.
 std::vector<std::string> summary(const ClashReport& report);
 /// The measured overlap or gap: "0.2 mm thick, a vertex 0.1 mm deep".
 std::string measure_text(const ClashReport& report, const Clash& clash);
+/// "2026-03-01 12:00 UTC"
+std::string time_text(std::int64_t seconds);
 /// "10.25 3.5 -2"
 std::string point_text(const Eigen::Vector3d& point);
 
@@ -42,13 +44,20 @@ std::string clash_table(const ClashReport& report, std::size_t most);
 
 void write_json(OutputFile& file, const ClashReport& report);
 void write_csv(OutputFile& file, const ClashReport& report);
-/// JUnit XML: a new clash is a failure, a known clash is skipped, a fixed clash passes.
+/// JUnit XML: a new clash is a failure, a known clash is skipped, a resolved clash passes.
 void write_junit(OutputFile& file, const ClashReport& report);
 
-/// PNG files, in the order of Clashes::list; empty if there is none.
+/// The camera of a picture. Lengths in the unit of the report.
+struct ClashView {
+    Eigen::Vector3d from; ///< unit, towards the camera
+    Eigen::Vector3d middle;
+    double radius; ///< of the ball that the close-up shows
+};
+
 struct ClashPictures {
-    std::vector<std::string> images;
-    std::string note; ///< why pictures are missing; empty: each clash has one
+    std::vector<std::string> images; ///< PNG files, in the order of Clashes::list; empty if there is none
+    std::vector<ClashView> views;    ///< the same for all clashes
+    std::string note;                ///< why pictures are missing; empty: each clash has one
 };
 /// Writes one self-contained page.
 void write_page(OutputFile& file, const ClashReport& report, const ClashPictures& pictures);

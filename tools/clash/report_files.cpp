@@ -8,6 +8,7 @@
 #include <oncollide/base/text/json_writer.hpp>
 #include <oncollide/base/text/svg.hpp>
 
+#include "clash/known_pairs.hpp"
 #include "clash/report.hpp"
 #include "common/text.hpp"
 
@@ -31,16 +32,22 @@ Json json_of(const ClashReport& r, std::uint32_t number)
 {
     const Part& part = r.parts.parts[number];
     return {{"name", part.name},
+            {"path", part.path},
             {"file", part.file},
             {"group", part.group ? Json(r.parts.groups[part.group]) : Json(nullptr)}};
 }
 
 Json json_of(const ClashReport& r, const Clash& c)
 {
-    Json j{
-        {"status", name_of(c.status)}, {"kind", name_of(c.kind)}, {"was", c.was.empty() ? Json(nullptr) : Json(c.was)},
-        {"a", json_of(r, c.a)},        {"b", json_of(r, c.b)},    {"where", json_of(c.where)}};
-    if (c.kind == ContactKind::near) {
+    Json j{{"id", c.id},
+           {"status", c.status_text()},
+           {"comment", c.comment},
+           {"kind", name_of(c.kind)},
+           {"was", c.was.empty() ? Json(nullptr) : Json(c.was)},
+           {"a", json_of(r, c.a)},
+           {"b", json_of(r, c.b)},
+           {"where", json_of(c.where)}};
+    if (c.apart()) {
         j["distance"] = {{"lower", c.lower}, {"upper", c.upper}};
         j["nearest"] = {json_of(c.nearest_a), json_of(c.nearest_b)};
         return j;
@@ -73,17 +80,22 @@ std::optional<Digits> length(double value, bool known = true)
 
 void write_json(OutputFile& file, const ClashReport& r)
 {
-    Json head{{"schema", "oncollide.clash"}, {"schema_version", 1},
+    Json head{{"schema", "oncollide.clash"}, {"schema_version", 2},
               {"report", "oncollide clash"}, // the older name of the schema
               {"unit", r.unit.name},         {"parts", r.parts.parts.size()},
               {"files", r.parts.files},      {"triangles", r.parts.triangles}};
     head["clearance"] = r.settings.clearance, head["tolerance"] = r.settings.tolerance;
     head["baseline"] = r.baseline.empty() ? Json(nullptr) : Json(r.baseline);
+    head["settings"] = {{"touching", r.settings.touching},
+                        {"group", r.rules.groups},
+                        {"set_a", r.rules.set_a},
+                        {"set_b", r.rules.set_b}};
     for (const ClashStatus status :
-         {ClashStatus::fresh, ClashStatus::same, ClashStatus::ignored, ClashStatus::contact}) {
+         {ClashStatus::fresh, ClashStatus::active, ClashStatus::ignored, ClashStatus::contact}) {
         Json& counts = head["counts"][std::string(name_of(status))];
-        for (const ContactKind kind : clash_kinds) counts[std::string(name_of(kind))] = r.count(status, kind);
+        for (const ClashKind kind : clash_kinds) counts[std::string(name_of(kind))] = r.count(status, kind);
     }
+    head["counts"]["same"] = head["counts"]["active"]; // the older name
     head["warnings"] = r.warnings;
     head["open"] = r.found.open;
     const auto text = [](const Json& j) { return j.dump(-1, ' ', false, Json::error_handler_t::replace); };
@@ -96,8 +108,13 @@ void write_json(OutputFile& file, const ClashReport& r)
         json.end_array();
     };
     list("clashes", r.found.list.size(), [&](std::size_t i) { return json_of(r, r.found.list[i]); });
-    list("fixed", r.fixed.size(), [&](std::size_t i) {
-        return Json{{"kind", r.fixed[i].kind}, {"a", r.fixed[i].a}, {"b", r.fixed[i].b}};
+    list("resolved", r.resolved.size(), [&](std::size_t i) {
+        const ResolvedClash& c = r.resolved[i];
+        return Json{{"id", c.id}, {"status", "resolved"}, {"comment", c.comment}, {"kind", c.kind}, {"a", c.a},
+                    {"b", c.b}};
+    });
+    list("fixed", r.resolved.size(), [&](std::size_t i) { // the older name
+        return Json{{"kind", r.resolved[i].kind}, {"a", r.resolved[i].a}, {"b", r.resolved[i].b}};
     });
     json.end_object();
     file.write("\n");
@@ -107,30 +124,37 @@ void write_csv(OutputFile& file, const ClashReport& r)
 {
     // Names first: rows of this report can be used as a list of pairs to ignore.
     CsvWriter csv(file, "a,b,status,kind,thickness,depth,distance,x,y,z,contact_min_x,contact_min_y,contact_min_z,"
-                        "contact_max_x,contact_max_y,contact_max_z,group_a,group_b,unit");
+                        "contact_max_x,contact_max_y,contact_max_z,group_a,group_b,unit,id,comment,path_a,path_b");
     const auto group = [&](std::uint32_t part) { return name_field(r.parts.groups[r.parts.parts[part].group]); };
     for (const Clash& c : r.found.list) {
-        const bool near = c.kind == ContactKind::near;
+        const bool near = c.apart();
         const Aabb& contact = c.reach.contact;
-        csv.add(CsvField{name_field(r.name(c.a))}, CsvField{name_field(r.name(c.b))}, name_of(c.status),
-                name_of(c.kind), length(c.reach.thickness, !near && std::isfinite(c.reach.thickness)),
-                length(c.reach.depth, !near), length(c.upper, near));
+        csv.add(CsvField{name_field(r.name(c.a))}, CsvField{name_field(r.name(c.b))},
+                CsvField{name_field(std::string(c.status_text()))}, name_of(c.kind),
+                length(c.reach.thickness, !near && std::isfinite(c.reach.thickness)), length(c.reach.depth, !near),
+                length(c.upper, near));
         for (const double x : c.where) csv.add(length(x));
         for (const Eigen::Vector3d& corner : {contact.min, contact.max})
             for (const double x : corner) csv.add(length(x, !contact.empty()));
-        csv.row(CsvField{group(c.a)}, CsvField{group(c.b)}, r.unit.name);
+        csv.row(CsvField{group(c.a)}, CsvField{group(c.b)}, r.unit.name, c.id, CsvField{name_field(c.comment)},
+                CsvField{name_field(r.parts.parts[c.a].path)}, CsvField{name_field(r.parts.parts[c.b].path)});
+    }
+    for (const ResolvedClash& c : r.resolved) {
+        csv.add(CsvField{name_field(c.a)}, CsvField{name_field(c.b)}, "resolved", CsvField{name_field(c.kind)});
+        for (int k = 0; k < 14; ++k) csv.add("");
+        csv.row(r.unit.name, CsvField{name_field(c.id)}, CsvField{name_field(c.comment)}, "", "");
     }
 }
 
 void write_junit(OutputFile& file, const ClashReport& r)
 {
     const std::size_t fresh = r.count(ClashStatus::fresh),
-                      known = r.count(ClashStatus::same) + r.count(ClashStatus::ignored);
+                      known = r.count(ClashStatus::active) + r.count(ClashStatus::ignored);
     // The first test always passes: some readers reject a suite without tests.
     file.print("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
                "<testsuites>\n<testsuite name=\"oncollide clash\" tests=\"{}\" failures=\"{}\" errors=\"0\" "
                "skipped=\"{}\">\n<testcase classname=\"clash\" name=\"{} parts were compared\"/>\n",
-               1 + fresh + known + r.fixed.size(), fresh, known, r.parts.parts.size());
+               1 + fresh + known + r.resolved.size(), fresh, known, r.parts.parts.size());
     for (const Clash& c : r.found.list) {
         if (c.status == ClashStatus::contact) continue;
         const std::string pair = xml_escaped(fmt::format("{} and {}", r.name(c.a), r.name(c.b)));
@@ -141,11 +165,14 @@ void write_junit(OutputFile& file, const ClashReport& r)
             file.print("<failure type=\"{}\" message=\"{}\"/>", name_of(c.kind), what);
         else
             file.print("<skipped message=\"{}: {}\"/>",
-                       c.status == ClashStatus::same ? "also in the baseline" : "ignored", what);
+                       c.status == ClashStatus::ignored ? "ignored"
+                       : c.review.empty()               ? "also in the baseline"
+                                                        : xml_escaped(c.review),
+                       what);
         file.print("</testcase>\n");
     }
-    for (const FixedClash& c : r.fixed)
-        file.print("<testcase classname=\"clash.fixed\" name=\"{} and {}\"/>\n", xml_escaped(c.a), xml_escaped(c.b));
+    for (const ResolvedClash& c : r.resolved)
+        file.print("<testcase classname=\"clash.resolved\" name=\"{} and {}\"/>\n", xml_escaped(c.a), xml_escaped(c.b));
     file.print("</testsuite>\n</testsuites>\n");
 }
 

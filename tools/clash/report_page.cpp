@@ -1,5 +1,10 @@
 // The report as a single HTML page.
+#include <algorithm>
+
+#include <fmt/ranges.h>
+
 #include <oncollide/base/text/svg.hpp>
+#include <oncollide/runs/report.hpp>
 
 #include "clash/report.hpp"
 #include "common/base64.hpp"
@@ -10,9 +15,9 @@ namespace {
 
 constexpr std::string_view style = R"(
 :root { color-scheme: light dark; --ink: #1d232b; --paper: #ffffff; --soft: #5b6673; --line: #d4dae1; --band: #f3f5f8;
-        --enclosed: #8e1b63; --crossing: #b3261e; --touching: #8a5a00; --near: #1f5fa8; }
+        --enclosed: #8e1b63; --crossing: #b3261e; --touching: #8a5a00; --near: #1f5fa8; --duplicate: #5b2a86; }
 @media (prefers-color-scheme: dark) { :root { --ink: #e6e9ee; --paper: #15191f; --soft: #9aa6b4; --line: #343c47;
-        --band: #1e242c; --enclosed: #f08cc8; --crossing: #ff8a80; --touching: #e9b44c; --near: #7fb8f5; } }
+        --band: #1e242c; --enclosed: #f08cc8; --crossing: #ff8a80; --touching: #e9b44c; --near: #7fb8f5; --duplicate: #c9a2f0; } }
 body { font: 15px/1.5 "DejaVu Sans", Verdana, Helvetica, Arial, sans-serif; color: var(--ink); background: var(--paper);
        max-width: 1120px; margin: 2em auto; padding: 0 1em; }
 h1 { font-size: 1.6em; margin-bottom: 0.2em; } h2 { font-size: 1.2em; margin-top: 2em; }
@@ -23,7 +28,9 @@ thead th { border-bottom: 2px solid var(--soft); white-space: nowrap; } th butto
 th button:focus-visible { outline: 2px solid var(--near); } th button::after { content: " \2195"; color: var(--soft); }
 .number { text-align: right; white-space: nowrap; }
 .enclosed { color: var(--enclosed); } .crossing { color: var(--crossing); } .touching { color: var(--touching); }
-.near { color: var(--near); } .kind { font-weight: bold; }
+.near { color: var(--near); } .duplicate { color: var(--duplicate); } .kind { font-weight: bold; }
+dl { display: grid; grid-template-columns: max-content 1fr; gap: 0.1em 1em; font-size: 13px; } dd { margin: 0; overflow-wrap: anywhere; }
+a { color: var(--near); } tr:target, figure:target { outline: 2px solid var(--near); }
 .cards { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 480px), 1fr)); gap: 1.2em; }
 figure { margin: 0; border: 1px solid var(--line); border-radius: 6px; background: var(--band); overflow: hidden; }
 figure img { width: 100%; height: auto; display: block; } figcaption { padding: 0.5em 0.8em; font-size: 13px; overflow-wrap: anywhere; }
@@ -56,25 +63,72 @@ void head(OutputFile& file)
 
 std::string kind_text(const Clash& c)
 {
-    return fmt::format("<span class=\"kind {0}\">{0}</span>{1}", name_of(c.kind),
-                       c.was.empty() ? "" : " <span class=\"soft\">(was " + xml_escaped(c.was) + ")</span>");
+    const auto note = [](const std::string& text) {
+        return " <span class=\"soft\">(" + xml_escaped(text) + ")</span>";
+    };
+    return fmt::format("<span class=\"kind {0}\">{0}</span>{1}{2}", name_of(c.kind),
+                       c.was.empty() ? "" : note("was " + c.was), c.review.empty() ? "" : note(c.review));
 }
 
-void write_table(OutputFile& file, const ClashReport& r, ClashStatus status)
+/// A link into the 3D page, to the pair as seen from near; empty without such a page.
+std::string link_text(const ClashReport& r, const Clash& c, const ClashView& view)
 {
-    const char* headings[] = {"", "kind", "overlap or gap", "part", "part", "where"};
+    if (r.view.empty()) return "";
+    const auto& [from, middle, radius] = view;
+    const std::string at = fmt::format("{:.9g},{:.9g},{:.9g},{:.4g},{:.3g},{:.3g},{:.3g}", middle.x(), middle.y(),
+                                       middle.z(), radius, from.x(), from.y(), from.z());
+    return fmt::format("<a target=\"clash-3d\" href=\"{}#pair={},{}&amp;isolate&amp;at={}\">3D</a>", r.view, c.a, c.b,
+                       at);
+}
+
+/// The options of the run, in words.
+void write_settings(OutputFile& file, const ClashReport& r)
+{
+    file.print("<h2>Settings</h2>\n<dl>\n");
+    const auto row = [&](std::string_view name, const std::string& value) {
+        if (!value.empty()) file.print("<dt>{}</dt><dd>{}</dd>\n", name, xml_escaped(value));
+    };
+    const auto list = [](const std::vector<std::string>& texts, std::size_t most) {
+        const std::size_t shown = std::min(most, texts.size());
+        std::string text = fmt::format("{}", fmt::join(texts.begin(), texts.begin() + std::ptrdiff_t(shown), ", "));
+        return shown < texts.size() ? fmt::format("{} and {} more", text, texts.size() - shown) : text;
+    };
+    row("Date", time_text(r.time));
+    row("Input", list(r.rules.inputs.empty() ? r.parts.files : r.rules.inputs, 20));
+    row("Unit", std::string(r.unit.name));
+    row("Clearance", r.length(r.settings.clearance));
+    row("Tolerance", r.length(r.settings.tolerance));
+    row("Touching", r.settings.touching ? "a clash" : "no clash");
+    row("Groups", list(r.rules.groups, 20));
+    row("Set A", list(r.rules.set_a, 20));
+    row("Set B", r.rules.set_b.empty() && r.parts.has_sets ? "all other parts" : list(r.rules.set_b, 20));
+    row("Known pairs", r.ignore);
+    row("Baseline", r.baseline);
+    row("oncollide", std::string(version));
+    file.print("</dl>\n");
+}
+
+void write_table(OutputFile& file, const ClashReport& r, const ClashPictures& pictures, ClashStatus status)
+{
+    const char* headings[] = {"", "kind", "overlap or gap", "part", "part", "where", "comment"};
     file.print("<div class=\"scroll\"><table><thead><tr>");
     for (const char* heading : headings)
         file.print("<th scope=\"col\"><button>{}</button></th>", *heading ? heading : "#");
     file.print("</tr></thead><tbody>\n");
     std::size_t row = 0;
-    for (const Clash& c : r.found.list) {
+    for (std::size_t i = 0; i < r.found.list.size(); ++i) {
+        const Clash& c = r.found.list[i];
         if (c.status != status) continue;
-        const double key = c.kind == ContactKind::near ? -c.lower : c.severity();
-        file.print("<tr><td class=\"number\" data-key=\"{0}\">{0}</td><td>{1}</td><td data-key=\"{2}\">{3}</td>", ++row,
-                   kind_text(c), key, xml_escaped(measure_text(r, c)));
-        file.print("<td>{}</td><td>{}</td><td class=\"number\">{}</td></tr>\n", xml_escaped(r.name(c.a)),
-                   xml_escaped(r.name(c.b)), point_text(c.where));
+        const double key = c.apart() ? -c.lower : c.severity();
+        file.print(
+            "<tr id=\"{4}\"><td class=\"number\" data-key=\"{0}\">{0}</td><td>{1}</td><td data-key=\"{2}\">{3}</td>",
+            ++row, kind_text(c), key, xml_escaped(measure_text(r, c)), c.id);
+        const auto part = [&](std::uint32_t number) {
+            return fmt::format("<td title=\"{}\">{}</td>", xml_escaped(r.parts.parts[number].path),
+                               xml_escaped(r.name(number)));
+        };
+        file.print("{}{}<td class=\"number\">{} {}</td><td>{}</td></tr>\n", part(c.a), part(c.b), point_text(c.where),
+                   link_text(r, c, pictures.views[i]), xml_escaped(c.comment));
     }
     file.print("</tbody></table></div>\n");
 }
@@ -94,8 +148,9 @@ void write_cards(OutputFile& file, const ClashReport& r, const ClashPictures& pi
                    "height=\"360\" src=\"data:image/png;base64,",
                    a, b, name_of(c.kind));
         file.write(base64(pictures.images[i]));
-        file.print("\"><figcaption>{}. {} <b>{}</b> and <b>{}</b>: {}, at {}</figcaption></figure>\n", row,
-                   kind_text(c), a, b, xml_escaped(measure_text(r, c)), point_text(c.where));
+        file.print("\"><figcaption>{}. {} <b>{}</b> and <b>{}</b>: {}, at {} {}</figcaption></figure>\n", row,
+                   kind_text(c), a, b, xml_escaped(measure_text(r, c)), point_text(c.where),
+                   link_text(r, c, pictures.views[i]));
     }
     if (any) file.print("</div>\n");
 }
@@ -107,7 +162,7 @@ void write_section(OutputFile& file, const ClashReport& r, const ClashPictures& 
     if (count == 0) return;
     file.print("<h2>{} ({})</h2>\n", title, grouped(count));
     write_cards(file, r, pictures, status);
-    write_table(file, r, status);
+    write_table(file, r, pictures, status);
 }
 
 } // namespace
@@ -120,18 +175,20 @@ void write_page(OutputFile& file, const ClashReport& r, const ClashPictures& pic
         "<p class=\"soft\">Every pair was decided exactly. Overlap: the common part of both parts is at most this "
         "thick, and a vertex of one is at least this deep inside the other. Lengths and positions in {}.{}</p>\n",
         r.unit.name,
-        r.count(ClashStatus::fresh) + r.count(ClashStatus::same)
+        r.count(ClashStatus::fresh) + r.count(ClashStatus::active)
             ? " Pictures: the first part is blue, the second yellow, both transparent; their common part, or an "
               "enclosed part, is red. Left: close-up; right: both parts as a whole."
             : "");
     if (!pictures.note.empty()) file.print("<p class=\"soft\">{}</p>\n", xml_escaped(pictures.note));
     for (const std::string& warning : r.warnings) file.print("<p class=\"warning\">{}</p>\n", xml_escaped(warning));
+    write_settings(file, r);
     write_section(file, r, pictures, ClashStatus::fresh, r.baseline.empty() ? "Clashes" : "New clashes");
-    write_section(file, r, pictures, ClashStatus::same, "Clashes that are also in the baseline");
-    if (!r.fixed.empty()) {
-        file.print("<h2>Fixed since the baseline ({})</h2>\n<ul>\n", grouped(r.fixed.size()));
-        for (const FixedClash& c : r.fixed)
-            file.print("<li>{} and {} ({})</li>\n", xml_escaped(c.a), xml_escaped(c.b), xml_escaped(c.kind));
+    write_section(file, r, pictures, ClashStatus::active, "Active clashes, also in the baseline");
+    if (!r.resolved.empty()) {
+        file.print("<h2>Resolved since the baseline ({})</h2>\n<ul>\n", grouped(r.resolved.size()));
+        for (const ResolvedClash& c : r.resolved)
+            file.print("<li>{} and {} ({}){}</li>\n", xml_escaped(c.a), xml_escaped(c.b), xml_escaped(c.kind),
+                       c.comment.empty() ? "" : ": " + xml_escaped(c.comment));
         file.print("</ul>\n");
     }
     write_section(file, r, pictures, ClashStatus::contact, "Pairs that only touch (not a clash)");

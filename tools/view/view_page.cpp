@@ -61,10 +61,10 @@ json columns_of(const Eigen::Vector3d& v)
     return {v.x(), v.y(), v.z()};
 }
 
-std::string accuracy_text(const Settings& s)
+std::string accuracy_text(const Settings& s, double metres)
 {
     if (s.depth) return fmt::format("depth {} of the sphere-trees", *s.depth);
-    if (s.max_error) return fmt::format("{:g} m", *s.max_error);
+    if (s.max_error) return fmt::format("{:g} m", *s.max_error * metres);
     return "1 % of the smaller body";
 }
 
@@ -248,9 +248,9 @@ json ViewPage::about() const
 {
     const Settings& s = pipeline_.settings();
     json rows = json::array();
-    rows.push_back({"Accuracy (max_error)", accuracy_text(s)});
+    rows.push_back({"Accuracy (max_error)", accuracy_text(s, options_.metres)});
     rows.push_back({"Decided exactly (--exact)", name_of(exact_level(s))});
-    rows.push_back({"Clearance", fmt::format("{:g} m", s.clearance)});
+    rows.push_back({"Clearance", fmt::format("{:g} m", s.clearance * options_.metres)});
     rows.push_back({"Inside of meshes (--mode)", s.mode == Mode::solid ? "included: solid" : "not included: surface"});
     rows.push_back({"Refined with", wants_obbs(s) ? "oriented boxes (OBB trees)" : "sphere-trees (OCST)"});
     if (options_.results.empty()) {
@@ -302,6 +302,7 @@ void ViewPage::close()
                    {"refined", wants_obbs(pipeline_.settings()) ? "boxes" : "spheres"},
                    {"separate", options_.separate},
                    {"clearance", pipeline_.settings().clearance},
+                   {"metres", options_.metres},
                    {"geometries", std::move(made.geometries)},
                    {"notes", made.notes},
                    {"about", about()}};

@@ -29,6 +29,7 @@ public:
         std::size_t most_bytes = 40'000'000; ///< size limit of the file
         bool separate = false;               ///< also keep separate pairs
         int threads = 1;
+        double metres = 1;     ///< per unit of the scene
         std::string results{}; ///< results file of the frames; empty: they come from a run
     };
     /// Keeps references to both. Throws Error{no_input} without three.js, Error{usage} if not even one frame of this

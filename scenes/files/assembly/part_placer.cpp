@@ -61,7 +61,7 @@ std::pair<std::uint32_t, Eigen::Matrix3d> PartPlacer::shared(std::uint32_t mesh,
 RawAssembly PartPlacer::take(std::span<const std::uint32_t> above,
                              const std::function<std::string(std::uint32_t)>& name_of, const AddMesh& add, int threads)
 {
-    constexpr int levels = 8; // of a path: a file may nest millions of nodes
+    const int levels = parts_.size() <= 100'000 ? 64 : 8; // of a path: a file may nest millions of nodes
     RawAssembly assembly{std::vector<RawMesh>(placed_.size()), std::move(parts_)};
     for (RawPart& part : assembly.parts) {
         part.name = part.path = name_of(part.node);

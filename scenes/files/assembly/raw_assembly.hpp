@@ -32,4 +32,8 @@ RawAssembly read_gltf_parts(const MeshSource& source, double scale, int threads)
 RawAssembly read_collada_parts(const MeshSource& source, double scale, int threads);
 RawAssembly read_3mf_parts(const MeshSource& source, double scale, int threads);
 
+/// OBJ: each object (`o`) with triangles, or each group (`g`) of a file without objects. Sections of one name are one
+/// part; triangles before the first have the file's name.
+RawAssembly read_obj_parts(const MeshSource& source, double scale, int threads);
+
 } // namespace oncollide

@@ -15,11 +15,11 @@ namespace oncollide {
 namespace {
 
 /// OBJ statements that do not affect polygons.
-constexpr std::array ignored = {"vt",        "vn",     "vp",     "o",     "g",        "s",        "mg",   "usemtl",
-                                "mtllib",    "usemap", "maplib", "l",     "p",        "cstype",   "deg",  "bmat",
-                                "step",      "curv",   "curv2",  "surf",  "parm",     "trim",     "hole", "scrv",
-                                "sp",        "end",    "con",    "bevel", "c_interp", "d_interp", "lod",  "shadow_obj",
-                                "trace_obj", "ctech",  "stech",  "call",  "csh"};
+constexpr std::array ignored = {"vt",     "vn",         "vp",        "s",     "mg",     "usemtl",   "mtllib",
+                                "usemap", "maplib",     "l",         "p",     "cstype", "deg",      "bmat",
+                                "step",   "curv",       "curv2",     "surf",  "parm",   "trim",     "hole",
+                                "scrv",   "sp",         "end",       "con",   "bevel",  "c_interp", "d_interp",
+                                "lod",    "shadow_obj", "trace_obj", "ctech", "stech",  "call",     "csh"};
 
 struct Counts {
     std::size_t vertices = 0, faces = 0;
@@ -172,9 +172,27 @@ private:
     PolygonList& faces_;
 };
 
+/// The rest of the line, with single blanks.
+std::string name_in(TextReader& text)
+{
+    std::string name;
+    for (std::string_view word = text.word(); !word.empty(); word = text.word()) {
+        if (!name.empty()) name += ' ';
+        name += word;
+    }
+    return name;
+}
+
+/// Replaces a section without triangles, so that no file has more sections than triangles.
+void begin_section(std::vector<ObjSections::Section>& sections, ObjSections::Section section)
+{
+    if (!sections.empty() && sections.back().begin == section.begin) sections.pop_back();
+    sections.push_back(std::move(section));
+}
+
 } // namespace
 
-RawMesh read_obj(const MeshSource& source)
+RawMesh read_obj(const MeshSource& source, ObjSections& sections)
 {
     RawMesh mesh;
     PolygonList faces;
@@ -194,6 +212,8 @@ RawMesh read_obj(const MeshSource& source)
                 corners.push_back(corner_vertex(text, word, mesh.vertices.size()));
             if (corners.size() < 3) text.fail(fmt::format("face has {} corners; it needs at least 3", corners.size()));
             faces.add(corners, text.line());
+        } else if (keyword == "o" || keyword == "g") {
+            begin_section(keyword == "o" ? sections.objects : sections.groups, {name_in(text), faces.triangle_count()});
         } else if (std::find(ignored.begin(), ignored.end(), keyword) == ignored.end()) {
             text.fail(fmt::format("unknown statement {}; an OBJ file has v, f, vn, vt, g, o, usemtl and the like",
                                   quoted(keyword)));
@@ -201,6 +221,12 @@ RawMesh read_obj(const MeshSource& source)
     }
     mesh.triangles = faces.triangulate(source, mesh.vertices, 1);
     return mesh;
+}
+
+RawMesh read_obj(const MeshSource& source)
+{
+    ObjSections sections;
+    return read_obj(source, sections);
 }
 
 } // namespace oncollide

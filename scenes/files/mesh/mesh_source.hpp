@@ -31,7 +31,17 @@ struct RawMesh {
 
 // One reader per format. Readers are strict, and their allocations are bounded by the size of the file. In formats that
 // repeat vertices for every triangle, equal positions become one vertex.
+/// The objects (`o`) and the groups (`g`) of an OBJ file, in order. The triangles from `begin` up to the next section
+/// of the same kind belong to a section. Sections without triangles may be missing.
+struct ObjSections {
+    struct Section {
+        std::string name;
+        std::size_t begin;
+    };
+    std::vector<Section> objects, groups;
+};
 RawMesh read_obj(const MeshSource& source);
+RawMesh read_obj(const MeshSource& source, ObjSections& sections);
 RawMesh read_off(const MeshSource& source);
 RawMesh read_ply(const MeshSource& source);
 RawMesh read_stl(const MeshSource& source);

@@ -28,6 +28,9 @@ public:
         append_large(triangles_, triangle);
     }
 
+    /// The number of triangles into which the polygons will be divided.
+    std::size_t triangle_count() const { return triangles_.size() + corners_.size() - 2 * polygons_.size(); }
+
     /// Appends triangles of a file without lines: `fill` writes up to `most` triangles and returns their number.
     template <class Fill>
     std::size_t add_many(std::size_t most, Fill fill)

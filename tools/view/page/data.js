@@ -118,7 +118,8 @@ function showFrame(frame) {
   }
 }
 
-function lengthText(metres) {
+function lengthText(length) { // in the scene's unit
+  const metres = length * header.metres;
   if (!isFinite(metres)) return "unknown";
   const x = Math.abs(metres), digits = (v) => (v >= 100 ? v.toFixed(0) : v >= 10 ? v.toFixed(1).replace(/\.0$/, "") : v.toPrecision(3).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, ""));
   if (x === 0) return "0";

@@ -1,7 +1,7 @@
 // The page's behaviour: frames, selection, keys, touch, and redrawing.
 const last = header.frames.length - 1, root = document.documentElement;
 const state = {frame: 0, playing: false, speed: 1, only: -1, pair: null, body: -1, isolate: false, links: true, curves: true, bounds: false,
-               labels: false, regions: false, regionLevel: -1, colours: "verdict", tree: "none", level: 3, theme: "", search: ""};
+               labels: false, regions: false, regionLevel: -1, colours: "verdict", tree: "none", level: 3, theme: "", search: "", at: null};
 const mediaDark = matchMedia("(prefers-color-scheme: dark)");
 let frame = null, chosenPair = -1, treeFacts = null;
 let dirty = true, pairsDirty = true, panelDirty = true; // to renew: the picture; the drawn pairs; the texts
@@ -73,6 +73,15 @@ function fit() {
   fit.done = true;
   controls.target.copy(middle);
   camera.position.copy(middle).addScaledVector(direction.normalize(), (chosen.length ? 1.15 : 0.86) * radius / Math.sin(Math.atan(Math.tan(angle) * wide)));
+  controls.update();
+  dirty = true;
+}
+
+// Points the camera at a place of the scene, at the distance that shows the radius, from a direction.
+function lookAt([x, y, z, radius, ...from]) {
+  const wide = Math.min(1, camera.aspect), angle = Math.atan(Math.tan((camera.fov * Math.PI) / 360) * wide);
+  controls.target.set(x - header.origin[0], y - header.origin[1], z - header.origin[2]);
+  camera.position.copy(controls.target).addScaledVector(new THREE.Vector3(...from).normalize(), Math.max(radius, 1e-6) / Math.sin(angle));
   controls.update();
   dirty = true;
 }
@@ -249,13 +258,18 @@ function readHash() {
   const pair = (wants.get("pair") || "").split(",").map(Number);
   if (pair.length === 2 && pair.every(exists)) state.pair = pair;
   else if (wants.has("body") && exists(number("body"))) state.body = number("body");
+  const at = (wants.get("at") || "").split(",").map(Number);
+  state.at = at.length === 7 && at.every(isFinite) ? at : null;
   applyTheme();
   setFrame(Math.max(0, number("frame")));
   if (wants.has("worst")) nextPair(1);
   if (wants.has("tab")) openTab(wants.get("tab"), true);
   return wants;
 }
-addEventListener("hashchange", readHash);
+addEventListener("hashchange", () => {
+  readHash();
+  if (state.at) lookAt(state.at);
+});
 
 function openTab(name, press) {
   const narrow = matchMedia("(max-width: 820px)").matches, panel = $("panel"), section = $(name);
@@ -367,6 +381,7 @@ $("subtitle").textContent = `${grouped(header.bodies)} bodies, ${grouped(header.
 resize();
 const wanted = readHash();
 fit(), fillAbout();
+if (state.at) lookAt(state.at);
 if (wanted.has("bench")) (bench = +wanted.get("bench") || 3), (state.playing = true);
 fillPanel(), draw();
 root.dataset.ready = "yes";

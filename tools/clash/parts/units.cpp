@@ -1,4 +1,4 @@
-#include "clash/units.hpp"
+#include "clash/parts/units.hpp"
 
 #include <filesystem>
 
@@ -7,7 +7,7 @@
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 
-#include "clash/name_pattern.hpp"
+#include "clash/parts/name_pattern.hpp"
 #include "cli/arguments.hpp"
 
 namespace oncollide::tools {

@@ -1,4 +1,4 @@
-#include "clash/part_list.hpp"
+#include "clash/parts/part_list.hpp"
 
 #include <algorithm>
 #include <exception>
@@ -16,7 +16,8 @@
 #include <oncollide/scenes/files/scene_file.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
 
-#include "clash/name_pattern.hpp"
+#include "clash/parts/part_ids.hpp"
+#include "clash/parts/part_selection.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -91,38 +92,17 @@ void name_parts(PartList& list, const std::vector<Names>& names)
                                                 list.parts[parts[1]].name, parts.size() > 2 ? ", ..." : ""));
 }
 
-/// The groups of the command line; the first match counts.
-class Grouping {
-public:
-    Grouping(PartList& list, const std::vector<std::string>& rules) : list_(list), rules_(rules) {}
-
-    std::uint32_t group_of(const std::string& file, const AssemblyPart& part)
-    {
-        for (const std::string& rule : rules_) {
-            if (rule == "file") return numbered(file, file);
-            if (rule == "node") {
-                if (part.above == no_node_above) continue;
-                const std::string above = part.path.substr(0, part.path.size() - part.name.size());
-                return numbered(fmt::format("{}\n{}", file, part.above),
-                                above.empty() ? file : above.substr(0, above.size() - 1));
-            }
-            if (matches(rule, part.name) || matches(rule, part.path)) return numbered("\n" + rule, rule);
-        }
-        return 0;
+/// The file as the folder of the command line names it, or its name.
+std::string path_in(const std::vector<std::string>& inputs, const std::string& file)
+{
+    for (const std::string& input : inputs) {
+        std::error_code error;
+        if (!fs::is_directory(input, error)) continue;
+        const std::string below = fs::path(file).lexically_relative(fs::path(input).lexically_normal()).string();
+        if (!below.empty() && !below.starts_with("..")) return below;
     }
-
-private:
-    std::uint32_t numbered(const std::string& key, const std::string& name)
-    {
-        const auto [at, is_new] = numbers_.emplace(key, static_cast<std::uint32_t>(list_.groups.size()));
-        if (is_new) list_.groups.push_back(name);
-        return at->second;
-    }
-
-    PartList& list_;
-    const std::vector<std::string>& rules_;
-    std::map<std::string, std::uint32_t> numbers_;
-};
+    return fs::path(file).filename().string();
+}
 
 /// Warns if the geometry in some files lies a hundred times nearer to the origin than in the others: they may be
 /// in metres or inches while the others are in millimetres.
@@ -185,33 +165,39 @@ std::vector<std::string> files_of(const std::vector<std::string>& inputs)
     return files;
 }
 
-PartList read_parts(const std::vector<std::string>& files, const Units& units, const std::vector<std::string>& groups,
-                    int threads)
+PartList read_parts(const std::vector<std::string>& files, const Units& units, const PartRules& rules, int threads)
 {
     PartList list;
-    list.files = files;
+    list.files = files, list.has_sets = !rules.set_a.empty();
     std::vector<Assembly> read(files.size());
     const auto load = [&](std::size_t i, int inner) {
-        read[i] = load_assembly(files[i], units.scale_of(files[i]), inner);
+        // An OBJ file alone is divided: as one part it could not clash.
+        read[i] = load_assembly(files[i], units.scale_of(files[i]), inner, files.size() == 1);
     };
     if (files.size() == 1)
         load(0, threads);
     else
         load_all(files.size(), threads, [&](std::size_t i) { load(i, 1); });
 
-    Grouping grouping(list, groups);
+    PartSelection selection(list, rules);
     std::vector<Names> names;
     std::vector<std::pair<double, std::string>> reaches;
     for (std::size_t i = 0; i < files.size(); ++i) {
         const auto first = static_cast<std::uint32_t>(list.meshes.size());
         Aabb bounds;
+        const std::string file_name = fs::path(files[i]).filename().string(), file = path_in(rules.inputs, files[i]);
+        const bool has_nodes = is_assembly_file(files[i]) || read[i].parts.size() > 1;
         for (const AssemblyPart& part : read[i].parts) {
-            const std::string file_name = fs::path(files[i]).filename().string();
             const bool of_nodes = part.above != no_node_above || part.name != fs::path(files[i]).stem().string();
             names.push_back({valid(part.name), valid(of_nodes ? part.path : file_name),
                              valid(of_nodes ? files[i] + ":" + part.path : files[i])});
-            list.parts.push_back({"", files[i], first + static_cast<std::uint32_t>(part.mesh),
-                                  grouping.group_of(files[i], part), part.pose});
+            const std::string path = has_nodes ? file + ":" + part.path : file;
+            list.parts.push_back({.path = valid(path),
+                                  .id = valid(has_nodes && files.size() == 1 ? part.path : path),
+                                  .file = files[i],
+                                  .mesh = first + static_cast<std::uint32_t>(part.mesh),
+                                  .pose = part.pose});
+            selection.choose(part, list.parts.back());
             const auto& mesh = std::get<Mesh>(read[i].meshes[part.mesh]->data);
             list.triangles += mesh.triangles.size();
             for (const std::uint32_t corner : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u})
@@ -223,10 +209,12 @@ PartList read_parts(const std::vector<std::string>& files, const Units& units, c
     }
     if (list.parts.size() < 2)
         throw Error(ErrorKind::bad_data,
-                    fmt::format("{}: only one part ('{}'); give two files, a folder, or a glTF, COLLADA or 3MF "
-                                "assembly of several nodes",
+                    fmt::format("{}: only one part ('{}'); give two files, a folder, a glTF, COLLADA or 3MF assembly "
+                                "of several nodes, or an OBJ file of several objects",
                                 files.front(), names.front().own));
     name_parts(list, names);
+    make_ids_unique(list);
+    selection.warn();
     warn_of_units(list, std::move(reaches), units.reported());
     return list;
 }

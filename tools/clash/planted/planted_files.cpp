@@ -5,7 +5,7 @@
 
 #include <oncollide/base/files/output_file.hpp>
 
-#include "clash/planted_assembly.hpp"
+#include "clash/planted/planted_assembly.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "clash/name_pattern.hpp"
+#include "clash/parts/name_pattern.hpp"
 
 namespace oncollide::tools {
 

@@ -1,12 +1,10 @@
 // oncollide clash: its findings in assemblies with known clashes, the contents of each report, and its errors for
 // invalid input.
-#include <set>
-
-#include "clash/name_pattern.hpp"
-#include "clash/planted_assembly.hpp"
-#include "clash/units.hpp"
-#include "csv_rows.hpp"
-#include "tools/command_fixture.hpp"
+#include "clash/parts/name_pattern.hpp"
+#include "clash/parts/units.hpp"
+#include "clash/planted/planted_assembly.hpp"
+#include "tools/clash/clash_fixture.hpp"
+#include "tools/csv_rows.hpp"
 #include <oncollide/samples/generators.hpp>
 
 namespace oncollide::test {
@@ -14,54 +12,7 @@ namespace {
 
 using nlohmann::json;
 using tools::Clash;
-
-class ClashCommand : public CommandLine {
-protected:
-    /// A closed box as an OFF file.
-    void write_box(const std::string& name, const Eigen::Vector3d& least, const Eigen::Vector3d& most)
-    {
-        std::string text = "OFF\n8 12 0\n";
-        for (unsigned k = 0; k < 8; ++k)
-            text += fmt::format("{} {} {}\n", (k & 1 ? most : least).x(), (k & 2 ? most : least).y(),
-                                (k & 4 ? most : least).z());
-        text += "3 0 2 1\n3 1 2 3\n3 4 5 6\n3 5 7 6\n3 0 1 4\n3 1 5 4\n3 2 6 3\n3 3 6 7\n3 0 4 2\n3 2 4 6\n3 1 3 5\n"
-                "3 3 7 5\n";
-        folder_.write(name, text);
-    }
-    /// Block a crosses b by 1, touches c, and is 0.5 from d; e is inside b, f far away.
-    std::vector<std::string> small_assembly()
-    {
-        write_box("a.off", {0, 0, 0}, {10, 10, 10});
-        write_box("b.off", {9, -5, -5}, {30, 15, 15});
-        write_box("c.off", {2, 0, 10}, {7, 8, 20});
-        write_box("d.off", {-10, 0, 0}, {-0.5, 10, 10});
-        write_box("e.off", {15, 1, 1}, {20, 5, 5});
-        write_box("f.off", {100, 0, 0}, {101, 1, 1});
-        return {"a.off", "b.off", "c.off", "d.off", "e.off", "f.off"};
-    }
-    Outcome clash(std::vector<std::string> more)
-    {
-        std::vector<std::string> arguments{"clash"};
-        if (files_.empty()) files_ = small_assembly();
-        arguments.insert(arguments.end(), files_.begin(), files_.end());
-        arguments.insert(arguments.end(), more.begin(), more.end());
-        return run(arguments);
-    }
-    /// "a b crossing new" of each pair of a JSON report.
-    std::set<std::string> pairs(const std::string& file)
-    {
-        std::set<std::string> found;
-        const json report = read_json(file);
-        for (const json& c : report["clashes"])
-            found.insert(fmt::format("{} {} {} {}", c["a"]["name"].get<std::string>(),
-                                     c["b"]["name"].get<std::string>(), c["kind"].get<std::string>(),
-                                     c["status"].get<std::string>()));
-        return found;
-    }
-    using Pairs = std::set<std::string>;
-
-    std::vector<std::string> files_;
-};
+using tools::ClashKind;
 
 TEST_F(ClashCommand, NamesTheClashesTheWorstFirst)
 {
@@ -88,7 +39,8 @@ TEST_F(ClashCommand, TheJsonReportMeasures)
     EXPECT_EQ(report["report"], "oncollide clash");
     EXPECT_EQ(report["unit"], "mm");
     EXPECT_EQ(report["parts"], 6);
-    EXPECT_EQ(report["counts"]["new"], (json{{"enclosed", 1}, {"crossing", 1}, {"touching", 0}, {"near", 1}}));
+    EXPECT_EQ(report["counts"]["new"],
+              (json{{"duplicate", 0}, {"enclosed", 1}, {"crossing", 1}, {"touching", 0}, {"near", 1}}));
     const json &enclosed = report["clashes"][0], &crossing = report["clashes"][1], &near = report["clashes"][3];
     EXPECT_EQ(enclosed["contact"], nullptr);
     EXPECT_EQ(enclosed["overlap"], (json{{"min", {15, 1, 1}}, {"max", {20, 5, 5}}}));
@@ -156,7 +108,8 @@ TEST_F(ClashCommand, TouchingIsAClashOnRequestAndSmallOverlapsTouchWithinATolera
     EXPECT_EQ(clash({"--touching", "-o", "r.json"}).code, 1);
     EXPECT_EQ(pairs("r.json"), (Pairs{"b e enclosed new", "a b crossing new", "a c touching new"}));
     EXPECT_EQ(clash({"--tolerance", "1.001mm", "-o", "r.json"}).code, 1);
-    EXPECT_EQ(pairs("r.json"), (Pairs{"b e enclosed new", "a b touching contact", "a c touching contact"}));
+    EXPECT_EQ(pairs("r.json"),
+              (Pairs{"b e enclosed new", "a b touching contact", "a c touching contact", "a d touching contact"}));
     clash({"--tolerance", "0.09cm", "-o", "r.json"});
     EXPECT_TRUE(pairs("r.json").contains("a b crossing new"));
 }
@@ -208,19 +161,19 @@ TEST_F(ClashCommand, IgnoredPairsAndTheBaselineGoRoundAndRound)
     outcome = clash({"--clearance", "1", "--baseline", "old.json", "-o", "same.json"});
     EXPECT_EQ(outcome.code, 0) << outcome.out;
     EXPECT_EQ(pairs("same.json"),
-              (Pairs{"b e enclosed same", "a b crossing same", "a c touching contact", "a d near same"}));
+              (Pairs{"b e enclosed active", "a b crossing active", "a c touching contact", "a d near active"}));
     // d comes nearer and crosses, e is removed, a new part is added.
     write_box("d.off", {-10, 0, 0}, {0.5, 10, 10});
     write_box("e.off", {95, 0, 0}, {100.5, 5, 5});
     outcome = clash({"--clearance", "1", "--baseline", "same.json", "-o", "r.json", "-o", "r.html"});
     EXPECT_EQ(outcome.code, 1);
     EXPECT_EQ(pairs("r.json"),
-              (Pairs{"a b crossing same", "a c touching contact", "a d crossing new", "e f crossing new"}))
+              (Pairs{"a b crossing active", "a c touching contact", "a d crossing new", "e f crossing new"}))
         << outcome.out;
-    EXPECT_NE(outcome.out.find("1 clash also in same.json, 1 fixed since"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("1 clash active, also in same.json; 1 resolved"), std::string::npos) << outcome.out;
     EXPECT_NE(outcome.out.find("crossing (was near)"), std::string::npos) << outcome.out;
     EXPECT_EQ(read_json("r.json")["fixed"], (json{{{"kind", "enclosed"}, {"a", "b"}, {"b", "e"}}}));
-    EXPECT_NE(folder_.read("r.html").find("Fixed since the baseline (1)"), std::string::npos);
+    EXPECT_NE(folder_.read("r.html").find("Resolved since the baseline (1)"), std::string::npos);
 }
 
 TEST_F(ClashCommand, NamesInCsvAreNoFormulasOfASpreadsheet)
@@ -335,7 +288,8 @@ TEST_F(ClashCommand, SaysWhatIsWrongWithItsInput)
     for (const char* length : {"-1", "2 miles", "mm", "nan", "inf"})
         expect_error(64, {"clash", "a.off", "b.off", fmt::format("--clearance={}", length)},
                      {"--clearance", "expected a length"});
-    expect_error(64, {"clash", "a.off", "b.off", "-o", "report.pdf"}, {"report.pdf", ".html, .json, .csv or .xml"});
+    expect_error(64, {"clash", "a.off", "b.off", "-o", "report.pdf"},
+                 {"report.pdf", ".html, .json, .csv, .xml (JUnit), .bcf or .bcfzip"});
     expect_error(64, {"clash", "a.off", "b.off", "-o", "r.json", "-o", "./r.json"}, {"both go to"});
     expect_error(64, {"clash", "a.off", "b.off", "--pictures", "-1"}, {"--pictures"});
     folder_.write("known.csv", "a,b\n\na\n");
@@ -371,9 +325,9 @@ TEST_F(PlantedClashes, OfEveryKindAreAllFoundAndNoneIsInvented)
     const tools::PlantedAssembly planted =
         tools::make_planted_assembly({.parts = 520, .triangles = 300, .meshes = {}, .every = 2});
     ASSERT_EQ(planted.parts.size(), 520u);
-    std::map<ContactKind, int> kinds;
+    std::map<ClashKind, int> kinds;
     for (const auto& pair : planted.pairs) ++kinds[pair.kind];
-    ASSERT_EQ(kinds.size(), 4u);
+    ASSERT_EQ(kinds.size(), 5u);
     for (const auto& [kind, count] : kinds) ASSERT_GE(count, 10) << name_of(kind);
 
     std::filesystem::create_directory(folder_ / "stl");
@@ -395,7 +349,7 @@ TEST_F(PlantedClashes, OfEveryKindAreAllFoundAndNoneIsInvented)
     std::vector<Clash> wrong = list;
     wrong.pop_back();
     EXPECT_EQ(tools::faults_of(planted, parts, wrong).size(), 1u);
-    wrong = list, wrong[0].kind = ContactKind::near;
+    wrong = list, wrong[0].kind = ClashKind::near;
     EXPECT_GE(tools::faults_of(planted, parts, wrong).size(), 1u);
     wrong = list, wrong.push_back(wrong.front());
     EXPECT_EQ(tools::faults_of(planted, parts, wrong).size(), 1u);
@@ -410,7 +364,7 @@ TEST_F(PlantedClashes, AGlbOfNodesWithOneNameIsToldApart)
     for (auto& part : twice.parts) part.name = "part";
     tools::write_glb_file(twice, folder_ / "all.glb");
     const tools::PartList parts =
-        tools::read_parts({(folder_ / "all.glb").string()}, tools::Units({"mm"}), {"node"}, 1);
+        tools::read_parts({(folder_ / "all.glb").string()}, tools::Units({"mm"}), {.groups = {"node"}}, 1);
     std::set<std::string> names;
     for (const tools::Part& part : parts.parts) names.insert(part.name);
     EXPECT_EQ(names,
@@ -432,7 +386,7 @@ TEST_F(PlantedClashes, AnAssemblyRunsAsAScene)
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     std::set<std::pair<std::string, std::string>> expected, found;
     for (const auto& pair : planted.pairs)
-        if (pair.kind != ContactKind::near) expected.insert(std::minmax(pair.a, pair.b));
+        if (pair.kind != ClashKind::near) expected.insert(std::minmax(pair.a, pair.b));
     const json results = json::parse(folder_.read("r.json"));
     EXPECT_EQ(results["header"]["bodies"], 40);
     const json& pairs = results["frames"][0]["pairs"];

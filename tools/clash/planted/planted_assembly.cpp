@@ -1,4 +1,4 @@
-#include "clash/planted_assembly.hpp"
+#include "clash/planted/planted_assembly.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -104,7 +104,7 @@ private:
                                         {face + 50, box.max.y() + 20, box.max.z() + 20}));
         return face - box.max.x();
     }
-    void expect(ContactKind kind, double depth = -1, double thickness = -1, double gap = -1)
+    void expect(ClashKind kind, double depth = -1, double thickness = -1, double gap = -1)
     {
         const std::size_t n = made_.parts.size();
         made_.pairs.push_back({made_.parts[n - 2].name, made_.parts[n - 1].name, kind, depth, thickness, gap});
@@ -113,9 +113,9 @@ private:
     {
         add("part", next_mesh());
         const double made = add_block(gap);
-        if (made < 0) expect(ContactKind::crossing, -made);
-        if (made == 0) expect(ContactKind::touching, 0);
-        if (made > 0 && made < options_.clearance) expect(ContactKind::near, -1, -1, made);
+        if (made < 0) expect(ClashKind::crossing, -made);
+        if (made == 0) expect(ClashKind::touching, 0);
+        if (made > 0 && made < options_.clearance) expect(ClashKind::near, -1, -1, made);
     }
     void plant_in_crate(bool hollow)
     {
@@ -126,7 +126,7 @@ private:
         const Mesh inner = box_between(box.min, box.max);
         box.min.array() -= 10, box.max.array() += 10;
         add_placed("crate", hollow ? merged(box_between(box.min, box.max), inner, true) : inner);
-        if (!hollow) expect(ContactKind::enclosed);
+        if (!hollow) expect(ClashKind::enclosed);
     }
 
     void plant(std::size_t kind)
@@ -150,16 +150,16 @@ private:
             return plant_in_crate(kind % 14 == 8);
         case 9: // coincident faces
             add("plate", box(40, 30, 5)), add("plate", box(20, 20, 5), {0, 0, 10});
-            return expect(ContactKind::touching, 0, 0);
+            return expect(ClashKind::touching, 0, 0);
         case 10: // crossing without a vertex of one inside the other
             add("bar", box(60, 5, 5)), add("bar", box(4, 60, 3));
-            return expect(ContactKind::crossing, 0, 6);
+            return expect(ClashKind::crossing, 0, 6);
         case 11: // overlap with coplanar faces, where all pairs of triangles only touch
             add("wall", box(40, 5, 30)), add("wall", box(40, 5, 30), {70, 0, 0});
-            return expect(ContactKind::crossing, 0, 10);
+            return expect(ClashKind::crossing, 0, 10);
         case 12: // the same part twice at the same pose
             add("twin", meshes_made_[0]), add("twin", meshes_made_[0]);
-            return expect(ContactKind::crossing);
+            return expect(ClashKind::duplicate);
         default: // one AABB contains the other, but the parts are apart: a ball in a ring
             add("ring", make_torus_mesh(60, 15, 2000)), add("ball", make_sphere_mesh(20, 500));
             return;

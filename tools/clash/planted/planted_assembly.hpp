@@ -29,7 +29,7 @@ struct PlantedAssembly {
     };
     struct Pair {
         std::string a, b;
-        ContactKind kind;
+        ClashKind kind;
         double depth = -1;     ///< of the deepest vertex; below 0: unknown
         double thickness = -1; ///< least extent of the overlap along an axis
         double gap = -1;       ///< near

@@ -1,0 +1,21 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "clash/clashes.hpp"
+
+namespace oncollide::tools {
+
+/// A clash of the baseline that no longer exists.
+struct ResolvedClash {
+    std::string id, a, b, kind, comment;
+};
+
+/// Compares with the JSON report of an earlier run. A clash that is also there becomes `active`, unless it got worse
+/// (near, then touching, then a deeper kind) or had been resolved. Comments are taken over, and of active clashes a
+/// status that a user wrote. Clashes have the same id there, or in a report without ids the same names of parts.
+/// Returns all clashes of the baseline that do not exist now. Throws Error{bad_data}.
+std::vector<ResolvedClash> compare_with_baseline(const std::string& file, const PartList& parts,
+                                                 std::vector<Clash>& clashes);
+
+} // namespace oncollide::tools

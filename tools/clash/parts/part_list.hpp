@@ -1,0 +1,57 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <oncollide/scenes/geometry.hpp>
+
+#include "clash/parts/units.hpp"
+
+namespace oncollide::tools {
+
+/// A part of an assembly, in the unit of the report.
+struct Part {
+    std::string name{}; ///< unique
+    std::string path;   ///< its file, relative to the folder that was named, and in an assembly ":" and all its nodes
+    std::string id;     ///< unique; stays if other parts come or go, or the files are moved as a whole
+    std::string file;
+    std::uint32_t mesh;      ///< in PartList::meshes
+    std::uint32_t group = 0; ///< in PartList::groups; parts of one group are not compared; 0: no group
+    std::uint8_t sets = 0;   ///< bits 1 and 2: in set A, in set B
+    Eigen::Isometry3d pose;
+};
+
+/// Which parts are compared: options of the command.
+struct PartRules {
+    /// Each "file", "node", or a pattern; the first that matches a part determines its group.
+    std::vector<std::string> groups{};
+    /// Patterns: parts of set A are compared with parts of set B only. Without set B, it is all parts outside set A.
+    std::vector<std::string> set_a{}, set_b{};
+    std::vector<std::string> inputs{}; ///< files and folders of the command line; paths of parts are relative to them
+};
+
+/// All parts that are compared.
+struct PartList {
+    std::vector<std::shared_ptr<const Geometry>> meshes;
+    std::vector<Part> parts;
+    std::vector<std::string> groups{""};
+    std::vector<std::string> files;
+    std::uint64_t triangles = 0; ///< of all parts; a shared mesh counts once per part
+    Aabb bounds;
+    bool has_sets = false; ///< only parts of set A are compared with parts of set B
+    std::vector<std::string> warnings;
+};
+
+/// The files that `inputs` name: files, and all mesh files below folders, sorted within a folder. Throws
+/// Error{no_input} for a path that does not exist and for a folder without mesh files.
+std::vector<std::string> files_of(const std::vector<std::string>& inputs);
+
+/// Reads the parts of files: one part per node of a glTF, COLLADA or 3MF file, one part per other file. Throws the
+/// errors of load_mesh, and Error{bad_data} for a single part.
+/// Patterns match names, node paths and whole paths of parts; a pattern that matches nothing is a warning.
+PartList read_parts(const std::vector<std::string>& files, const Units& units, const PartRules& rules, int threads);
+
+} // namespace oncollide::tools

@@ -1,0 +1,70 @@
+#include "clash/parts/part_selection.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "clash/parts/name_pattern.hpp"
+
+namespace oncollide::tools {
+
+bool PartSelection::matches_part(const std::string& pattern, const AssemblyPart& from, const Part& part)
+{
+    const bool found = matches(pattern, from.name) || matches(pattern, from.path) || matches(pattern, part.path);
+    if (found) used_[pattern] = true;
+    return found;
+}
+
+std::uint32_t PartSelection::numbered(const std::string& key, const std::string& name)
+{
+    const auto [at, is_new] = numbers_.emplace(key, static_cast<std::uint32_t>(list_.groups.size()));
+    if (is_new) list_.groups.push_back(name);
+    return at->second;
+}
+
+std::uint32_t PartSelection::group_of(const AssemblyPart& from, const Part& part)
+{
+    std::uint32_t group = 0;
+    for (const std::string& rule : rules_.groups) { // all rules: each that matches is used
+        std::string key = "\n" + rule, name = rule;
+        if (rule == "file") {
+            key = name = part.file;
+        } else if (rule == "node") {
+            if (from.above == no_node_above) continue;
+            const std::string above = from.path.substr(0, from.path.size() - from.name.size());
+            key = fmt::format("{}\n{}", part.file, from.above);
+            name = above.empty() ? part.file : above.substr(0, above.size() - 1);
+        } else if (!matches_part(rule, from, part)) {
+            continue;
+        }
+        used_[rule] = true;
+        if (!group) group = numbered(key, name);
+    }
+    return group;
+}
+
+void PartSelection::choose(const AssemblyPart& from, Part& part)
+{
+    part.group = group_of(from, part);
+    const auto in = [&](const std::vector<std::string>& patterns) {
+        bool any = false;
+        for (const std::string& pattern : patterns) any |= matches_part(pattern, from, part);
+        return any;
+    };
+    const bool in_a = in(rules_.set_a), in_b = rules_.set_b.empty() ? !in_a : in(rules_.set_b);
+    part.sets = static_cast<std::uint8_t>((in_a ? 1 : 0) | (in_b ? 2 : 0));
+}
+
+void PartSelection::warn()
+{
+    const auto warn_of = [&](const char* option, const std::vector<std::string>& rules) {
+        for (const std::string& rule : rules)
+            if (!used_.contains(rule))
+                list_.warnings.push_back(rule == "node" && std::string_view(option) == "--group"
+                                             ? "--group node: no part is below a node of an assembly"
+                                             : fmt::format("{} '{}' matches no part", option, rule));
+    };
+    warn_of("--group", rules_.groups), warn_of("--set-a", rules_.set_a), warn_of("--set-b", rules_.set_b);
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,17 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace oncollide::tools {
+
+/// A zip archive of files, each a name and its bytes, made by libzip.
+/// @param time  of all files, seconds since 1970
+/// Throws Error{internal}; in a build without libzip Error{usage}.
+std::string zip_bytes(const std::vector<std::pair<std::string, std::string>>& files, std::int64_t time);
+
+/// Throws as zip_bytes in a build without libzip. @param option  that needs it
+void check_zip(const std::string& option);
+
+} // namespace oncollide::tools
