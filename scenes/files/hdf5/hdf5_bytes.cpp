@@ -12,7 +12,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/scenes/files/hdf5/hdf5_checksum.hpp>
+#include <oncollide/base/files/checksum.hpp>
 
 namespace oncollide {
 
@@ -214,7 +214,7 @@ Hdf5Block Hdf5Walk::checked(std::uint64_t address, std::uint64_t size)
     const auto is_right = [&] {
         const std::string_view bytes = block.bytes;
         Hdf5Cursor stored(file, bytes.substr(size - 4), address);
-        return stored.u32() == hdf5_checksum(bytes.substr(0, size - 4));
+        return stored.u32() == lookup3(bytes.substr(0, size - 4));
     };
     bool right = is_right();
     // Bytes that do not change are not being written.

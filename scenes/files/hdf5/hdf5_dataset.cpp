@@ -41,6 +41,7 @@ Hdf5Dataset::Hdf5Dataset(std::shared_ptr<const Hdf5Bytes> file, const Hdf5Object
     Hdf5Walk walk(*file_);
     type_ = hdf5_type(type_of(walk, object).cursor(*file_));
     layout_ = hdf5_layout(walk, object), space_ = hdf5_space(walk, object);
+    if (type_.kind == Hdf5Type::Kind::other) throw Hdf5Fault{hdf5_other_type};
     fill_ = hdf5_fill_value(walk, object, type_.size);
     if (layout_.kind == LayoutKind::compact || layout_.kind == LayoutKind::contiguous)
         place_contiguous(object);

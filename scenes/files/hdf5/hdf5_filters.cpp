@@ -1,10 +1,9 @@
 #include <oncollide/scenes/files/hdf5/hdf5_filters.hpp>
 
+#include <algorithm>
 #include <limits>
 
 #include <zlib.h>
-
-#include <oncollide/scenes/files/hdf5/hdf5_checksum.hpp>
 
 namespace oncollide {
 
@@ -59,6 +58,23 @@ void unshuffle(std::size_t bytes, const std::string& planes, std::string& out)
     const std::size_t count = planes.size() / bytes;
     for (std::size_t k = 0; k < bytes && count > 0; ++k)
         for (std::size_t i = 0; i < count; ++i) out[bytes * i + k] = planes[k * count + i];
+}
+
+/// Fletcher's checksum with sums of 16 bits, over big-endian words.
+std::uint32_t fletcher32(std::string_view bytes)
+{
+    const auto folded = [](std::uint32_t sum) { return (sum & 0xffff) + (sum >> 16); };
+    std::uint32_t first = 0, second = 0;
+    const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[i])); };
+    for (std::size_t i = 0, words = bytes.size() / 2; i < words;) {
+        constexpr std::size_t without_overflow = 360;
+        for (const std::size_t end = std::min(words, i + without_overflow); i < end; ++i)
+            first += byte(2 * i) << 8 | byte(2 * i + 1), second += first;
+        first = folded(first), second = folded(second);
+    }
+    if (bytes.size() % 2) first += byte(bytes.size() - 1) << 8, second += first;
+    first = folded(folded(first)), second = folded(folded(second));
+    return second << 16 | first;
 }
 
 void check_fletcher(std::string& bytes)

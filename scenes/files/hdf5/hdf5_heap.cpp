@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include <oncollide/scenes/files/hdf5/hdf5_checksum.hpp>
+#include <oncollide/base/files/checksum.hpp>
 
 namespace oncollide {
 
@@ -85,7 +85,7 @@ const Hdf5Block& Hdf5FractalHeap::read(const Place& place)
     const std::uint32_t stored = cursor.u32();
     std::string bytes = block.bytes;
     std::fill_n(bytes.begin() + prefix, 4, '\0');
-    if (stored != hdf5_checksum(bytes)) hdf5_damaged(place.address, "wrong checksum");
+    if (stored != lookup3(bytes)) hdf5_damaged(place.address, "wrong checksum");
     return block;
 }
 

@@ -100,7 +100,7 @@ void read_any(const Hdf5Dataset& dataset, std::span<const std::uint64_t> start, 
             break;
         }
     }
-    throw Hdf5Fault{"holds values of another type"};
+    throw Hdf5Fault{hdf5_other_type};
 }
 
 } // namespace

@@ -96,9 +96,9 @@ Hdf5Type read_type(Hdf5Cursor& cursor, bool is_member)
         read_real(cursor, header, type);
     else if (header.kind == enumeration)
         read_enumeration(cursor, header, type);
-    else if (header.kind == compound && !is_member)
+    else if (header.kind == compound && !is_member && type.size <= 65'536)
         read_compound(cursor, header, type);
-    else if (header.kind == variable_length && !is_member && (header.bits & variable_kind) == text)
+    else if (header.kind == variable_length && !is_member && (header.bits & variable_kind) == text && type.size <= 24)
         type.kind = Hdf5Type::Kind::text;
     return type;
 }

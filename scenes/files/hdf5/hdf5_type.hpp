@@ -32,6 +32,8 @@ struct Hdf5Type::Member {
     Hdf5Type type;
 };
 
+constexpr const char* hdf5_other_type = "holds values of another type";
+
 /// @param cursor  at the content of a datatype message
 Hdf5Type hdf5_type(Hdf5Cursor cursor);
 

@@ -49,14 +49,14 @@ Hdf5Column Hdf5File::column(const std::string& path, Numbers numbers, const std:
         Hdf5Dataset data(file_, *object);
         const Hdf5Type::Kind kind = data.type().kind;
         if (kind != Hdf5Type::Kind::whole && (kind != Hdf5Type::Kind::real || numbers == Numbers::whole))
-            refuse(place, "holds values of another type; it " + wanted);
+            throw Hdf5Fault{hdf5_other_type};
         const std::vector<std::uint64_t>& extent = data.extent();
         bool right = extent.size() == row.size() + 1;
         for (std::size_t k = 0; right && k < row.size(); ++k) right = row[k] == 0 || row[k] == extent[k + 1];
         if (!right) refuse(place, fmt::format("has the shape {}; it {}", fmt::join(extent, " x "), wanted));
         return {place, std::move(data)};
     } catch (const Hdf5Fault& fault) {
-        refuse(place, fault.what);
+        refuse(place, fault.what == hdf5_other_type ? fault.what + "; it " + wanted : fault.what);
     }
 }
 
