@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
 #include <string_view>
 
@@ -32,7 +33,7 @@ ResultsHeader results_header()
 std::string table_file(const TemporaryFolder& folder, bool newest, std::size_t first_plan)
 {
     const std::vector<Hdf5Plan> plans = hdf5_plans();
-    const hid_t file = create_hdf5(folder / "a.h5", newest, first_plan % 2 ? 512 : 0);
+    const hid_t file = create_hdf5(folder / "a.h5", newest ? hdf5_newest : hdf5_oldest, first_plan % 2 ? 512 : 0);
     const hid_t bodies = H5Gcreate2(file, "bodies", 0, 0, 0);
     const auto add = [&](hid_t place, const char* name, std::vector<hsize_t> extent, hid_t type, auto value) {
         Hdf5Plan plan = plans[first_plan++ % plans.size()];
@@ -85,11 +86,14 @@ std::string results_file(const TemporaryFolder& folder, bool closed)
 struct Sealed {
     std::size_t at, size, checksum; ///< checksum: its place
 
-    std::uint32_t right(std::string bytes) const
+    std::uint32_t right(const std::string& bytes) const
     {
-        const bool is_last = checksum + 4 == at + size;
-        if (!is_last) std::fill_n(bytes.begin() + std::ptrdiff_t(checksum), 4, '\0');
-        return lookup3(std::string_view(bytes).substr(at, is_last ? size - 4 : size));
+        std::string part = bytes.substr(at, size);
+        if (checksum + 4 == at + size)
+            part.resize(size - 4);
+        else
+            std::fill_n(part.begin() + std::ptrdiff_t(checksum - at), 4, '\0');
+        return lookup3(part);
     }
 };
 
@@ -106,7 +110,7 @@ std::optional<Sealed> sealed_at(const std::string& bytes, std::size_t at)
     const std::size_t left = bytes.size() - at;
     if (bytes.compare(at, 4, "FHDB") == 0) {
         const Sealed found{at, 512, at + 17}; // of 32 bits of offset
-        if (left >= 512 && word_at(bytes, found.checksum) == found.right(bytes.substr(0, at + 512))) return found;
+        if (left >= 512 && word_at(bytes, found.checksum) == found.right(bytes)) return found;
         return std::nullopt;
     }
     constexpr std::size_t longest = 600;
@@ -116,16 +120,18 @@ std::optional<Sealed> sealed_at(const std::string& bytes, std::size_t at)
     return std::nullopt;
 }
 
+/// The search takes longer than reading a file, so results are kept: callers pass the same seeds again.
 const std::vector<Sealed>& sealed_parts(const std::string& bytes)
 {
-    static std::string last;
-    static std::vector<Sealed> parts;
-    if (bytes == last) return parts;
-    last = bytes, parts.clear();
+    static std::map<std::string, std::vector<Sealed>> known;
+    if (known.size() > 100) known.clear();
+    const auto [at, is_new] = known.try_emplace(bytes);
+    std::vector<Sealed>& parts = at->second;
+    if (!is_new) return parts;
     for (const std::string_view signature : {"\x89HDF", "OHDR", "OCHK", "FRHP", "FHIB", "FHDB", "BTHD", "BTIN", "BTLF",
                                              "FAHD", "FADB", "EAHD", "EAIB", "EASB", "EADB"})
-        for (std::size_t at = bytes.find(signature); at != bytes.npos; at = bytes.find(signature, at + 1))
-            if (const auto found = sealed_at(bytes, at)) parts.push_back(*found);
+        for (std::size_t place = bytes.find(signature); place != bytes.npos; place = bytes.find(signature, place + 1))
+            if (const auto found = sealed_at(bytes, place)) parts.push_back(*found);
     return parts;
 }
 

@@ -1,4 +1,4 @@
-// Our reader of HDF5 must read what HDF5's library reads, in all layouts of files.
+// The reader of HDF5, compared with HDF5's library on all layouts of files.
 #ifdef ONCOLLIDE_HDF5
 #include <cmath>
 #include <cstring>
@@ -87,9 +87,9 @@ protected:
 TEST_F(Hdf5Reader, ReadsTheNumbersThatHdf5ReadsInAllLayouts)
 {
     const hid_t types[] = {H5T_IEEE_F64LE, H5T_IEEE_F32BE, H5T_STD_I32LE, H5T_STD_U8LE};
-    for (const bool newest : {false, true}) {
-        SCOPED_TRACE(newest ? "newest" : "oldest");
-        const hid_t file = create_hdf5(path_, newest, newest ? 0 : 512);
+    for (const H5F_libver_t version : {H5F_LIBVER_EARLIEST, H5F_LIBVER_V18, H5F_LIBVER_LATEST}) {
+        SCOPED_TRACE(int(version));
+        const hid_t file = create_hdf5(path_, version, version == H5F_LIBVER_LATEST ? 0 : 512);
         std::uint64_t seed = 0;
         for (const Hdf5Plan& plan : test::hdf5_plans())
             for (int t = 0; t < 4; ++t)
@@ -107,7 +107,7 @@ TEST_F(Hdf5Reader, ReadsTheNumbersThatHdf5ReadsOfAllTypes)
                                    H5T_STD_I64BE, H5T_STD_U16BE, H5T_STD_U32BE, H5T_STD_U64BE};
     std::vector<hid_t> real{H5T_IEEE_F32LE, H5T_IEEE_F64LE, H5T_IEEE_F32BE, H5T_IEEE_F64BE, test::hdf5_half()};
     const Hdf5Plan plan{.name = "", .extent = {400, 5}, .chunk = {64, 5}, .shuffle = true, .deflate = true};
-    const hid_t file = create_hdf5(path_, false);
+    const hid_t file = create_hdf5(path_, test::hdf5_oldest);
     for (std::size_t i = 0; i < whole.size(); ++i)
         write_hdf5(file, fmt::format("whole {}", i).c_str(), plan, whole[i], i);
     for (std::size_t i = 0; i < real.size(); ++i) write_hdf5(file, fmt::format("real {}", i).c_str(), plan, real[i], i);
@@ -136,8 +136,8 @@ TEST_F(Hdf5Reader, FindsManyChunks)
         {"tree", {100, 100}, {1, 1}, {any, any}},
         {.name = "packed tree", .extent = {50, 50}, .chunk = {2, 1}, .most = {any, any}, .deflate = true}};
     for (const bool newest : {false, true}) {
-        const auto written = std::span(plans).subspan(newest ? 0 : 1); // the old tree of so many takes seconds
-        const hid_t file = create_hdf5(path_, newest);
+        const auto written = std::span(plans).subspan(newest ? 0 : 1); // the old tree takes seconds for the first
+        const hid_t file = create_hdf5(path_, newest ? test::hdf5_newest : test::hdf5_oldest);
         for (const Hdf5Plan& plan : written) write_hdf5(file, plan.name, plan, H5T_STD_U8LE, 5);
         H5Fclose(file);
         for (const Hdf5Plan& plan : written) expect_same<std::int64_t>(path_, plan.name, 1);
@@ -146,7 +146,7 @@ TEST_F(Hdf5Reader, FindsManyChunks)
 
 TEST_F(Hdf5Reader, ReadsDatasetsThatWereCutAndGrew)
 {
-    const hid_t file = create_hdf5(path_, true);
+    const hid_t file = create_hdf5(path_, test::hdf5_newest);
     const std::vector<hsize_t> smaller{9, 2}, larger{30, 3};
     for (const Hdf5Plan& plan : test::hdf5_plans()) {
         if (plan.most.empty() || plan.most[0] < 30 || plan.extent.size() != 2) continue;
@@ -164,7 +164,8 @@ TEST_F(Hdf5Reader, FindsNamesInGroupsOfAllSizes)
     for (const bool newest : {false, true})
         for (const int count : {0, 3, 8, 9, 200, 6000}) {
             SCOPED_TRACE(fmt::format("{} names, {}", count, newest ? "newest" : "oldest"));
-            const hid_t file = create_hdf5(path_, newest, 2048), group = H5Gcreate2(file, "a", 0, 0, 0);
+            const hid_t file = create_hdf5(path_, newest ? test::hdf5_newest : test::hdf5_oldest, 2048),
+                        group = H5Gcreate2(file, "a", 0, 0, 0);
             write_hdf5(file, "data", {"", {2}}, H5T_STD_I32LE, 4);
             std::vector<std::string> names;
             for (int i = 0; i < count; ++i) {
@@ -186,7 +187,7 @@ TEST_F(Hdf5Reader, FindsNamesInGroupsOfAllSizes)
 
 TEST_F(Hdf5Reader, FollowsSoftLinksButNotInCircles)
 {
-    const hid_t file = create_hdf5(path_, false), group = H5Gcreate2(file, "a", 0, 0, 0);
+    const hid_t file = create_hdf5(path_, test::hdf5_oldest), group = H5Gcreate2(file, "a", 0, 0, 0);
     write_hdf5(group, "data", {"", {2}}, H5T_STD_I32LE, 4);
     H5Lcreate_soft("data", group, "near", 0, 0), H5Lcreate_soft("./a//near", file, "far", 0, 0);
     H5Lcreate_soft("/a/circle", group, "circle", 0, 0), H5Lcreate_hard(file, "/", group, "root", 0, 0);
@@ -201,7 +202,7 @@ TEST_F(Hdf5Reader, FollowsSoftLinksButNotInCircles)
 TEST_F(Hdf5Reader, RefusesWhatItDoesNotReadWithTheCure)
 {
     const auto refuse = [&](auto set, const char* what) {
-        const hid_t file = create_hdf5(path_, true), create = H5Pcreate(H5P_DATASET_CREATE);
+        const hid_t file = create_hdf5(path_, test::hdf5_newest), create = H5Pcreate(H5P_DATASET_CREATE);
         const hsize_t extent = 20;
         const hid_t space = H5Screate_simple(1, &extent, nullptr);
         H5Pset_chunk(create, 1, &extent), set(create);
@@ -213,7 +214,7 @@ TEST_F(Hdf5Reader, RefusesWhatItDoesNotReadWithTheCure)
     };
     refuse([](hid_t create) { H5Pset_nbit(create); }, "the compression or filter 'n-bit'");
     refuse([](hid_t create) { H5Pset_scaleoffset(create, H5Z_SO_INT, 2); }, "the compression or filter 'scale-offset'");
-    const hid_t file = create_hdf5(path_, false);
+    const hid_t file = create_hdf5(path_, test::hdf5_oldest);
     write_hdf5(file, "large", {.name = "", .extent = {1 << 29}, .chunk = {1 << 29}, .written = Hdf5Plan::nothing},
                H5T_STD_I8LE, 2);
     write_hdf5(file, "long", {"", {2}}, H5T_NATIVE_LDOUBLE, 2);
@@ -227,7 +228,7 @@ TEST_F(Hdf5Reader, RefusesWhatItDoesNotReadWithTheCure)
 
 TEST_F(Hdf5Reader, WhatIsBeingWrittenIsRefused)
 {
-    const hid_t file = create_hdf5(path_, true);
+    const hid_t file = create_hdf5(path_, test::hdf5_newest);
     EXPECT_THROW(Hdf5Bytes(path_, Hdf5Bytes::Access::alone), Hdf5Fault);
     H5Fclose(file);
     EXPECT_NO_THROW(Hdf5Bytes(path_, Hdf5Bytes::Access::alone));
@@ -290,7 +291,8 @@ TEST_F(StoredInHdf5, AreReadFromOldAndNewFilesWithManyAttributes)
     expect_results(path_);
     for (const bool newest : {false, true}) {
         const std::filesystem::path copy = folder_ / "copy.h5";
-        const hid_t from = H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), to = create_hdf5(copy, newest);
+        const hid_t from = H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT),
+                    to = create_hdf5(copy, newest ? test::hdf5_newest : test::hdf5_oldest);
         for (const char* name : {"pairs", "frames", "names"}) H5Ocopy(from, name, to, name, H5P_DEFAULT, H5P_DEFAULT);
         const hid_t one = H5Screate(H5S_SCALAR);
         for (int i = 0; i < 30; ++i)

@@ -103,12 +103,15 @@ inline void write_hdf5(hid_t place, const char* name, const Hdf5Plan& plan, hid_
     H5Dclose(data), H5Pclose(create), H5Sclose(space);
 }
 
-/// A new file of the oldest or the newest version of the format.
-inline hid_t create_hdf5(const std::filesystem::path& path, bool newest, hsize_t user_block = 0)
+constexpr H5F_libver_t hdf5_oldest = H5F_LIBVER_EARLIEST, hdf5_newest = H5F_LIBVER_LATEST;
+
+/// A new file.
+/// @param version  the oldest version of HDF5 that can read it
+inline hid_t create_hdf5(const std::filesystem::path& path, H5F_libver_t version, hsize_t user_block = 0)
 {
     const hid_t create = H5Pcreate(H5P_FILE_CREATE), access = H5Pcreate(H5P_FILE_ACCESS);
     H5Pset_userblock(create, user_block);
-    H5Pset_libver_bounds(access, newest ? H5F_LIBVER_LATEST : H5F_LIBVER_EARLIEST, H5F_LIBVER_LATEST);
+    H5Pset_libver_bounds(access, version, H5F_LIBVER_LATEST);
     const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, create, access);
     H5Pclose(create), H5Pclose(access);
     return file;

@@ -20,7 +20,7 @@ struct Run {
     {
         for (std::uint64_t i = 0; i < count; ++i) visit(first + i, cursor.part(element_bytes));
     }
-    /// Pages at an address, each with a checksum. Those without a bit in `pages` were not written.
+    /// Pages at an address, each with a checksum. A page without a bit in `pages` was not written.
     /// @param bit  of the first page; the highest bit of a byte is the first
     void paged(std::uint64_t address, std::uint64_t first, std::uint64_t count, std::string_view pages,
                std::uint64_t bit) const

@@ -107,7 +107,7 @@ void Hdf5Bytes::read_superblock(Access access)
     if (!is_written_ && end - base > size_) incomplete();
 }
 
-/// Of version 0 or 1.
+/// Reads version 0 or 1.
 void Hdf5Bytes::read_old_superblock()
 {
     Hdf5Walk walk(*this);

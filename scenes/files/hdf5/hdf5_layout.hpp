@@ -7,7 +7,7 @@
 
 namespace oncollide {
 
-// What the header of a dataset says about its shape and its place. Private to scenes.
+// The header of a dataset: its shape, and where its data is. Private to scenes.
 
 constexpr unsigned hdf5_most_dimensions = 32;
 
@@ -35,7 +35,7 @@ struct Hdf5Layout {
 };
 
 Hdf5Space hdf5_space(Hdf5Walk& walk, const Hdf5Object& object);
-/// With the filters. Throws Hdf5Fault for data in other files.
+/// Reads the layout and the filters. Throws Hdf5Fault for data in other files.
 Hdf5Layout hdf5_layout(Hdf5Walk& walk, const Hdf5Object& object);
 /// The value of numbers that were not written, as `bytes` bytes.
 std::string hdf5_fill_value(Hdf5Walk& walk, const Hdf5Object& object, std::uint64_t bytes);

@@ -18,7 +18,7 @@ const Hdf5Message* Hdf5Object::find(Hdf5MessageType type) const
     return found == messages_.end() ? nullptr : &*found;
 }
 
-/// Of version 1.
+/// Reads version 1.
 void Hdf5Object::read_old(Hdf5Walk& walk)
 {
     constexpr unsigned prefix_bytes = 16, message_header = 8;
@@ -35,7 +35,7 @@ void Hdf5Object::read_old(Hdf5Walk& walk)
     }
 }
 
-/// Of version 2.
+/// Reads version 2.
 void Hdf5Object::read_new(Hdf5Walk& walk)
 {
     constexpr unsigned start_bytes = 6, checksum_bytes = 4;

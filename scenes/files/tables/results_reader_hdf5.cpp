@@ -118,7 +118,7 @@ private:
             copies_.push_back({member.offset, field.offset, field.size});
         if (!field.words) return;
         Translation words{field.offset, {}};
-        words.numbers.fill(0xff); // no number of a word
+        words.numbers.fill(0xff); // stands for an unknown word
         bool same = member.type.names.size() == field.words->size();
         for (const auto& [name, number] : member.type.names) {
             const auto found = std::ranges::find(*field.words, name);
@@ -163,12 +163,12 @@ struct StoredResults::Open {
               std::pair("settings", &header.settings), std::pair("source", &header.source)}) {
             const Hdf5Attribute found = hdf5_attribute(walk, root, name);
             if (found.type.kind != Hdf5Type::Kind::text)
-                throw Hdf5Fault{fmt::format("the attribute '{}' is no text", name)};
+                throw Hdf5Fault{fmt::format("the attribute '{}' has another type", name)};
             *value = texts.text(found.data.cursor(*file));
         }
         const Hdf5Attribute bodies = hdf5_attribute(walk, root, "bodies");
         if (bodies.type.kind != Hdf5Type::Kind::whole || bodies.type.size != 8 || bodies.type.is_big_endian)
-            throw Hdf5Fault{"the attribute 'bodies' is no number"};
+            throw Hdf5Fault{"the attribute 'bodies' has another type"};
         header.bodies = bodies.data.cursor(*file).number(8);
     }
 };
@@ -204,7 +204,7 @@ std::string StoredResults::unlike(const NameColumn& names) const
         if (!data) return {}; // no body has a name
         if (data->type().kind != Hdf5Type::Kind::text || data->extent().size() != 1 ||
             data->extent()[0] > data->rows_in_file())
-            throw Hdf5Fault{"they are no texts"};
+            throw Hdf5Fault{"they have another type"};
         Hdf5TextHeap texts(*open_->file);
         std::string found;
         const std::uint64_t none = 0, count = data->extent()[0];
