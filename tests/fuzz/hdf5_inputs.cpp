@@ -12,7 +12,6 @@
 #include "load_with_samples.hpp"
 #include "scenes/hdf5_writers.hpp"
 #include "temporary_folder.hpp"
-#include <oncollide/base/error.hpp>
 #include <oncollide/base/files/checksum.hpp>
 #include <oncollide/scenes/files/tables/results_file.hpp>
 #include <oncollide/scenes/motion.hpp>

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <oncollide/base/error.hpp>
+
 namespace oncollide::test {
 
 /// Tables, recordings and results, in all layouts that are read.
@@ -16,6 +18,6 @@ std::string mutated_hdf5(std::string bytes, std::mt19937_64& random);
 
 /// Reads the file as a table of bodies, a recording and results. Throws the last error if none of them can be read.
 /// @param check  is called with every error
-void read_hdf5(const std::filesystem::path& file, void (*check)(const class Error&, const std::filesystem::path&));
+void read_hdf5(const std::filesystem::path& file, void (*check)(const Error&, const std::filesystem::path&));
 
 } // namespace oncollide::test

@@ -18,7 +18,7 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::string_view signature("\x89HDF\r\n\x1a\n", 8);
+constexpr std::string_view file_signature("\x89HDF\r\n\x1a\n", 8);
 
 [[noreturn]] void incomplete()
 {
@@ -75,11 +75,11 @@ void Hdf5Bytes::lock(Access access)
 void Hdf5Bytes::find_superblock()
 {
     const std::uint64_t whole = size_;
-    for (base_ = 0; base_ + signature.size() <= whole; base_ = base_ ? 2 * base_ : 512) {
-        char found[signature.size()];
+    for (base_ = 0; base_ + file_signature.size() <= whole; base_ = base_ ? 2 * base_ : 512) {
+        char found[file_signature.size()];
         size_ = whole - base_;
         read(0, sizeof found, found);
-        if (std::string_view(found, sizeof found) == signature) return;
+        if (std::string_view(found, sizeof found) == file_signature) return;
     }
     incomplete();
 }
