@@ -50,4 +50,51 @@ std::uint64_t checksum(std::string_view bytes)
     return hash ^ hash >> 32;
 }
 
+namespace {
+
+/// The state of lookup3.
+struct Lookup3 {
+    std::uint32_t a, b, c;
+
+    void add(const char* twelve)
+    {
+        std::uint32_t words[3];
+        std::memcpy(words, twelve, sizeof words);
+        a += words[0], b += words[1], c += words[2];
+    }
+    void mix()
+    {
+        a -= c, a ^= std::rotl(c, 4), c += b;
+        b -= a, b ^= std::rotl(a, 6), a += c;
+        c -= b, c ^= std::rotl(b, 8), b += a;
+        a -= c, a ^= std::rotl(c, 16), c += b;
+        b -= a, b ^= std::rotl(a, 19), a += c;
+        c -= b, c ^= std::rotl(b, 4), b += a;
+    }
+    void finish()
+    {
+        c ^= b, c -= std::rotl(b, 14);
+        a ^= c, a -= std::rotl(c, 11);
+        b ^= a, b -= std::rotl(a, 25);
+        c ^= b, c -= std::rotl(b, 16);
+        a ^= c, a -= std::rotl(c, 4);
+        b ^= a, b -= std::rotl(a, 14);
+        c ^= b, c -= std::rotl(b, 24);
+    }
+};
+
+} // namespace
+
+std::uint32_t lookup3(std::string_view bytes)
+{
+    const std::uint32_t start = 0xdeadbeef + static_cast<std::uint32_t>(bytes.size());
+    Lookup3 words{start, start, start};
+    for (; bytes.size() > 12; bytes.remove_prefix(12)) words.add(bytes.data()), words.mix();
+    if (bytes.empty()) return words.c;
+    char last[12] = {};
+    std::memcpy(last, bytes.data(), bytes.size());
+    words.add(last), words.finish();
+    return words.c;
+}
+
 } // namespace oncollide

@@ -15,6 +15,12 @@ TEST(Checksum, IsXxh64)
     EXPECT_EQ(checksum("Nobody inspects the spammish repetition"), 0xfbcea83c8a378bf1u);
 }
 
+TEST(Checksum, IsLookup3)
+{
+    EXPECT_EQ(lookup3(""), 0xdeadbeefu);
+    EXPECT_EQ(lookup3("Four score and seven years ago"), 0x17770551u); // of its source
+}
+
 TEST(LazyMemory, IsZeroUntilWrittenAndOnceGivenBack)
 {
     LazyMemory memory(std::size_t(1) << 36); // more than the machine has

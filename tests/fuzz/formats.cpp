@@ -10,6 +10,9 @@
 #include "bench/narrow/pose_file.hpp"
 #include "cooked_bytes.hpp"
 #include "cooked_inputs.hpp"
+#ifdef ONCOLLIDE_HDF5
+#include "hdf5_inputs.hpp"
+#endif
 #include "scenes/xml_writers.hpp"
 #include "seeds.hpp"
 #include "tools/run_command.hpp"
@@ -51,6 +54,9 @@ constexpr Format all_formats[] = {
     {"cooked", "input.cooked", cooked_seeds, mutated_cooked}, // with checksums that match any contents
     {"damaged", "input.cooked", cooked_seeds, mutated_cooked},
     {"tiles", "tiles.json", tiles_seeds},
+#ifdef ONCOLLIDE_HDF5
+    {"hdf5", "input.h5", hdf5_seeds, mutated_hdf5},
+#endif
 };
 
 /// The guarantees of make_mesh.
@@ -96,12 +102,18 @@ void load_tiles(const fs::path& file)
     }
 }
 
+void check(const Error& error, const fs::path& file);
+
 void load(const fs::path& file)
 {
     const std::string ending = file.extension();
     if (file.filename() == "tiles.json") return load_tiles(file);
     if (ending == ".json") {
         check(test::load_with_samples(file));
+#ifdef ONCOLLIDE_HDF5
+    } else if (ending == ".h5") {
+        read_hdf5(file, [](const Error& error, const fs::path& of) { check(error, of); });
+#endif
     } else if (ending == ".csv") {
         check(test::load_with_samples(file.parent_path() / "table.json"));
     } else if (file.filename() == "recorded.npy") {

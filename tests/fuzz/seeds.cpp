@@ -348,6 +348,9 @@ void add_companions(const TemporaryFolder& folder)
     folder.write("table.json", geometries + R"("tables": [{"file": "input.csv"}]})");
     folder.write("recorded.json", geometries + R"("bodies": [{"geometry": "ball"}, {"geometry": "ball"}],
         "recording": {"file": "recorded.npy"}})");
+    folder.write("hdf5-table.json", geometries + R"("tables": [{"file": "input.h5"}]})");
+    folder.write("hdf5-recording.json", geometries + R"("bodies": [{"geometry": "ball"}, {"geometry": "ball"}],
+        "recording": {"file": "input.h5"}})");
     save_octomap(map(), folder / "map.bt");
 }
 

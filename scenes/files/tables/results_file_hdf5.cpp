@@ -11,7 +11,6 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/files/output_file.hpp>
-#include <oncollide/scenes/files/tables/hdf5_file.hpp>
 #include <oncollide/scenes/files/tables/hdf5_library.hpp>
 
 namespace oncollide {
@@ -20,9 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr unsigned truncate = 2, read_while_written = 0x40; // H5F_ACC_TRUNC, H5F_ACC_SWMR_READ, whose macros call
-                                                            // functions
-constexpr hsize_t pair_chunk = 16'384, frame_chunk = 128;   // rows per chunk of the file
+constexpr unsigned truncate = 2;                          // H5F_ACC_TRUNC, a macro that calls a function
+constexpr hsize_t pair_chunk = 16'384, frame_chunk = 128; // rows per chunk of the file
 
 /// Throws Failed if the library returned a failure.
 struct Failed {};
@@ -112,21 +110,6 @@ Hdf5Handle frame_type(const ResultsHeader& header)
 struct Rows {
     Hdf5Handle dataset, row;
 
-    std::uint64_t size() const
-    {
-        const Hdf5Handle all = space(hdf5().H5Dget_space(dataset.id()));
-        hsize_t extent = 0;
-        if (hdf5().H5Sget_simple_extent_ndims(all.id()) != 1) throw Failed{};
-        sure(hdf5().H5Sget_simple_extent_dims(all.id(), &extent, nullptr));
-        return extent;
-    }
-    /// size(), checked against the stored bytes, since a damaged file may contain any number.
-    std::uint64_t stored(std::size_t row_bytes) const
-    {
-        const std::uint64_t rows = size();
-        if (rows > hdf5().H5Dget_storage_size(dataset.id()) / row_bytes) throw Failed{};
-        return rows;
-    }
     /// Calls move(memory space, file space) for rows `first` to `first + count - 1`.
     template <class Move>
     void some(hsize_t first, hsize_t count, Move move) const
@@ -146,12 +129,6 @@ struct Rows {
             some(size, count, [&](hid_t memory, hid_t file) {
                 return hdf5().H5Dwrite(dataset.id(), row.id(), memory, file, H5P_DEFAULT, rows);
             });
-    }
-    void read(hsize_t first, hsize_t count, void* rows) const
-    {
-        some(first, count, [&](hid_t memory, hid_t file) {
-            return hdf5().H5Dread(dataset.id(), row.id(), memory, file, H5P_DEFAULT, rows);
-        });
     }
 };
 
@@ -183,17 +160,6 @@ void write_header(hid_t file, const ResultsHeader& header)
         write_attribute(file, name, text.id(), &letters);
     }
     write_attribute(file, "bodies", hdf5().native_uint64, &header.bodies);
-}
-
-std::string read_text(hid_t file, const char* name)
-{
-    const Hdf5& h5 = hdf5();
-    const Hdf5Handle text = text_type(), found(sure(h5.H5Aopen(file, name, H5P_DEFAULT)), h5.H5Aclose);
-    char* letters = nullptr;
-    sure(h5.H5Aread(found.id(), text.id(), &letters));
-    const std::string value = letters ? letters : "";
-    h5.H5free_memory(letters);
-    return value;
 }
 
 void write_names(hid_t file, const NameColumn& names)
@@ -344,82 +310,6 @@ void ResultsFile::fail()
     const std::string why = errno ? std::strerror(errno) : "HDF5 cannot write it";
     static_cast<void>(open_.release());
     throw Error(ErrorKind::cannot_write, fmt::format("{}: cannot write: {}", name_, why));
-}
-
-struct StoredResults::Open {
-    Hdf5Handle file;
-    Rows frames, pairs;
-};
-
-StoredResults::StoredResults(const fs::path& path, const ResultsHeader& words)
-    : name_(path.string()), open_(std::make_unique<Open>())
-{
-    const Hdf5& h5 = hdf5();
-    if (!fs::is_regular_file(path)) check_readable(path); // a file that a run continues is no input
-    try {
-        // Each attempt to read data that a writer may be changing waits twice as long as the one before: 17 ms in
-        // total, so that a damaged file does not block forever.
-        const Hdf5Handle access = properties(h5.file_access);
-        sure(h5.H5Pset_metadata_read_attempts(access.id(), 24));
-        open_->file = {sure(h5.H5Fopen(path.c_str(), read_while_written, access.id())), h5.H5Fclose};
-        const hid_t file = open_->file.id();
-        header_.version = read_text(file, "version"), header_.scene = read_text(file, "scene");
-        header_.settings = read_text(file, "settings"), header_.source = read_text(file, "source");
-        const Hdf5Handle bodies(sure(h5.H5Aopen(file, "bodies", H5P_DEFAULT)), h5.H5Aclose);
-        sure(h5.H5Aread(bodies.id(), h5.native_uint64, &header_.bodies));
-        const auto dataset = [&](const char* name) {
-            Hdf5Handle opened = open_dataset(file, name, fmt::format("{}: {}", name_, name));
-            sure(opened.id());
-            return opened;
-        };
-        open_->frames = {dataset("frames"), frame_type(words)}, open_->pairs = {dataset("pairs"), pair_type(words)};
-        frames_.resize(open_->frames.stored(sizeof(FrameRow)));
-        if (!frames_.empty()) open_->frames.read(0, frames_.size(), frames_.data());
-        const std::uint64_t pairs = open_->pairs.stored(sizeof(PairRow));
-        for (std::size_t k = 0; k < frames_.size(); ++k) {
-            const FrameRow& row = frames_[k];
-            if (row.frame - frames_[0].frame != k || row.first > pairs || row.pairs > pairs - row.first) throw Failed{};
-        }
-    } catch (const Failed&) {
-        refuse(name_, "is not a results file of 'oncollide run --pairs', or is damaged");
-    }
-}
-
-StoredResults::~StoredResults() = default;
-
-std::string StoredResults::unlike(const NameColumn& names) const
-{
-    const Hdf5& h5 = hdf5();
-    Rows rows{open_dataset(open_->file.id(), "names", name_ + ": names"), text_type()};
-    if (!rows.dataset.valid()) return {}; // no body has a name
-    constexpr hsize_t block = 65'536;
-    std::vector<char*> letters;
-    std::string found;
-    try {
-        for (hsize_t first = 0, count = rows.stored(sizeof(char*)); first < count && found.empty(); first += block) {
-            letters.assign(std::min(block, count - first), nullptr);
-            rows.read(first, letters.size(), letters.data());
-            for (hsize_t i = 0; i < letters.size(); ++i) {
-                const std::string_view name = letters[i] ? letters[i] : "";
-                if (found.empty() && (first + i >= names.size() || name != std::string_view(names[first + i])))
-                    found = name;
-                h5.H5free_memory(letters[i]);
-            }
-        }
-    } catch (const Failed&) {
-        refuse(name_, "the names of its bodies cannot be read: it is damaged");
-    }
-    return found;
-}
-
-void StoredResults::read(const FrameRow& frame, std::vector<PairRow>& pairs) const
-{
-    pairs.resize(frame.pairs);
-    try {
-        if (frame.pairs) open_->pairs.read(frame.first, frame.pairs, pairs.data());
-    } catch (const Failed&) {
-        refuse(name_, fmt::format("the pairs of frame {} cannot be read: it is damaged", frame.frame));
-    }
 }
 
 } // namespace oncollide
