@@ -8,8 +8,8 @@
 
 namespace oncollide {
 
-/// The data of a World. Implemented in world.cpp (models and bodies), world_step.cpp (frames) and world_queries.cpp
-/// (const queries).
+/// The data of a World. Implemented in world.cpp (models), world_bodies.cpp, world_step.cpp (frames), world_pairs.cpp and
+/// world_queries.cpp (const queries).
 struct World::Impl {
     Settings settings;
     const std::uint16_t tag; ///< in the ids that this World issues
