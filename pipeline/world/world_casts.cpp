@@ -60,7 +60,7 @@ std::optional<CastHit> World::Impl::cast(QueryWorker& w, std::uint32_t slot, con
     return hit;
 }
 
-/// Leaves in worker.casts the hits of a segment: all, or those that may be the first.
+/// Leaves in worker.casts all hits of a segment, or only the hits that may be the first.
 void World::Impl::find_casts(QueryWorker& w, const Segment& segment, const QueryFilter& filter, bool all)
 {
     broad->query_segments(bodies.columns(), std::span(&segment, 1), w.hits);
