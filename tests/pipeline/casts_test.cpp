@@ -177,6 +177,41 @@ TEST(Casts, OfCookedMeshesAreThoseOfTheWhole)
     EXPECT_GT(hits, 20u);
 }
 
+TEST(Casts, OfAMeshWithoutRoomForItsTreeAreUndecidedFromItsBox)
+{
+    World world({.memory_budget = 100'000});
+    const BodyId mesh = world.add_body({.model = world.add(make_sphere_mesh(1, 100'000))});
+    const BodyId wall = world.add_body(
+        {.model = world.add(Shape(Box{{0.25, 2, 2}})), .pose = Eigen::Isometry3d(Eigen::Translation3d(2.25, 0, 0))});
+    const std::optional<CastHit> alone = world.cast({{-4, 0, 0}, {0, 0, 0}});
+    ASSERT_TRUE(alone);
+    EXPECT_EQ(alone->body, mesh);
+    EXPECT_EQ(alone->verdict, Verdict::undecided);
+    EXPECT_NEAR(alone->fraction_lower, 0.75, 1e-3);
+    EXPECT_EQ(alone->fraction_upper, 1);
+    const std::optional<CastHit> certain = world.cast({{-4, 0, 0}, {4, 0, 0}});
+    ASSERT_TRUE(certain);
+    EXPECT_EQ(certain->body, wall) << "the certain hit";
+    EXPECT_EQ(certain->verdict, Verdict::colliding);
+    EXPECT_NEAR(certain->fraction_lower, 0.375, 1e-3) << "the mesh may be nearer";
+    EXPECT_NEAR(certain->fraction_upper, 0.75, 1e-14);
+}
+
+TEST(Casts, AreExactWithAllSettings)
+{
+    for (const Settings& settings : {Settings{.max_error = 0.5}, Settings{.max_error = 0.5, .clearance = 0.125},
+                                     Settings{.exact = ExactLevel::predicates, .contact_kinds = true}}) {
+        World world(settings);
+        world.add_body({.model = world.add(Shape(Sphere{1}))});
+        EXPECT_FALSE(world.cast({{-4, 0, 1.0625}, {4, 0, 1.0625}}));
+        const std::optional<CastHit> hit = world.cast({{-4, 0, 0}, {4, 0, 0}});
+        ASSERT_TRUE(hit);
+        EXPECT_EQ(hit->verdict, Verdict::colliding);
+        EXPECT_LE(hit->fraction_lower, 0.375);
+        EXPECT_GE(hit->fraction_upper, 0.375);
+    }
+}
+
 TEST(Casts, AreRefusedIfTheSegmentHasNoLengthOrIsNotFinite)
 {
     World world;
