@@ -298,7 +298,7 @@ public:
     /// segment finds it with exact results; clearance, contact_kinds and ignore_touching have no effect. Where several
     /// bodies may be first, their smallest slot is returned, and then the smallest part; certain hits come before
     /// others. The bounds of the fraction then enclose the first point in any of these bodies. Cost: like the cost of
-    /// query() for the bodies in front of the hit; 10 microseconds for a round shape.
+    /// query() for the bodies in front of the hit; 3 to 20 microseconds for a round shape.
     /// Throws Error{bad_data} for a segment without length, not finite or beyond 1e15 m.
     std::optional<CastHit> cast(const Segment& segment, const QueryFilter& filter = {}) const;
     /// Sets hits[i] for segments[i]. Runs on up to Settings::threads threads.
