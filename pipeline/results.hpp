@@ -136,6 +136,23 @@ struct ContactLists {
     std::vector<std::size_t> offsets; ///< one more than there are pairs; the first is 0
 };
 
+/// The first point of a segment in bodies. The fractions of the segment from its first point, 0, to its last, 1, hold
+/// for its points moved into the body's frame in double.
+struct CastHit {
+    BodyId body; ///< null: nothing was hit
+    /// colliding: certainly hit. within: rounding hides whether the segment touches a round shape. undecided: a file
+    /// could not be read, or a budget has no room for the mesh's tree.
+    Verdict verdict = Verdict::separate;
+    /// Certified bounds of the fraction at the first common point; both 0 for a segment that begins in a solid or on a
+    /// surface. Relative width 2^-46; for round shapes 2^-40 of the segment, more where it grazes the shape.
+    double fraction_lower = 0, fraction_upper = 0;
+    Eigen::Vector3d point = Eigen::Vector3d::Zero(); ///< world frame, metres: on the segment, between the fractions
+    /// World frame, unit, facing the segment's first point. 0 where it is not defined: the segment begins in a solid,
+    /// or lies in the triangle's plane; or the hit is undecided.
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    BodyPart part{};
+};
+
 } // namespace oncollide
 
 template <>

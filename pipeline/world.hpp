@@ -294,6 +294,17 @@ public:
     std::vector<QueryHit> query(const Segment& segment, const QueryFilter& filter = {}) const;
     /// Overwrites `hits`. Runs on up to Settings::threads threads.
     void query(std::span<const Segment> segments, const QueryFilter& filter, QueryHits& hits) const;
+    /// The first body that a segment hits, and where; nothing if it hits none. A body is hit where query() of the
+    /// segment finds it with exact results; clearance, contact_kinds and ignore_touching have no effect. Where several
+    /// bodies may be first, their smallest slot is returned, and then the smallest part; certain hits come before
+    /// others. The bounds of the fraction then enclose the first point in any of these bodies. Cost: like the cost of
+    /// query() for the bodies in front of the hit; 3 to 20 microseconds for a round shape.
+    /// Throws Error{bad_data} for a segment without length, not finite or beyond 1e15 m.
+    std::optional<CastHit> cast(const Segment& segment, const QueryFilter& filter = {}) const;
+    /// Sets hits[i] for segments[i]. Runs on up to Settings::threads threads.
+    void cast(std::span<const Segment> segments, const QueryFilter& filter, std::span<CastHit> hits) const;
+    /// The first point in each body that the segment hits, sorted by lower bounds of the fractions, then by slots.
+    std::vector<CastHit> cast_all(const Segment& segment, const QueryFilter& filter = {}) const;
     /// Bodies that a solid box of the world touches or contains.
     std::vector<QueryHit> query(const Aabb& box, const QueryFilter& filter = {}) const;
     /// Bodies at most `cutoff` (m, finite) away from a model at a pose, as distance() measures them, sorted by slots.

@@ -439,6 +439,9 @@ def planner():
 
 def rays():
     titles = {"oncollide": "oncollide, one call each", "oncollide-batch": "oncollide, one call for all",
+              "oncollide-cast": "oncollide, first point, one call each",
+              "oncollide-cast-batch": "oncollide, first point, one call for all",
+              "embree-closest": "Embree `rtcIntersect1`, robust, float, closest point",
               "embree-robust": "Embree `rtcOccluded1`, robust, float", "embree": "Embree, not robust, float",
               "bullet": "Bullet `rayTest`, float", "octomap": "OctoMap `castRay`"}
     rows = rows_of("rays")

@@ -16,12 +16,18 @@ bool SegmentQuery::any(SegmentWalk<Tree>& walk, Tree& tree, const Segment& segme
 Finding SegmentQuery::decide(Model& model, const Segment& segment, bool solid)
 {
     if (meets(model, segment)) return {Verdict::colliding, ContactKind::unknown, 0};
-    const bool has_inside = model.kind() == Kind::polytope || (solid && model.closed());
-    const RelativePose same(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
-    if (has_inside &&
-        locator_.place(segment.from, *model.surface_mesh(), model.obb_tree(), same) != PointLocation::outside)
-        return {Verdict::colliding, ContactKind::enclosed, 0};
+    if (begins_inside(model, segment, solid)) return {Verdict::colliding, ContactKind::enclosed, 0};
     return {Verdict::separate, ContactKind::unknown, 0};
+}
+
+/// True if the segment begins inside or on the surface of a model whose surface has an inside.
+bool SegmentQuery::begins_inside(Model& model, const Segment& segment, bool solid)
+{
+    if (model.kind() != Kind::polytope && !(solid && model.closed())) return false;
+    ObbTree* const tree = model.obb_tree();
+    if (tree && (segment.from - tree->centre()).cwiseAbs().maxCoeff() > tree->radius() * (1 + 0x1p-40)) return false;
+    const RelativePose same(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
+    return locator_.place(segment.from, *model.surface_mesh(), tree, same) != PointLocation::outside;
 }
 
 bool SegmentQuery::meets(Model& model, const Segment& segment)

@@ -2,9 +2,17 @@
 #include <oncollide/narrowphase/finding.hpp>
 #include <oncollide/narrowphase/inside/point_location.hpp>
 #include <oncollide/narrowphase/model.hpp>
+#include <oncollide/narrowphase/rays/segment_entry.hpp>
 #include <oncollide/narrowphase/rays/segment_walk.hpp>
 
 namespace oncollide {
+
+/// The first point of a segment in a model, in the model's frame.
+struct SegmentHit {
+    SegmentEntry entry;
+    BodyPart part;          ///< the smallest of the parts whose entries may be the first
+    Eigen::Vector3d normal; ///< of the part, unit, facing the segment's first point; 0: not defined
+};
 
 /// Tests segments against models. One thread's working memory.
 class SegmentQuery {
@@ -26,14 +34,31 @@ public:
     /// If a box or a hull has no OBB tree, its triangles are all tested.
     bool meets(Model& model, const Segment& segment);
 
+    /// The first point of the segment in a model of any kind, if its fraction may be at most `reach`. There is one
+    /// where decide() finds a collision. A mesh must have its OBB tree. Throws ChunkFault.
+    std::optional<SegmentHit> first(Model& model, const Segment& segment, bool solid, double reach = 1);
+
 private:
+    struct Candidate {
+        SegmentEntry entry;
+        BodyPart part;
+        std::uint32_t number; ///< of the triangle in the tree
+    };
+    bool begins_inside(Model& model, const Segment& segment, bool solid);
+    template <class Tree, class Entry>
+    std::optional<Candidate> nearest(SegmentWalk<Tree>& walk, Tree& tree, const Segment& segment, double reach,
+                                     Entry entry);
+    std::optional<Candidate> nearest_candidate(double reach) const;
+    void add(const std::optional<SegmentEntry>& entry, const BodyPart& part, std::uint32_t number, double& reach);
     template <class Tree, class Meets>
     bool any(SegmentWalk<Tree>& walk, Tree& tree, const Segment& segment, Meets meets);
+    std::optional<SegmentHit> first_on_surface(Model& model, const Segment& segment, double reach);
 
     SegmentWalk<ObbTree> meshes_;
     SegmentWalk<TerrainTree> terrains_;
     SegmentWalk<MapTree> maps_;
     PointLocator locator_;
+    std::vector<Candidate> candidates_;
 };
 
 } // namespace oncollide

@@ -20,8 +20,9 @@ public:
     /// length, and possibly for others. take() returns the new reach: e.g. 1 to go on, the fraction of a hit to find
     /// nearer ones, or -1 to stop. Boxes come in the order of lower bounds of their fractions within each node.
     /// @param segment  in the geometry's frame, exact
+    /// @param reach    the first reach
     template <class Take>
-    void walk(Tree& tree, const Segment& segment, Take take);
+    void walk(Tree& tree, const Segment& segment, Take take, double reach = 1);
 
 private:
     struct Box {
@@ -57,7 +58,7 @@ void SegmentWalk<Tree>::open(Tree& tree, const typename Tree::Node& node, const 
 
 template <BoxHierarchy Tree>
 template <class Take>
-void SegmentWalk<Tree>::walk(Tree& tree, const Segment& segment, Take take)
+void SegmentWalk<Tree>::walk(Tree& tree, const Segment& segment, Take take, double reach)
 {
     const Eigen::Vector3d centre = tree.centre(), radius = Eigen::Vector3d::Constant(tree.radius());
     const std::optional<SegmentPart> part = part_in(segment, {centre - radius, centre + radius});
@@ -65,11 +66,12 @@ void SegmentWalk<Tree>::walk(Tree& tree, const Segment& segment, Take take)
     const SegmentLine line = line_of(*part, centre, 4 * tree.radius()); // corners of boxes lie farther out
     // Entries are in the part: -1 is its begin, 1 its end.
     const double length = part->end - part->begin;
-    const auto entry_of = [&](double reach) {
-        if (reach < part->begin || !(length > 0)) return reach < part->begin ? -2.0f : 2.0f;
-        return static_cast<float>((2 * (reach - part->begin) / length - 1) * (1 + 0x1p-20) + 0x1p-20);
+    const auto last_entry = [&](double allowed) {
+        if (allowed < part->begin || !(length > 0)) return allowed < part->begin ? -2.0f : 2.0f;
+        return static_cast<float>((2 * (allowed - part->begin) / length - 1) * (1 + 0x1p-20) + 0x1p-20);
     };
-    float last = entry_of(1);
+    float last = last_entry(reach);
+    if (last < -1) return;
     boxes_.clear();
     open(tree, Tree::root, line);
     while (!boxes_.empty()) {
@@ -81,7 +83,7 @@ void SegmentWalk<Tree>::walk(Tree& tree, const Segment& segment, Take take)
             continue;
         }
         for (const Primitive& primitive : tree.primitives(box.node, box.lane)) {
-            last = std::min(last, entry_of(take(primitive)));
+            last = std::min(last, last_entry(take(primitive)));
             if (last < -1) return;
         }
     }

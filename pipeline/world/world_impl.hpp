@@ -8,8 +8,8 @@
 
 namespace oncollide {
 
-/// The data of a World. Implemented in world.cpp (models), world_bodies.cpp, world_step.cpp (frames), world_pairs.cpp and
-/// world_queries.cpp (const queries).
+/// The data of a World. Implemented in world.cpp (models), world_bodies.cpp, world_step.cpp (frames), world_pairs.cpp,
+/// world_queries.cpp and world_casts.cpp (const queries).
 struct World::Impl {
     Settings settings;
     const std::uint16_t tag; ///< in the ids that this World issues
@@ -71,9 +71,15 @@ struct World::Impl {
     void find_near(QueryWorker& worker, const Probe& probe, double margin);
     void refine_hits(QueryWorker& worker, const Probe& probe, std::vector<QueryHit>& hits);
     void find_hits(QueryWorker& worker, const Probe& probe, std::vector<QueryHit>& hits);
+    bool allows(const QueryFilter& filter, std::uint32_t slot) const;
+    bool has_tree_for_segments(std::uint32_t slot);
     bool tests_segments(std::uint32_t slot);
     Finding on_segment(QueryWorker& worker, std::uint32_t slot, const Segment& segment);
     void find_hits(QueryWorker& worker, const Segment& segment, const QueryFilter& filter, std::vector<QueryHit>& hits);
+    std::optional<CastHit> cast(QueryWorker& worker, std::uint32_t slot, const Segment& segment, double entry,
+                                double reach);
+    void find_casts(QueryWorker& worker, const Segment& segment, const QueryFilter& filter, bool all);
+    std::optional<CastHit> first_cast(QueryWorker& worker, const Segment& segment, const QueryFilter& filter);
     template <class Pairs, class Work>
     void in_batches(const Pairs& pairs, std::size_t count, Work work);
     /// Passes the changes to the broad phase and lists the AABBs to update.

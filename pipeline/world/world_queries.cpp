@@ -13,12 +13,6 @@ namespace oncollide {
 
 namespace {
 
-bool allows(const QueryFilter& q, const Bodies& bodies, std::uint32_t slot)
-{
-    return (q.layer & bodies.mask(slot)) && (bodies.layer(slot) & q.mask) &&
-           (q.group == 0 || q.group != bodies.group(slot));
-}
-
 /// True if some point of the body lies in the box.
 bool has_point_in(const Bodies& bodies, std::uint32_t slot, const Aabb& box)
 {
@@ -62,6 +56,12 @@ Mesh box_mesh(const Aabb& box)
 
 } // namespace
 
+bool World::Impl::allows(const QueryFilter& q, std::uint32_t slot) const
+{
+    return (q.layer & bodies.mask(slot)) && (bodies.layer(slot) & q.mask) &&
+           (q.group == 0 || q.group != bodies.group(slot));
+}
+
 /// A model at a pose, as a query tests it.
 struct World::Impl::Probe {
     Model* model;
@@ -77,7 +77,7 @@ void World::Impl::find_near(QueryWorker& worker, const Probe& probe, double marg
     broad->query(bodies.columns(), worker.boxes, worker.hits);
     worker.tasks.clear();
     for (const AabbHit& hit : worker.hits)
-        if (allows(probe.filter, bodies, hit.body))
+        if (allows(probe.filter, hit.body))
             worker.tasks.push_back(
                 {hit.body, probe.model, &bodies.model(hit.body), &probe.pose, &bodies.pose(hit.body)});
 }
@@ -112,11 +112,10 @@ void World::Impl::find_hits(QueryWorker& w, const Probe& probe, std::vector<Quer
     refine_hits(w, probe, hits);
 }
 
-/// True if on_segment() covers the body. Makes the tree that it needs.
-bool World::Impl::tests_segments(std::uint32_t slot)
+/// True if the body has the tree that segments need, or needs none. Makes the tree if there is room.
+bool World::Impl::has_tree_for_segments(std::uint32_t slot)
 {
     Model& model = bodies.model(slot);
-    if (!SegmentQuery::covers(model.kind())) return false;
     if (!SegmentQuery::needs_tree(model.kind())) return true;
     model.need_obb_tree(frame.number);
     {
@@ -125,6 +124,12 @@ bool World::Impl::tests_segments(std::uint32_t slot)
     }
     const std::lock_guard lock(guard);
     return models.admit_obb_tree(model, frame.number);
+}
+
+/// True if on_segment() covers the body. Makes the tree that it needs.
+bool World::Impl::tests_segments(std::uint32_t slot)
+{
+    return SegmentQuery::covers(bodies.model(slot).kind()) && has_tree_for_segments(slot);
 }
 
 /// The result of a segment and a body, in the body's frame.
@@ -153,7 +158,7 @@ void World::Impl::find_hits(QueryWorker& w, const Segment& segment, const QueryF
     const std::size_t first = hits.size();
     w.tasks.clear();
     for (const AabbHit& hit : w.hits) {
-        if (!allows(filter, bodies, hit.body)) continue;
+        if (!allows(filter, hit.body)) continue;
         if (!plain || !tests_segments(hit.body))
             w.tasks.push_back({hit.body, nullptr, &bodies.model(hit.body), nullptr, &bodies.pose(hit.body)});
         else if (const Finding found = on_segment(w, hit.body, segment); found.verdict != Verdict::separate)

@@ -29,6 +29,7 @@ struct ResultTypes {
     py::dtype pair;        ///< PairResult
     py::dtype bodies;      ///< PairOfBodies
     py::dtype hit;         ///< QueryHit
+    py::dtype cast;        ///< CastHit
     py::dtype contact;     ///< Contact
     py::dtype distance;    ///< Distance
     py::dtype finding;     ///< Finding

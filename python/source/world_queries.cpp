@@ -40,24 +40,58 @@ py::tuple query_batch(HeldWorld& held, py::handle model, py::handle at, py::hand
     return py::make_tuple(array_of(result_types().hit, std::move(hits.hits)), offsets_of(hits.offsets));
 }
 
+std::vector<Segment> segments_of(py::handle from, py::handle to, const char* call)
+{
+    const std::vector<Eigen::Vector3d> starts = points(from, {call, "starts"}), ends = points(to, {call, "ends"});
+    if (starts.size() != ends.size())
+        refuse_value({call, "ends"}, "expected as many points as starts, " + std::to_string(starts.size()) + ", got " +
+                                         std::to_string(ends.size()));
+    std::vector<Segment> segments(starts.size());
+    for (std::size_t i = 0; i < segments.size(); ++i) segments[i] = {starts[i], ends[i]};
+    return segments;
+}
+
 py::tuple query_segments(HeldWorld& held, py::handle from, py::handle to, py::handle layer, py::handle mask,
                          py::handle group)
 {
     const char* const call = "World.query_segments";
     const QueryFilter filter = filter_of(layer, mask, group, call);
-    const std::vector<Eigen::Vector3d> starts = points(from, {call, "starts"}), ends = points(to, {call, "ends"});
-    if (starts.size() != ends.size())
-        refuse_value({call, "ends"}, "expected as many points as starts, " + std::to_string(starts.size()) + ", got " +
-                                         std::to_string(ends.size()));
+    const std::vector<Segment> segments = segments_of(from, to, call);
     QueryHits hits;
     {
         const Looking looking(held, call);
         const Released released;
-        std::vector<Segment> segments(starts.size());
-        for (std::size_t i = 0; i < segments.size(); ++i) segments[i] = {starts[i], ends[i]};
         held.world.query(segments, filter, hits);
     }
     return py::make_tuple(array_of(result_types().hit, std::move(hits.hits)), offsets_of(hits.offsets));
+}
+
+py::array cast(HeldWorld& held, py::handle from, py::handle to, py::handle layer, py::handle mask, py::handle group)
+{
+    const char* const call = "World.cast";
+    const QueryFilter filter = filter_of(layer, mask, group, call);
+    const std::vector<Segment> segments = segments_of(from, to, call);
+    std::vector<CastHit> hits(segments.size());
+    {
+        const Looking looking(held, call);
+        const Released released;
+        held.world.cast(segments, filter, hits);
+    }
+    return array_of(result_types().cast, std::move(hits));
+}
+
+py::array cast_all(HeldWorld& held, py::handle from, py::handle to, py::handle layer, py::handle mask, py::handle group)
+{
+    const char* const call = "World.cast_all";
+    const QueryFilter filter = filter_of(layer, mask, group, call);
+    const Segment segment{vector3(from, {call, "start"}), vector3(to, {call, "end"})};
+    std::vector<CastHit> hits;
+    {
+        const Looking looking(held, call);
+        const Released released;
+        hits = held.world.cast_all(segment, filter);
+    }
+    return array_of(result_types().cast, std::move(hits));
 }
 
 } // namespace
@@ -108,6 +142,22 @@ Results for meshes, terrains, maps, boxes and hulls are exact with all settings.
 --
 
 The same for many segments, on the World's threads. starts, ends: (N, 3) metres. Returns as query_batch().)");
+    world.def("cast", &cast, "starts"_a, "ends"_a, "layer"_a = 1, "mask"_a = all, "group"_a = 0,
+              R"(cast(self, starts, ends, layer=1, mask=4294967295, group=0)
+--
+
+Finds the first body that each segment hits, and where, on the World's threads. starts, ends: (N, 3) metres.
+
+Returns a structured array (N,): body (uint64; 0: nothing is hit), verdict (uint8: COLLIDING; WITHIN where rounding
+hides whether a round shape is touched; UNDECIDED if a file or a budget prevents the test), fraction_lower and
+fraction_upper (float64: certified bounds of the fraction of the segment), point and normal (float64 (3,), world;
+the normal faces the start, 0 where it is not defined), triangle (uint32), cell (int32 (4,)).)");
+    world.def("cast_all", &cast_all, "start"_a, "end"_a, "layer"_a = 1, "mask"_a = all, "group"_a = 0,
+              R"(cast_all(self, start, end, layer=1, mask=4294967295, group=0)
+--
+
+Finds the first point of a segment in each body that it hits, sorted along the segment. start, end: (3,) metres.
+Returns as cast().)");
     world.def(
         "query_box",
         [](HeldWorld& held, py::handle low, py::handle high, py::handle layer, py::handle mask, py::handle group) {

@@ -118,6 +118,8 @@ CASES = [
     (lambda: world().query_segment([0, 0], [1, 1, 1]), ValueError, "World.query_segment: start: expected shape (3,), got (2,)"),
     (lambda: world().query_segment([0, 0, 0], [1, np.inf, 1]), Error, "segment"),
     (lambda: world().query_segments([[0, 0, 0]], [[1, 1, 1], [2, 2, 2]]), ValueError, "World.query_segments: ends: expected as many"),
+    (lambda: world().cast([[0, 0, 0]], [[1, 1, 1], [2, 2, 2]]), ValueError, "World.cast: ends: expected as many"),
+    (lambda: world().cast_all([0, 0, 0], [0, 0, 0]), Error, "the segment has no length"),
     (lambda: world().query_box([1, 1, 1], [0, 0, 0]), Error, "the box is empty"),
     (lambda: world().query_box([np.nan] * 3, [1, 1, 1]), Error, "box"),
     (lambda: (w := world()).distance(w.body_at(0), w.body_at(1), tolerance=-1), Error, "tolerance"),

@@ -124,6 +124,19 @@ def test_queries_hit_what_is_there_and_add_nothing(cubes):
     assert len(world) == 3
 
 
+def test_casts_find_the_first_point_of_segments(cubes):
+    world, model, ids = cubes
+    hits = world.cast([[-9, 0, 0], [-9, 5, 0], [9, 0.125, 0.25]], [[9, 0, 0], [9, 5, 0], [-9, 0.125, 0.25]])
+    assert hits["body"].tolist() == [ids[0], 0, ids[2]]
+    assert hits["verdict"].tolist() == [Verdict.COLLIDING, Verdict.SEPARATE, Verdict.COLLIDING]
+    assert hits["fraction_lower"][0] <= 8.5 / 18 <= hits["fraction_upper"][0]
+    assert np.allclose(hits["point"][[0, 2]], [[-0.5, 0, 0], [3.25, 0.125, 0.25]])
+    assert hits["normal"][[0, 2]].tolist() == [[-1, 0, 0], [1, 0, 0]]
+    assert hits["triangle"].max() < 12 and not hits["cell"].any()
+    assert world.cast_all([-9, 0, 0], [9, 0, 0])["body"].tolist() == ids.tolist()
+    assert world.cast_all([9, 0, 0], [-9, 0, 0])["body"].tolist() == ids[::-1].tolist()
+
+
 def test_contacts_are_structured_arrays_of_what_meets(cubes):
     world, model, ids = cubes
     contacts = world.contacts(ids[0], ids[1])

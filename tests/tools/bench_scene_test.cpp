@@ -55,7 +55,8 @@ TEST_F(CommandLine, BenchRaysFindsNoWrongHit)
             EXPECT_EQ(row["hits"], "300");
         }
     }
-    EXPECT_EQ(oncollide, 3 * 2 * 3) << "mesh, terrain and map; alone and together; three kinds of segments";
+    EXPECT_EQ(oncollide, 3 * 2 * 2 * 3)
+        << "mesh, terrain and map; query and cast; alone and together; three kinds of segments";
     expect_error(64, {"bench", "rays", "--rays", "0"}, {"--rays 0"});
     expect_error(66, {"bench", "rays", "none.obj"}, {"none.obj"});
 }

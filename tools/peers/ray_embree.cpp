@@ -1,4 +1,4 @@
-// Embree's occlusion test of rays against a triangle mesh.
+// Embree's tests of rays against a triangle mesh: occluded or not, and the closest hit.
 #include "peers/ray_peer.hpp"
 
 #include <embree3/rtcore.h>
@@ -8,8 +8,8 @@ namespace {
 
 class EmbreeRayPeer final : public RayPeer {
 public:
-    EmbreeRayPeer(const Mesh& mesh, RTCSceneFlags flags)
-        : device_(rtcNewDevice("threads=1")), scene_(rtcNewScene(device_))
+    EmbreeRayPeer(const Mesh& mesh, RTCSceneFlags flags, bool closest)
+        : device_(rtcNewDevice("threads=1")), scene_(rtcNewScene(device_)), closest_(closest)
     {
         rtcSetSceneFlags(scene_, flags);
         rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
@@ -36,26 +36,34 @@ public:
         for (std::size_t i = 0; i < segments.size(); ++i) {
             const Eigen::Vector3f from = segments[i].from.cast<float>();
             const Eigen::Vector3f along = (segments[i].to - segments[i].from).cast<float>();
-            RTCRay ray{};
+            RTCRayHit traced{};
+            RTCRay& ray = traced.ray;
             ray.org_x = from.x(), ray.org_y = from.y(), ray.org_z = from.z();
             ray.dir_x = along.x(), ray.dir_y = along.y(), ray.dir_z = along.z();
             ray.tnear = 0, ray.tfar = 1, ray.mask = ~0u;
             RTCIntersectContext context;
             rtcInitIntersectContext(&context);
-            rtcOccluded1(scene_, &context, &ray);
-            hit[i] = ray.tfar < 0;
+            if (closest_) {
+                traced.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+                rtcIntersect1(scene_, &context, &traced);
+                hit[i] = traced.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+            } else {
+                rtcOccluded1(scene_, &context, &ray);
+                hit[i] = ray.tfar < 0;
+            }
         }
     }
 
 private:
     RTCDevice device_;
     RTCScene scene_;
+    bool closest_;
 };
 
-RayContender contender(const char* name, const char* what, RTCSceneFlags flags)
+RayContender contender(const char* name, const char* what, RTCSceneFlags flags, bool closest = false)
 {
-    return {.name = name, .what = what, .exact = false, .make = [flags](const Mesh& mesh) {
-                return std::make_unique<EmbreeRayPeer>(mesh, flags);
+    return {.name = name, .what = what, .exact = false, .make = [flags, closest](const Mesh& mesh) {
+                return std::make_unique<EmbreeRayPeer>(mesh, flags, closest);
             }};
 }
 
@@ -66,6 +74,8 @@ void add_ray_embree(std::vector<RayContender>& all)
     all.push_back(
         contender("embree-robust", "Embree rtcOccluded1, robust scene, single precision", RTC_SCENE_FLAG_ROBUST));
     all.push_back(contender("embree", "the same, not robust", RTC_SCENE_FLAG_NONE));
+    all.push_back(contender("embree-closest", "Embree rtcIntersect1, robust scene, single precision; the closest hit",
+                            RTC_SCENE_FLAG_ROBUST, true));
 }
 
 } // namespace oncollide::tools

@@ -6,12 +6,14 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/numbers/random.hpp>
+#include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/rays/segment_query.hpp>
 #include <oncollide/narrowphase/rays/segment_tests.hpp>
 #include <oncollide/narrowphase/shapes/cell_test.hpp>
 #include <oncollide/pipeline/models/model_store.hpp>
 
 #include "every_kind.hpp"
+#include "verify/oracle/segment_truth.hpp"
 
 namespace oncollide::segment_query_test {
 namespace {
@@ -31,11 +33,13 @@ public:
             add(mesh_of(*terrain));
         else if (const OccupancyMap* map = model.map())
             map->each_cell(map->bounds(), [&](const MapCell& cell) {
-                cells.push_back(MapAccess::box(*map, cell));
+                cells.push_back(MapAccess::box(*map, cell)), names.emplace_back(cell);
                 return true;
             });
         else
             add(*model.surface_mesh());
+        if (model.is_mesh())
+            for (std::uint32_t i = 0; i < triangles.size(); ++i) names.emplace_back(i);
     }
     bool meet(const Segment& s) const
     {
@@ -55,6 +59,7 @@ public:
 
     std::vector<TrianglePoints> triangles;
     std::vector<Aabb> cells;
+    std::vector<BodyPart> names; ///< of meshes and maps
 };
 
 Vector3d random_point(std::uint64_t seed, std::uint64_t k, double reach)
@@ -114,6 +119,115 @@ TEST(SegmentQuery, MeetsWhatOneOfAllPartsMeets)
             }
         }
     for (const auto& [kind, count] : counts) EXPECT_GT(std::min(count[0], count[1]), 500) << every_kind[kind];
+}
+
+/// Compares the first point with rational arithmetic.
+void expect_first(SegmentQuery& query, Model& model, const Everything& all, const Segment& segment)
+{
+    const std::optional<SegmentHit> hit = query.first(model, segment, false);
+    ASSERT_EQ(hit.has_value(), query.decide(model, segment, false).verdict == Verdict::colliding);
+    std::vector<oracle::SegmentTruth> parts(all.triangles.size() + all.cells.size());
+    oracle::SegmentTruth first;
+    for (std::size_t i = 0; i < all.triangles.size(); ++i)
+        parts[i].add(segment, all.triangles[i]), first.add(segment, all.triangles[i]);
+    for (std::size_t i = 0; i < all.cells.size(); ++i)
+        parts[i].add(segment, all.cells[i]), first.add(segment, all.cells[i]);
+    const auto behind = [&](const auto& t) { return orient3d(t[0], t[1], t[2], segment.from) <= 0; };
+    if (model.kind() == Kind::polytope && std::ranges::all_of(all.triangles, behind)) first.add_start();
+    ASSERT_EQ(hit.has_value(), first.met());
+    if (!hit) return;
+
+    const auto& [lower, upper, certain] = hit->entry;
+    EXPECT_TRUE(certain && first.within(lower, upper)) << lower << " to " << upper;
+    EXPECT_LE(upper - lower, 0x1p-46 * upper + 0x1p-999);
+    EXPECT_NEAR(hit->normal.squaredNorm(), hit->normal.isZero(0) ? 0 : 1, 1e-14);
+    EXPECT_LE(hit->normal.dot(segment.to - segment.from), 1e-14 * (segment.to - segment.from).norm());
+    EXPECT_EQ(query.first(model, segment, false, upper)->part, hit->part);
+    if (lower > 0) {
+        EXPECT_FALSE(query.first(model, segment, false, 0.5 * lower)) << "nothing is nearer";
+    }
+    for (std::size_t i = 0; i < all.names.size(); ++i) {
+        if (parts[i].equals(first)) {
+            EXPECT_LE(hit->part, all.names[i]) << "the smallest of the nearest parts";
+        }
+        if (all.names[i] == hit->part) {
+            EXPECT_TRUE(parts[i].within(lower, upper * (1 + 0x1p-45)));
+        }
+    }
+}
+
+TEST(SegmentQuery, TheFirstPointIsThatOfRationalArithmetic)
+{
+    SegmentQuery query;
+    const Settings settings;
+    for (const std::size_t kind : {0, 1, 2, 4, 7})
+        for (std::uint64_t seed = 0; seed < 6; ++seed) {
+            ModelStore store(settings, make_cpu_backend());
+            Model& model =
+                store[store.add(std::make_shared<const Geometry>(Geometry{"", draw_geometry(kind, seed), ""}))];
+            const Everything all(model);
+            if (model.has_triangles() && (kind == 0 || seed % 2)) store.obb_tree(model, 0);
+            for (std::uint64_t k = 0; k < 60; ++k) {
+                const Segment segment = draw(all, 1000 * seed + k);
+                SCOPED_TRACE(std::string(every_kind[kind]) + " " + std::to_string(seed) + " " + std::to_string(k));
+                expect_first(query, model, all, segment);
+                expect_first(query, model, all, {segment.to, segment.from});
+            }
+        }
+}
+
+/// How far a point is outside a round shape: > 0 outside, about metres near the surface.
+double outside(const Shape& shape, const Vector3d& p)
+{
+    const double across = std::hypot(p.x(), p.y());
+    if (const auto* s = std::get_if<Sphere>(&shape)) return p.norm() - s->radius;
+    if (const auto* c = std::get_if<Capsule>(&shape))
+        return std::hypot(across, std::max(std::abs(p.z()) - c->length / 2, 0.0)) - c->radius;
+    if (const auto* c = std::get_if<Cylinder>(&shape))
+        return std::max(across - c->radius, std::abs(p.z()) - c->length / 2);
+    if (const auto* c = std::get_if<Cone>(&shape))
+        return std::max(-c->length / 2 - p.z(), across - c->radius * (0.5 - p.z() / c->length));
+    return p.cwiseQuotient(std::get<Ellipsoid>(shape).semi_axes).norm() - 1;
+}
+
+TEST(SegmentQuery, TheFirstPointInARoundShapeIsOnItsSurface)
+{
+    SegmentQuery query;
+    for (const std::size_t kind : {3, 5, 6, 8, 9}) {
+        int hits = 0, inside = 0, wide = 0;
+        for (std::uint64_t seed = 0; seed < 600; ++seed) {
+            Model model(std::make_shared<const Geometry>(Geometry{"", draw_geometry(kind, seed % 10), ""}));
+            const Shape& shape = *model.shape();
+            const Segment segment{random_point(seed, 5, seed % 4 ? 2 : 0.3), random_point(seed, 6, 2)};
+            const auto at = [&](double t) { return Vector3d((1 - t) * segment.from + t * segment.to); };
+            SCOPED_TRACE(std::string(every_kind[kind]) + " " + std::to_string(seed));
+            const std::optional<SegmentHit> hit = query.first(model, segment, false);
+            const double clear = hit ? hit->entry.lower : 1;
+            for (int k = 0; k <= 200 && clear > 0; ++k) EXPECT_GT(outside(shape, at(clear * k / 200)), -1e-11);
+            if (!hit) continue;
+            ASSERT_TRUE(hit->entry.certain);
+            ++hits, inside += hit->entry.upper == 0;
+            if (hit->entry.upper == 0) {
+                EXPECT_LE(outside(shape, segment.from), 1e-12);
+                EXPECT_TRUE(hit->normal.isZero(0));
+                continue;
+            }
+            EXPECT_NEAR(outside(shape, at(hit->entry.upper)), 0, 1e-11);
+            EXPECT_LE(hit->entry.upper - hit->entry.lower, 0x1p-36);
+            wide += hit->entry.upper - hit->entry.lower > 0x1p-40;
+            EXPECT_NEAR(hit->normal.norm(), 1, 1e-12);
+            EXPECT_LE(hit->normal.dot(segment.to - segment.from), 1e-6);
+        }
+        EXPECT_GT(hits, 70) << every_kind[kind];
+        EXPECT_GT(inside, 5) << every_kind[kind];
+        EXPECT_LT(wide, 5) << every_kind[kind] << ": grazed";
+    }
+    Model plane(std::make_shared<const Geometry>(Geometry{"", Shape(HalfSpace{}), ""}));
+    const std::optional<SegmentHit> hit = query.first(plane, {{0, 0, 3}, {4, 0, -1}}, false);
+    ASSERT_TRUE(hit && hit->entry.lower <= 0.75 && hit->entry.upper >= 0.75);
+    EXPECT_EQ(hit->normal, Vector3d::UnitZ());
+    EXPECT_FALSE(query.first(plane, {{0, 0, 3}, {4, 0, 1}}, false));
+    EXPECT_EQ(query.first(plane, {{0, 0, 0}, {0, 0, 1}}, false)->entry.upper, 0) << "begins on the plane";
 }
 
 /// Where a segment crosses the plane of a triangle, about.

@@ -1,4 +1,5 @@
-// oncollide bench rays: which of many segments meet a mesh, a terrain or a map, compared with other libraries.
+// oncollide bench rays: which of many segments meet a mesh, a terrain or a map, and where, compared with other
+// libraries.
 #include "bench/bench.hpp"
 #include "cli/system.hpp"
 #include "common/statistics.hpp"
@@ -52,13 +53,15 @@ std::vector<Segment> make_rays(const std::string& kind, const Aabb& box, std::si
 /// A World of one body.
 class WorldRays final : public RayPeer {
 public:
-    WorldRays(std::shared_ptr<const Geometry> geometry, bool together) : together_(together)
+    /// @param first  finds the first points of the segments, too
+    WorldRays(std::shared_ptr<const Geometry> geometry, bool together, bool first) : together_(together), first_(first)
     {
         world_.add_body({.model = world_.add(std::move(geometry)), .is_static = true});
         world_.step();
     }
     void trace(std::span<const Segment> segments, std::span<std::uint8_t> hit) override
     {
+        if (first_) return cast(segments, hit);
         if (!together_) {
             for (std::size_t i = 0; i < segments.size(); ++i) hit[i] = !world_.query(segments[i]).empty();
             return;
@@ -68,9 +71,21 @@ public:
     }
 
 private:
+    void cast(std::span<const Segment> segments, std::span<std::uint8_t> hit)
+    {
+        if (!together_) {
+            for (std::size_t i = 0; i < segments.size(); ++i) hit[i] = world_.cast(segments[i]).has_value();
+            return;
+        }
+        casts_.resize(segments.size());
+        world_.cast(segments, {}, casts_);
+        for (std::size_t i = 0; i < segments.size(); ++i) hit[i] = bool(casts_[i].body);
+    }
+
     World world_;
-    bool together_;
+    bool together_, first_;
     QueryHits found_;
+    std::vector<CastHit> casts_;
 };
 
 class OctomapRays final : public RayPeer {
@@ -131,10 +146,13 @@ struct RayCase {
 void add_oncollide(RayCase& in, GeometryData data)
 {
     const auto geometry = std::make_shared<const Geometry>(Geometry{{}, std::move(data), {}});
-    for (const bool together : {false, true})
-        in.contenders.push_back({together ? "oncollide-batch" : "oncollide",
-                                 together ? "World::query, all segments in one call" : "World::query, one call each",
-                                 true, [=](const Mesh&) { return std::make_unique<WorldRays>(geometry, together); }});
+    for (const bool first : {false, true})
+        for (const bool together : {false, true})
+            in.contenders.push_back(
+                {fmt::format("oncollide{}{}", first ? "-cast" : "", together ? "-batch" : ""),
+                 fmt::format("World::{}, {}", first ? "cast" : "query",
+                             together ? "all segments in one call" : "one call each"),
+                 true, [=](const Mesh&) { return std::make_unique<WorldRays>(geometry, together, first); }});
 }
 
 RayCase mesh_case(const std::string& name, const Mesh& mesh, const RayContenders& peers)

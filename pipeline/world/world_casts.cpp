@@ -1,0 +1,137 @@
+// World: the first points of segments in bodies, safe from many threads at once.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/broadphase/segment_part.hpp>
+#include <oncollide/pipeline/world/query_worker.hpp>
+
+namespace oncollide {
+
+namespace {
+
+void check_segments(std::span<const Segment> segments)
+{
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+        const auto& [from, to] = segments[i];
+        for (const Eigen::Vector3d& end : {from, to})
+            if (!(end.cwiseAbs().maxCoeff() <= 1e15) || !end.allFinite())
+                throw Error(ErrorKind::bad_data,
+                            fmt::format("cast {}: a point of the segment is not finite, or beyond 1e15 m", i));
+        if (from == to)
+            throw Error(ErrorKind::bad_data,
+                        fmt::format("cast {}: the segment has no length; query() finds the bodies at a point", i));
+    }
+}
+
+/// A lower bound on the fraction at which a segment enters a box that it may meet.
+double entry_into(const Segment& segment, const Aabb& box)
+{
+    const std::optional<SegmentPart> part = part_in(segment, box);
+    if (!part) return 0;
+    return std::max(0.0, part->begin - 2 * part->error / (segment.to - segment.from).stableNorm() - 0x1p-40);
+}
+
+/// An order of hits that may be first: certain ones before others, then by slots.
+auto rank(const CastHit& hit)
+{
+    return std::pair(hit.verdict != Verdict::colliding, hit.body.slot);
+}
+
+} // namespace
+
+/// The first point of the segment in a body, if its fraction may be at most `reach`.
+/// @param entry  lower bound of the fraction
+std::optional<CastHit> World::Impl::cast(QueryWorker& w, std::uint32_t slot, const Segment& segment, double entry,
+                                         double reach)
+{
+    Model& model = bodies.model(slot);
+    const Eigen::Isometry3d& pose = bodies.pose(slot);
+    CastHit hit{.body = bodies.id(slot), .verdict = Verdict::undecided, .fraction_lower = entry, .fraction_upper = 1.0};
+    try {
+        if (has_tree_for_segments(slot)) {
+            const RelativePose into(pose, Eigen::Isometry3d::Identity());
+            const Segment mine{into(segment.from), into(segment.to)};
+            const bool solid = settings.mode == Mode::solid;
+            const std::optional<SegmentHit> first =
+                models.with_room([&] { return w.segments.first(model, mine, solid, reach); });
+            if (!first) return {};
+            hit.verdict = first->entry.certain ? Verdict::colliding : Verdict::within;
+            hit.fraction_lower = first->entry.lower, hit.fraction_upper = first->entry.upper;
+            hit.normal = pose.linear() * first->normal, hit.part = first->part;
+        }
+    } catch (const ChunkFault& fault) {
+        models.note(fault.what());
+    }
+    const bool certain = hit.verdict == Verdict::colliding;
+    const double at = certain ? 0.5 * (hit.fraction_lower + hit.fraction_upper) : hit.fraction_lower;
+    hit.point = (1 - at) * segment.from + at * segment.to;
+    return hit;
+}
+
+/// Leaves in worker.casts all hits of a segment, or only the hits that may be the first.
+void World::Impl::find_casts(QueryWorker& w, const Segment& segment, const QueryFilter& filter, bool all)
+{
+    broad->query_segments(bodies.columns(), std::span(&segment, 1), w.hits);
+    w.entries.clear(), w.casts.clear();
+    for (const AabbHit& hit : w.hits)
+        if (allows(filter, hit.body)) w.entries.emplace_back(entry_into(segment, bodies.boxes()[hit.body]), hit.body);
+    std::ranges::sort(w.entries);
+    double reach = 1;
+    for (const auto& [entry, slot] : w.entries) {
+        if (entry > reach) break;
+        const std::optional<CastHit> hit = cast(w, slot, segment, entry, reach);
+        if (!hit) continue;
+        w.casts.push_back(*hit);
+        if (!all && hit->verdict == Verdict::colliding) reach = std::min(reach, hit->fraction_upper);
+    }
+    std::erase_if(w.casts, [&](const CastHit& hit) { return hit.fraction_lower > reach; });
+}
+
+std::optional<CastHit> World::Impl::first_cast(QueryWorker& w, const Segment& segment, const QueryFilter& filter)
+{
+    find_casts(w, segment, filter, false);
+    if (w.casts.empty()) return {};
+    CastHit first = *std::ranges::min_element(w.casts, {}, rank);
+    for (const CastHit& hit : w.casts) {
+        first.fraction_lower = std::min(first.fraction_lower, hit.fraction_lower);
+        if (hit.verdict == Verdict::colliding)
+            first.fraction_upper = std::min(first.fraction_upper, hit.fraction_upper);
+    }
+    return first;
+}
+
+std::optional<CastHit> World::cast(const Segment& segment, const QueryFilter& filter) const
+{
+    CastHit hit;
+    cast(std::span(&segment, 1), filter, std::span(&hit, 1));
+    return hit.body ? std::optional(hit) : std::nullopt;
+}
+
+void World::cast(std::span<const Segment> segments, const QueryFilter& filter, std::span<CastHit> hits) const
+{
+    Impl& p = impl();
+    if (segments.size() != hits.size())
+        throw Error(ErrorKind::usage, fmt::format("cast: {} segments, room for {} hits; must be of one length",
+                                                  segments.size(), hits.size()));
+    check_segments(segments);
+    p.bring_up_to_date();
+    p.each(segments.size(), 64, [&](auto& worker, std::size_t i) {
+        hits[i] = p.first_cast(worker, segments[i], filter).value_or(CastHit{});
+    });
+}
+
+std::vector<CastHit> World::cast_all(const Segment& segment, const QueryFilter& filter) const
+{
+    Impl& p = impl();
+    check_segments(std::span(&segment, 1));
+    p.bring_up_to_date();
+    Impl::Lease worker(p);
+    p.find_casts(*worker, segment, filter, true);
+    std::ranges::sort(worker->casts, {},
+                      [](const CastHit& hit) { return std::pair(hit.fraction_lower, hit.body.slot); });
+    return worker->casts;
+}
+
+} // namespace oncollide

@@ -1,0 +1,250 @@
+// World::cast, compared with World::query and with casts against one body at a time.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/numbers/random.hpp>
+#include <oncollide/narrowphase/cook_mesh.hpp>
+#include <oncollide/pipeline/world.hpp>
+#include <oncollide/samples/generators.hpp>
+#include <oncollide/scenes/cooked/cooked_mesh.hpp>
+
+#include "every_kind.hpp"
+#include "random_pose.hpp"
+#include "temporary_folder.hpp"
+
+namespace oncollide::casts_test {
+namespace {
+
+using Eigen::Vector3d;
+
+Vector3d random_point(std::uint64_t seed, std::uint64_t i, double reach)
+{
+    return reach * (2 * Vector3d(u01(seed, i, 0), u01(seed, i, 1), u01(seed, i, 2)).array() - 1);
+}
+
+Segment draw(std::uint64_t k)
+{
+    const Vector3d from = random_point(1, k, 4);
+    return {from, k % 3 ? random_point(2, k, 4) : Vector3d(from + random_point(3, k, 0.05))};
+}
+
+/// Bodies of all kinds in a heap, each twice at the same pose, and a half-space below.
+void add_heap(World& world, std::uint64_t bodies)
+{
+    for (std::uint64_t i = 0; i < bodies; ++i) {
+        const ModelId model = world.add(std::make_shared<const Geometry>(
+            Geometry{"", draw_geometry(static_cast<std::size_t>(i % (kinds - 1)), i), ""}));
+        const auto layer = static_cast<std::uint32_t>(1 + i % 2);
+        for (int twice = 0; twice < 2; ++twice)
+            world.add_body({.model = model, .pose = random_pose(i, 2.5), .is_static = i % 3 == 0, .layer = layer});
+    }
+    world.add_body({.model = world.add(Shape(HalfSpace{})), .pose = Eigen::Isometry3d(Eigen::Translation3d(0, 0, -3))});
+}
+
+void expect_same(const CastHit& a, const CastHit& b)
+{
+    EXPECT_EQ(a.body, b.body);
+    EXPECT_EQ(a.verdict, b.verdict);
+    EXPECT_EQ(a.fraction_lower, b.fraction_lower);
+    EXPECT_EQ(a.fraction_upper, b.fraction_upper);
+    EXPECT_EQ(a.point, b.point);
+    EXPECT_EQ(a.normal, b.normal);
+    EXPECT_EQ(a.part, b.part);
+}
+
+TEST(Casts, HitWhatQueriesFindAndReturnTheFirst)
+{
+    for (const Mode mode : {Mode::surface, Mode::solid}) {
+        World world({.exact = ExactLevel::predicates, .mode = mode});
+        add_heap(world, 60);
+        std::size_t found = 0;
+        for (std::uint64_t k = 0; k < 300; ++k) {
+            SCOPED_TRACE(k);
+            const Segment segment = draw(k);
+            const QueryFilter filter{.mask = k % 2 ? ~0u : 2u};
+            const std::vector<CastHit> all = world.cast_all(segment, filter);
+            std::vector<std::uint32_t> hit, queried;
+            for (const CastHit& h : all) hit.push_back(h.body.slot);
+            for (const QueryHit& h : world.query(segment, filter)) queried.push_back(h.body.slot);
+            std::ranges::sort(hit);
+            EXPECT_EQ(hit, queried);
+            EXPECT_TRUE(std::ranges::is_sorted(all, {}, &CastHit::fraction_lower));
+            const std::optional<CastHit> first = world.cast(segment, filter);
+            ASSERT_EQ(first.has_value(), !all.empty());
+            if (!first) continue;
+            found += all.size();
+            CastHit expected = all.front();
+            double upper = 1;
+            for (const CastHit& h : all) upper = std::min(upper, h.fraction_upper);
+            for (const CastHit& h : all)
+                if (h.fraction_lower <= upper && h.body.slot < expected.body.slot) expected = h;
+            expected.fraction_lower = all.front().fraction_lower, expected.fraction_upper = upper;
+            EXPECT_EQ(first->body, expected.body);
+            EXPECT_EQ(first->part, expected.part);
+            EXPECT_EQ(first->fraction_lower, expected.fraction_lower);
+            EXPECT_EQ(first->fraction_upper, expected.fraction_upper);
+            EXPECT_EQ(first->verdict, Verdict::colliding);
+            const Vector3d at = segment.from + 0.5 * (first->fraction_lower + upper) * (segment.to - segment.from);
+            EXPECT_LT((first->point - at).norm(), 1e-11);
+            if (upper > 0 && !first->normal.isZero(0)) {
+                EXPECT_NEAR(first->normal.norm(), 1, 1e-12);
+                EXPECT_LT(first->normal.dot(segment.to - segment.from), 1e-6);
+            }
+        }
+        EXPECT_GT(found, 400u);
+    }
+}
+
+TEST(Casts, AreTheSameOneByOneAndInBatchesOnAnyNumberOfThreads)
+{
+    std::vector<Segment> segments;
+    for (std::uint64_t k = 0; k < 400; ++k) segments.push_back(draw(k));
+    std::vector<CastHit> one;
+    for (const unsigned threads : {1u, 2u, 8u}) {
+        World world({.exact = ExactLevel::predicates, .threads = static_cast<int>(threads)});
+        add_heap(world, 60);
+        std::vector<CastHit> hits(segments.size());
+        world.cast(segments, {}, hits);
+        if (one.empty()) one = hits;
+        for (std::size_t k = 0; k < segments.size(); ++k) {
+            SCOPED_TRACE(k);
+            CastHit single = world.cast(segments[k]).value_or(CastHit{});
+            EXPECT_EQ(single.body, hits[k].body);
+            single.body.world = one[k].body.world; // another World
+            CastHit same = hits[k];
+            same.body.world = one[k].body.world;
+            expect_same(single, one[k]), expect_same(same, one[k]);
+        }
+    }
+    EXPECT_GT(std::ranges::count_if(one, [](const CastHit& hit) { return bool(hit.body); }), 100);
+}
+
+TEST(Casts, NameTheTriangleTheCellAndThePoint)
+{
+    World world;
+    const BodyId box = world.add_body(
+        {.model = world.add(make_box_mesh({1, 1, 1})), .pose = Eigen::Isometry3d(Eigen::Translation3d(4, 0, 0))});
+    const std::optional<CastHit> hit = world.cast({{0, 0.25, 0.5}, {8, 0.25, 0.5}});
+    ASSERT_TRUE(hit);
+    EXPECT_EQ(hit->body, box);
+    EXPECT_NEAR(hit->fraction_lower, 0.375, 1e-14);
+    EXPECT_NEAR(hit->fraction_upper, 0.375, 1e-14);
+    EXPECT_LT((hit->point - Vector3d(3, 0.25, 0.5)).norm(), 1e-13);
+    EXPECT_EQ(hit->normal, Vector3d(-1, 0, 0));
+    const std::optional<CastHit> along = world.cast({{0, 0, 1}, {8, 0, 1}});
+    ASSERT_TRUE(along) << "in the plane of the upper face";
+    EXPECT_NEAR(along->fraction_upper, 0.375, 1e-14);
+    EXPECT_FALSE(world.cast({{0, 0, 1 + 0x1p-50}, {8, 0, 1 + 0x1p-50}}));
+    const std::optional<CastHit> from_face = world.cast({{3, 0.25, 0.5}, {0, 0.25, 0.5}});
+    ASSERT_TRUE(from_face);
+    EXPECT_EQ(from_face->fraction_upper, 0);
+
+    World maps;
+    OccupancyMap map = make_building_map(1, 0.5, 1);
+    const Aabb bounds = map.bounds();
+    maps.add_body({.model = maps.add(map)});
+    const Vector3d above(bounds.min.x() + 0.1, bounds.min.y() + 0.1, bounds.max.z() + 1);
+    const std::optional<CastHit> cell = maps.cast({above, above - Vector3d(0, 0, bounds.diagonal() + 2)});
+    ASSERT_TRUE(cell);
+    EXPECT_GT(cell->part.cell.side, 0);
+    EXPECT_EQ(cell->normal, Vector3d::UnitZ());
+    EXPECT_NEAR(map.box(cell->part.cell).max.z(), cell->point.z(), 1e-12);
+}
+
+TEST(Casts, OfCookedMeshesAreThoseOfTheWhole)
+{
+    const test::TemporaryFolder folder;
+    const Mesh hills = make_hills_mesh(200, 1, 20, 3, 0, 0, 200);
+    cook_mesh(hills, folder.path() / "hills.cooked");
+    World whole, parts;
+    whole.add_body({.model = whole.add(hills)});
+    parts.add_body({.model = parts.add(std::make_shared<const CookedMesh>(folder.path() / "hills.cooked"))});
+    std::size_t hits = 0;
+    for (std::uint64_t k = 0; k < 100; ++k) {
+        const Segment segment{Vector3d(40 * u01(7, k, 0), 200 * u01(7, k, 1), 20 * u01(7, k, 2)),
+                              Vector3d(40 * u01(7, k, 3), 200 * u01(7, k, 4), 20 * u01(7, k, 5))};
+        const std::optional<CastHit> a = whole.cast(segment), b = parts.cast(segment);
+        ASSERT_EQ(a.has_value(), b.has_value()) << k;
+        if (!a) continue;
+        ++hits;
+        EXPECT_EQ(a->part, b->part) << k;
+        EXPECT_EQ(a->fraction_lower, b->fraction_lower) << k;
+        EXPECT_EQ(a->fraction_upper, b->fraction_upper) << k;
+    }
+    EXPECT_GT(hits, 20u);
+}
+
+TEST(Casts, OfAMeshWithoutRoomForItsTreeAreUndecidedFromItsBox)
+{
+    World world({.memory_budget = 100'000});
+    const BodyId mesh = world.add_body({.model = world.add(make_sphere_mesh(1, 100'000))});
+    const BodyId wall = world.add_body(
+        {.model = world.add(Shape(Box{{0.25, 2, 2}})), .pose = Eigen::Isometry3d(Eigen::Translation3d(2.25, 0, 0))});
+    const std::optional<CastHit> alone = world.cast({{-4, 0, 0}, {0, 0, 0}});
+    ASSERT_TRUE(alone);
+    EXPECT_EQ(alone->body, mesh);
+    EXPECT_EQ(alone->verdict, Verdict::undecided);
+    EXPECT_NEAR(alone->fraction_lower, 0.75, 1e-3);
+    EXPECT_EQ(alone->fraction_upper, 1);
+    const std::optional<CastHit> certain = world.cast({{-4, 0, 0}, {4, 0, 0}});
+    ASSERT_TRUE(certain);
+    EXPECT_EQ(certain->body, wall) << "the certain hit";
+    EXPECT_EQ(certain->verdict, Verdict::colliding);
+    EXPECT_NEAR(certain->fraction_lower, 0.375, 1e-3) << "the mesh may be nearer";
+    EXPECT_NEAR(certain->fraction_upper, 0.75, 1e-14);
+}
+
+TEST(Casts, AreExactWithAllSettings)
+{
+    for (const Settings& settings : {Settings{.max_error = 0.5}, Settings{.max_error = 0.5, .clearance = 0.125},
+                                     Settings{.exact = ExactLevel::predicates, .contact_kinds = true}}) {
+        World world(settings);
+        world.add_body({.model = world.add(Shape(Sphere{1}))});
+        EXPECT_FALSE(world.cast({{-4, 0, 1.0625}, {4, 0, 1.0625}}));
+        const std::optional<CastHit> hit = world.cast({{-4, 0, 0}, {4, 0, 0}});
+        ASSERT_TRUE(hit);
+        EXPECT_EQ(hit->verdict, Verdict::colliding);
+        EXPECT_LE(hit->fraction_lower, 0.375);
+        EXPECT_GE(hit->fraction_upper, 0.375);
+    }
+}
+
+TEST(Casts, AreRefusedIfTheSegmentHasNoLengthOrIsNotFinite)
+{
+    World world;
+    world.add_body({.model = world.add(make_sphere_mesh(1, 500))});
+    const auto refuse = [&](const Segment& bad, const std::string& reason) {
+        const std::vector<Segment> segments{{{0, 0, 0}, {1, 0, 0}}, bad};
+        std::vector<CastHit> hits(2);
+        try {
+            world.cast(segments, {}, hits);
+            FAIL() << reason;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), ErrorKind::bad_data);
+            EXPECT_EQ(std::string(error.what()).find("cast 1: " + reason), 0u) << error.what();
+        }
+    };
+    for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e31})
+        refuse({{0, 0, 0}, {0, bad, 0}}, "a point of the segment is not finite");
+    refuse({{1, 2, 3}, {1, 2, 3}}, "the segment has no length");
+    std::vector<CastHit> room(1);
+    EXPECT_THROW(world.cast(std::vector<Segment>{}, {}, room), Error);
+}
+
+TEST(Casts, FindABodyWhoseAabbBeginsJustBeforeTheNearestHit)
+{
+    World world;
+    world.add_body({.model = world.add(Shape(Sphere{1})), .pose = Eigen::Isometry3d(Eigen::Translation3d(5, 0, 0))});
+    const BodyId plate = world.add_body({.model = world.add(Shape(Box{{0.01, 0.05, 0.05}})),
+                                         .pose = Eigen::Isometry3d(Eigen::Translation3d(4.51, 0.9, 0))});
+    const std::optional<CastHit> hit = world.cast({{0, 0.9, 0}, {16, 0.9, 0}}); // it meets the sphere at 4.56
+    ASSERT_TRUE(hit);
+    EXPECT_EQ(hit->body, plate);
+    EXPECT_NEAR(hit->point.x(), 4.5, 1e-12);
+}
+
+} // namespace
+} // namespace oncollide::casts_test
