@@ -8,7 +8,7 @@ namespace oncollide {
 
 namespace {
 
-/// What the walk's rounding of the fractions at which boxes begin can amount to.
+/// An upper bound on the rounding of the fractions at which the walk enters boxes.
 double slack_of(const Segment& segment, const auto& tree)
 {
     const double largest = std::max(segment.from.cwiseAbs().maxCoeff(), segment.to.cwiseAbs().maxCoeff()) +
