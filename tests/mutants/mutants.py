@@ -2,10 +2,11 @@
 """Plants the faults of mutants.json one by one in the sources, and writes the tests that find each to docs/data/mutants.csv.
 
     mutants.py [--build build/release] [NAME...]    NAME: a part of the fault's name; all faults if there is none
+    mutants.py --check                              whether each fault's text is in its file, as a test does
 
 Each fault is an entry with its file, the text that it replaces (once in the file), the targets to build, and a regular
 expression of ctest: the tests in which it should be found. A fault that no test finds ends in exit code 1, and needs a new
-test. The sources are restored at the end, also after Ctrl-C. ctest does not run this: each fault takes a build.
+test. The sources are restored at the end, also after Ctrl-C. ctest runs only --check: each fault takes a build.
 """
 import argparse
 import csv
@@ -40,12 +41,18 @@ def failing(folder, tests):
     return re.findall(r"^\s+\d+ - (\S+) \(", done.stdout, re.MULTILINE)
 
 
-def examine(folder, mutant):
-    """Names of the tests that fail with the fault."""
+def source_of(mutant):
+    """Path and text of the file. Ends the program if it does not hold the text to replace once."""
     path = ROOT / mutant["file"]
     text = path.read_text(encoding="utf-8")
     if text.count(mutant["from"]) != 1:
         raise SystemExit(f"{mutant['fault']}: {mutant['file']} has '{mutant['from']}' {text.count(mutant['from'])} times, not once")
+    return path, text
+
+
+def examine(folder, mutant):
+    """Names of the tests that fail with the fault."""
+    path, text = source_of(mutant)
     try:
         path.write_text(text.replace(mutant["from"], mutant["to"]), encoding="utf-8")
         build(folder, mutant)
@@ -57,9 +64,14 @@ def examine(folder, mutant):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", default="build/release", help="a configured build folder")
+    parser.add_argument("--check", action="store_true")
     parser.add_argument("names", nargs="*", metavar="NAME")
     options = parser.parse_args()
     mutants = json.loads((HERE / "mutants.json").read_text(encoding="utf-8"))
+    if options.check:
+        for mutant in mutants:
+            source_of(mutant)
+        return
     known = {}
     if DATA.exists():
         with open(DATA, newline="", encoding="utf-8") as file:

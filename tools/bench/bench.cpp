@@ -30,7 +30,7 @@ void add_compare_options(Arguments sub, CompareOptions& o)
         .type_name("N");
     sub.add_option("--only", o.only, "run only fcl or only oncollide, to measure its memory").type_name("WHO");
     sub.add_flag("--contacts", o.contacts,
-                 "find all contacts of each colliding pair, not only whether it collides; needs --exact predicates");
+                 "find all contacts of each colliding pair, not only whether it collides; needs exact results");
     sub.add_option("--timeline", o.timeline, "print a line every N frames: cells alive, pairs, times").type_name("N");
     sub.add_option("--csv", o.csv, "write one row per frame").type_name("FILE");
     sub.add_option("--summary", o.summary,
