@@ -14,12 +14,12 @@ Settings checked(Settings s)
     check(s);
     if (s.bounding_volume == BoundingVolume::automatic) s.bounding_volume = BoundingVolume::obb; // no GPU here
     const Settings usual;
-    if (exact_level(s) == ExactLevel::fcl || s.mode != usual.mode || s.backend != usual.backend || !s.skip.empty() ||
+    if (s.exact == ExactLevel::fcl || s.mode != usual.mode || s.backend != usual.backend || !s.skip.empty() ||
         wants_kinds(s))
         throw Error(ErrorKind::usage,
                     "MeshQueries: exact must be auto, off or predicates, mode surface and backend cpu; "
                     "skip and kinds are not supported");
-    if (exact_level(s) == ExactLevel::predicates && s.clearance > 0)
+    if (s.exact == ExactLevel::predicates && s.clearance > 0)
         throw Error(ErrorKind::usage,
                     "MeshQueries: clearance is not supported with exact = predicates; use exact = off");
     return s;

@@ -152,7 +152,7 @@ constexpr std::array table{
          "predicates), off (within an error), or fcl (a cross-check: only where FCL agrees)",
          "auto: on, unless an error, a depth, a clearance, spheres, a GPU or a memory budget is requested"},
         [](const Settings& s) {
-            if (exact_level(s) == ExactLevel::fcl && !fcl_available())
+            if (s.exact == ExactLevel::fcl && !fcl_available())
                 throw Error(ErrorKind::usage,
                             "exact = fcl: this is a build without FCL (ONCOLLIDE_FCL=OFF); use predicates");
         }),

@@ -73,7 +73,7 @@ struct Frame {
     std::vector<std::uint32_t> retested;         ///< without coherence, pairs at rest: tested, but without their memory
     KeptCounts kept_counts;                      ///< of the pairs in `kept`
     bool keeps = false;        ///< the last frame ended, and no budget lets results depend on other pairs
-    bool ended = true;         ///< the last frame ended
+    bool ended = true;         ///< `results` are of a frame that ended
     std::size_t undecided = 0; ///< pairs of the last frame
 
     RefineContext context;

@@ -1,5 +1,6 @@
 // The stages that decide pairs: refine, exact.
 #include <algorithm>
+#include <utility>
 
 #include <oncollide/pipeline/refine/narrowing.hpp>
 #include <oncollide/pipeline/world/stage.hpp>
@@ -102,14 +103,15 @@ private:
     static void begin(const Bodies& bodies, Frame& frame)
     {
         frame.cache.begin_frame(frame.pairs, frame.changed.marks(), frame.fresh.marks());
-        if (frame.ended) frame.results.swap(frame.last_results);
+        const bool ended = std::exchange(frame.ended, false);
+        if (ended) frame.results.swap(frame.last_results);
         frame.results.clear(), frame.results.reserve(frame.pairs.size());
         frame.kept.clear(), frame.open.clear(), frame.retested.clear(), frame.kept_counts = {};
         const auto open_until = [&](std::uint32_t end) {
             for (auto i = static_cast<std::uint32_t>(frame.results.size()); i < end; ++i)
                 frame.results.emplace_back(), frame.open.push_back(i);
         };
-        if (frame.ended)
+        if (ended)
             for (const PairRun& run : frame.cache.unchanged()) {
                 open_until(run.now);
                 if (!frame.settings.coherence && frame.keeps)
@@ -172,7 +174,7 @@ public:
     std::string_view unit() const override { return "pairs"; }
     std::string_view reason_to_skip(const Bodies&, const Frame& frame) const override
     {
-        return exact_level(frame.settings) == ExactLevel::off ? "off" : std::string_view{};
+        return frame.settings.exact == ExactLevel::off ? "off" : std::string_view{};
     }
 
     void run(Bodies& bodies, Frame& frame, StageStats& stats) override

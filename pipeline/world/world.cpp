@@ -303,7 +303,7 @@ std::string World::Impl::note_on_backend() const
     const std::string& lost = models.lost();
     if (!lost.empty()) return "the CPU took over when the GPU was lost: " + lost;
     if (backend_note.empty() && wants_obbs(settings) && models.backend().name().starts_with("gl"))
-        return exact_level(settings) == ExactLevel::predicates && exact_runs(settings)
+        return settings.exact == ExactLevel::predicates && exact_runs(settings)
                    ? "the GPU is not used: exact tests on the CPU decide"
                    : "the GPU is not used for pairs of meshes: OBB trees on the CPU separate them";
     return backend_note;

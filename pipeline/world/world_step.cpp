@@ -183,7 +183,7 @@ FrameView World::step()
             frame.undecided = count_undecided(frame.results);
             p.frame_hash = hash_of(frame.results, wants_kinds(p.settings));
         } catch (...) {
-            frame.keeps = frame.ended = false; // some results are of this frame
+            frame.keeps = false; // some results may be of this frame
             throw;
         }
     }

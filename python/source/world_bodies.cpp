@@ -249,42 +249,7 @@ The pose of a body: float64 (4, 4), a copy.)");
 --
 
 The Model of a body.)");
-    world.def(
-        "user",
-        [](HeldWorld& held, py::handle which) {
-            const BodyId id = body(which, {"World.user", "body"});
-            const Looking looking(held, "World.user");
-            return held.world.user(id);
-        },
-        "body"_a, R"(user(self, body)
---
-
-The number stored by set_user() (int).)");
-    world.def(
-        "is_static",
-        [](HeldWorld& held, py::handle which) {
-            const BodyId id = body(which, {"World.is_static", "body"});
-            const Looking looking(held, "World.is_static");
-            return held.world.is_static(id);
-        },
-        "body"_a, R"(is_static(self, body)
---
-
-True if the body is static.)");
-    world.attr("fixed") = world.attr("is_static"); // its older name
-    world.def(
-        "is_asleep",
-        [](HeldWorld& held, py::handle which) {
-            const BodyId id = body(which, {"World.is_asleep", "body"});
-            const Looking looking(held, "World.is_asleep");
-            return held.world.is_asleep(id);
-        },
-        "body"_a, R"(is_asleep(self, body)
---
-
-True if the body is asleep.)");
-    const auto number_of_body = [&](const char* name, const char* call, std::uint32_t (World::*get)(BodyId) const,
-                                    const char* text) {
+    const auto property = [&](const char* name, const char* call, auto get, const char* text) {
         world.def(
             name,
             [call, get](HeldWorld& held, py::handle which) {
@@ -294,6 +259,19 @@ True if the body is asleep.)");
             },
             "body"_a, text);
     };
+    property("user", "World.user", &World::user, R"(user(self, body)
+--
+
+The number stored by set_user() (int).)");
+    property("is_static", "World.is_static", &World::is_static, R"(is_static(self, body)
+--
+
+True if the body is static.)");
+    world.attr("fixed") = world.attr("is_static"); // its older name
+    property("is_asleep", "World.is_asleep", &World::is_asleep, R"(is_asleep(self, body)
+--
+
+True if the body is asleep.)");
     world.def(
         "body_at",
         [](HeldWorld& held, py::handle slot) -> py::object {
@@ -306,15 +284,15 @@ True if the body is asleep.)");
 --
 
 The id of the body in a slot (int), or None if the slot is free. Bodies take the slots 0, 1, 2 and so on.)");
-    number_of_body("layer", "World.layer", &World::layer, R"(layer(self, body)
+    property("layer", "World.layer", &World::layer, R"(layer(self, body)
 --
 
 The layers that the body is on, as bits (int).)");
-    number_of_body("mask", "World.mask", &World::mask, R"(mask(self, body)
+    property("mask", "World.mask", &World::mask, R"(mask(self, body)
 --
 
 The layers that the body collides with, as bits (int).)");
-    number_of_body("group", "World.group", &World::group, R"(group(self, body)
+    property("group", "World.group", &World::group, R"(group(self, body)
 --
 
 The body's group (int); no two bodies of one group other than 0 form a pair.)");

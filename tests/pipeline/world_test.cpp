@@ -316,6 +316,25 @@ TEST(World, TellsWhichPairsBeganAndEnded)
     EXPECT_EQ(other.ended[0], (PairOfBodies{a, b})) << "another body in the same slot";
 }
 
+/// The filter throws before any pair of the frame is decided.
+TEST(World, ReportsTheEventsOfAFrameThatFailedInTheNextOne)
+{
+    World world;
+    const ModelId model = world.add(make_box_mesh({1, 1, 1}));
+    const BodyId a = world.add_body({.model = model}), b = world.add_body({.model = model, .pose = at(9)});
+    world.step();
+    world.set_pose(b, at(1.5));
+    ASSERT_EQ(world.step().began.size(), 1u);
+    world.set_pose(b, at(1.25));
+    world.set_pair_filter([](auto, auto) { throw Error(ErrorKind::internal, "planted"); });
+    EXPECT_THROW(world.step(), Error);
+    world.set_pair_filter({});
+    const FrameView next = world.step();
+    EXPECT_TRUE(next.began.empty() && next.ended.empty()) << "they met before and after the failed frame";
+    world.remove_body(a);
+    EXPECT_EQ(world.step().ended.size(), 1u);
+}
+
 TEST(World, LetsBodiesSleepWithTheirResultsAndEvents)
 {
     for (const bool budget : {false, true}) {
@@ -352,8 +371,8 @@ TEST(World, LetsBodiesSleepWithTheirResultsAndEvents)
         EXPECT_FALSE(world.is_asleep(ids[1]));
         EXPECT_TRUE(world.is_asleep(ids[0])) << "static bodies may sleep, too";
         const FrameView left = world.step();
-        EXPECT_TRUE(std::ranges::none_of(
-            left.pairs, [](const PairResult& pair) { return pair.a.slot == 2 || pair.b.slot == 2; }));
+        EXPECT_TRUE(std::ranges::none_of(left.pairs,
+                                         [](const PairResult& pair) { return pair.a.slot == 2 || pair.b.slot == 2; }));
         world.remove_body(ids[0]);
         EXPECT_THROW(world.sleep(ids), Error);
         EXPECT_FALSE(world.is_asleep(ids[4])) << "a refused call changes nothing";
