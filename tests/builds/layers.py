@@ -42,7 +42,6 @@ CIRCLES = {
     ("scenes/cooked", "scenes"),
     ("scenes/files", "scenes/files/tables"),
     ("scenes/files", "scenes/files/terrain"),
-    ("tools/bench", "tools/bench/scenes"),
     ("tools/bench", "tools/clash"),
 }
 

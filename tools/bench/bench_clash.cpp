@@ -3,9 +3,11 @@
 #include "clash/clash_pictures.hpp"
 #include "clash/planted/planted_assembly.hpp"
 #include "clash/report.hpp"
+#include "common/text.hpp"
 
 #include <chrono>
 #include <filesystem>
+#include <memory>
 
 #include <fmt/format.h>
 
@@ -19,6 +21,12 @@
 
 namespace oncollide::tools {
 namespace {
+
+struct ClashBenchOptions {
+    int parts = 5000, triangles = 1000, every = 10, repeats = 1, threads = 2, pictures = 40;
+    bool real = false;
+    std::string data, write, csv;
+};
 
 namespace fs = std::filesystem;
 
@@ -105,8 +113,8 @@ Times run(const std::vector<std::string>& files, const PlantedAssembly& planted,
     return times;
 }
 
-} // namespace
-
+/// Clash reports of an assembly with known clashes, from files to report. Returns the exit code: 70 if a clash was
+/// missed, invented or measured wrongly.
 int bench_clash(const ClashBenchOptions& o)
 {
     check_range("--parts", o.parts, 2, 1'000'000), check_range("--triangles", o.triangles, 100, 10'000'000);
@@ -150,6 +158,33 @@ int bench_clash(const ClashBenchOptions& o)
     }
     if (csv) csv->commit();
     return faulty ? int(ErrorKind::internal) : 0;
+}
+
+} // namespace
+
+void add_clash_bench(Arguments bench)
+{
+    Arguments sub = bench.add_command("clash", "Clash reports of an assembly with known clashes, from files to report");
+    auto options = std::make_shared<ClashBenchOptions>();
+    sub.add_option("--parts", options->parts, "number of parts of the assembly (default 5000)").type_name("N");
+    sub.add_option("--triangles", options->triangles, "triangles per part (default 1000)").type_name("N");
+    sub.add_flag("--real", options->real, "use the data folder's meshes of up to 20,000 triangles");
+    sub.add_option("--every", options->every, "every N-th site has a planted pair (default 10)").type_name("N");
+    sub.add_option("--threads", options->threads, "number of threads; 0: all (default 2)").type_name("N");
+    sub.add_option("--repeats", options->repeats, "number of runs; the fastest counts (default 1)").type_name("N");
+    sub.add_option("--pictures", options->pictures,
+                   "number of clashes to draw in the page (default "
+                   "40)")
+        .type_name("N");
+    sub.add_option("--data", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
+        .type_name("DIR");
+    sub.add_option("--write", options->write, "keep the assembly and its reports in this folder").type_name("FOLDER");
+    sub.add_option("--csv", options->csv, "write one row per kind of file").type_name("FILE");
+    sub.footer("Planted pairs cross deeply or barely, touch, are near or slightly too far, are enclosed, or lie free "
+               "in\n"
+               "a hollow or a ring. Exit code 70: a clash was missed, invented or measured\n"
+               "wrongly.");
+    sub.action([options] { return bench_clash(*options); });
 }
 
 } // namespace oncollide::tools

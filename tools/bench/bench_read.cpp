@@ -1,11 +1,14 @@
 // oncollide bench read: speed of reading files of meshes and scenes.
 #include "bench/bench.hpp"
 #include "bench/mesh_files.hpp"
+#include "cli/options.hpp"
+#include "common/text.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <filesystem>
+#include <memory>
 #include <random>
 
 #include <oncollide/base/error.hpp>
@@ -20,6 +23,16 @@
 
 namespace oncollide::tools {
 namespace {
+
+struct ReadOptions {
+    std::vector<std::string> files; ///< empty: generated files
+    std::string styles;             ///< styles of the generated files; empty: all
+    int triangles = 10'000'000;
+    int repeats = 3;
+    std::uint64_t seed = 12345;
+    std::string folder; ///< for generated files; empty: the system's temporary folder
+    std::string csv;
+};
 
 namespace fs = std::filesystem;
 
@@ -152,8 +165,7 @@ void check_styles(const std::string& list)
     }
 }
 
-} // namespace
-
+/// Reads mesh files of every format. Returns the exit code.
 int bench_read(const ReadOptions& options)
 {
     check_range("--triangles", options.triangles, 2, 100'000'000);
@@ -162,6 +174,38 @@ int bench_read(const ReadOptions& options)
     check_files({{"--csv", options.csv}}, options.files);
     catch_interrupts();
     return ReadBench(options).run();
+}
+
+} // namespace
+
+void add_read(Arguments bench)
+{
+    Arguments sub = bench.add_command("read", "Reading mesh files: triangles per second and memory, by format");
+    auto options = std::make_shared<ReadOptions>();
+    sub.add_option("files", options->files,
+                   "mesh files, or scene files, whose bodies are counted (default: a generated height field in each "
+                   "style)")
+        .expected(0, 1000)
+        .type_name("FILE...");
+    sub.add_option("--styles", options->styles,
+                   "styles of the generated files: obj, obj-full, obj-back, obj-exact, stl, stl-mixed, ply, stl-text, "
+                   "ply-text, off (default: all)")
+        .type_name("LIST");
+    sub.add_option("--triangles", options->triangles,
+                   "approximate triangles of the height field (default "
+                   "10000000)")
+        .type_name("N");
+    sub.add_option("--repeats", options->repeats,
+                   "number of runs; each file's least time counts (default "
+                   "3)")
+        .type_name("N");
+    sub.add_option("--seed", options->seed, "seed of the heights (default 12345)").type_name("S");
+    sub.add_option("--folder", options->folder, "folder for the generated files (default: $TMPDIR)").type_name("DIR");
+    sub.add_option("--csv", options->csv, "write one row per file").type_name("FILE");
+    sub.footer("'ms' is processor time of the thread, 'wall ms' elapsed time: reading from the system's cache, checks, "
+               "welding (STL).\n"
+               "'peak MB' is the largest growth of the process, 'bytes each' the same per triangle.");
+    sub.action([options] { return bench_read(*options); });
 }
 
 } // namespace oncollide::tools

@@ -2,11 +2,14 @@
 #include "bench/bench.hpp"
 #include "bench/broad/aabbs_file.hpp"
 #include "bench/broad/broad_race.hpp"
+#include "cli/options.hpp"
 #include "cli/shard.hpp"
 #include "common/line_plot.hpp"
+#include "common/text.hpp"
 
 #include <algorithm>
 #include <map>
+#include <memory>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/output_file.hpp>
@@ -15,6 +18,13 @@
 
 namespace oncollide::tools {
 namespace {
+
+struct BroadOptions {
+    std::string scene = "brown", sizes, threads, only, csv, plot, shard;
+    bool per_box = false; ///< the plot shows nanoseconds per box
+    std::optional<int> frames;
+    std::uint64_t seed = 12345;
+};
 
 bool is_recording(const std::string& scene)
 {
@@ -195,12 +205,41 @@ private:
     bool wrong_ = false;
 };
 
-} // namespace
-
+/// Compares only the broad phase, on boxes, with other libraries. Returns the exit code: 70 if oncollide missed a pair
+/// or a scene did not give its published pairs.
 int bench_broad(const BroadOptions& options)
 {
     check_files({{"--csv", options.csv}, {"--plot", options.plot}});
     return BroadBench(options).run();
+}
+
+} // namespace
+
+void add_broad(Arguments bench)
+{
+    Arguments sub = bench.add_command("broad", "Only the broad phase, on boxes, compared with other libraries");
+    auto options = std::make_shared<BroadOptions>();
+    sub.add_option("--scene", options->scene,
+                   "scenes, or a recording: brown (default), large, mixed, flat, clustered, static, giant, jump, and "
+                   "freefall, brownian, gravity with -cubes or -assorted")
+        .type_name("LIST|FILE.aabbs");
+    sub.add_option("--sizes", options->sizes, "numbers of boxes, such as 2500,10k,1M (default 1k,10k,100k)")
+        .type_name("LIST");
+    sub.add_option("--frames", options->frames, "frames to play; the first third is not timed (default 60 to 8)")
+        .type_name("N");
+    sub.add_option("--threads", options->threads, "numbers of threads (default 1)").type_name("LIST");
+    sub.add_option("--only", options->only, "run only these contenders").type_name("LIST");
+    sub.add_option("--csv", options->csv, "write one row per contender and size").type_name("FILE");
+    sub.add_option("--shard", options->shard,
+                   std::string("divide the scenes and sizes among N "
+                               "processes: ") +
+                       shard_help)
+        .type_name("I/N");
+    Option plot = sub.add_option("--plot", options->plot, "draw time against size, one panel per scene");
+    plot.type_name("FILE.svg");
+    sub.add_flag("--per-box", options->per_box, "plot nanoseconds per box, to show growth").needs(plot);
+    sub.add_option("--seed", options->seed, "seed of the scene (default 12345)").type_name("S");
+    sub.action([options] { return bench_broad(*options); });
 }
 
 } // namespace oncollide::tools

@@ -1,7 +1,7 @@
 #include "bench/broad/broad_race.hpp"
-#include "bench/bench.hpp"
 #include "cli/system.hpp"
 #include "common/race.hpp"
+#include "common/text.hpp"
 
 #include <algorithm>
 #include <limits>

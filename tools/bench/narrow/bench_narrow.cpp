@@ -1,10 +1,13 @@
 // oncollide bench narrow: time of a query of two meshes, compared with the narrow phases of other libraries.
 #include "bench/bench.hpp"
 #include "bench/narrow/narrow_report.hpp"
+#include "cli/options.hpp"
 #include "cli/shard.hpp"
+#include "common/text.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include <fmt/format.h>
 
@@ -16,6 +19,18 @@
 
 namespace oncollide::tools {
 namespace {
+
+struct NarrowOptions {
+    std::vector<std::string> meshes; ///< none or two files
+    bool use_poses = false;          ///< a pose file instead of generated poses
+    std::string poses;               ///< that file; empty: the set in the data folder, with its own meshes
+    std::string distances, ask, only, csv, plot, data, shard;
+    std::string depths;       ///< of the sphere-trees, each also followed by FCL; empty: the usual ones
+    std::string poses_csv;    ///< one row per pose, with the times of boolean queries
+    std::optional<int> count; ///< poses per distance, or poses of the file
+    int repeats = 3;
+    std::uint64_t seed = 12345;
+};
 
 namespace fs = std::filesystem;
 
@@ -121,8 +136,8 @@ void keep_groups(const Shard& shard, NarrowWorkload& workload)
     for (NarrowPose& pose : workload.poses) pose.group -= first;
 }
 
-} // namespace
-
+/// Compares only the narrow phase, with one pair of meshes in many poses, with other libraries. Returns the exit code:
+/// 70 if oncollide missed a collision or one of its exact results is wrong.
 int bench_narrow(const NarrowOptions& options)
 {
     check(options);
@@ -173,6 +188,80 @@ int bench_narrow(const NarrowOptions& options)
     if (poses_csv) write_poses_csv(*poses_csv, result), poses_csv->commit();
     if (plot) draw_narrow_plot(*plot, result), plot->commit();
     return broken_promise(result) ? int(ErrorKind::internal) : 0;
+}
+
+} // namespace
+
+void add_poses(Arguments bench)
+{
+    Arguments sub =
+        bench.add_command("poses", "One pair of meshes in 1,000 poses with known results (needs the data folder)");
+    auto options = std::make_shared<NarrowOptions>();
+    options->use_poses = true, options->ask = "boolean", options->depths = "4-8", options->repeats = 5;
+    sub.add_option("--data", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
+        .type_name("DIR");
+    sub.add_option("--depths", options->depths, "depths of the sphere-trees (default 4-8)").type_name("LIST");
+    sub.add_option("--repeats", options->repeats,
+                   "number of runs; each query's least time counts (default "
+                   "5)")
+        .type_name("N");
+    sub.add_option("--poses", options->count, "use only the first N poses").type_name("N");
+    sub.add_option("--csv", options->poses_csv, "write one row per pose").type_name("FILE");
+    sub.footer(
+        "The same as 'oncollide bench narrow --poses --query boolean' with FCL and these depths; each depth also\n"
+        "with FCL for the pairs that are left over.");
+    sub.action([options] {
+        options->only = "fcl-obb,fcl-obbrss";
+        for (int depth : parse_depths("--depths", options->depths))
+            options->only += fmt::format(",walk-{0},walk-{0}+fcl", depth);
+        return bench_narrow(*options);
+    });
+}
+
+void add_narrow(Arguments bench)
+{
+    Arguments sub = bench.add_command("narrow", "Only the narrow phase, on two meshes, compared with other libraries");
+    auto options = std::make_shared<NarrowOptions>();
+    sub.add_option("meshes", options->meshes, "two mesh files; the second is moved (default: two generated knots)")
+        .expected(0, 2)
+        .type_name("MESH_A MESH_B");
+    Option distances = sub.add_option("--distances", options->distances,
+                                      "distances of the surfaces, in percent of the diagonal of MESH_A's AABB "
+                                      "(default 0,0.1,1,5,10,20,40); 0 just touches, negative collides");
+    distances.type_name("LIST");
+    Option poses = sub.add_option("--poses", options->poses,
+                                  "poses from a file for these meshes, with exact results if FILE_expected exists; "
+                                  "without FILE: the data folder's set with its own meshes");
+    poses.type_name("FILE").expected(0, 1);
+    sub.add_option("--count", options->count, "poses per distance (default 100), or poses of the file (default: all)")
+        .type_name("N");
+    sub.add_option("--query,--ask", options->ask,
+                   "queries: boolean (do they collide?), all (which triangles meet?), distance (default: all three)")
+        .type_name("LIST");
+    sub.add_option("--only", options->only, "run only these contenders").type_name("LIST");
+    sub.add_option("--repeats", options->repeats,
+                   "number of runs; each query's least time counts (default "
+                   "3)")
+        .type_name("N");
+    sub.add_option("--csv", options->csv, "write one row per contender, query and distance").type_name("FILE");
+    sub.add_option("--shard", options->shard, std::string("divide the distances among N processes: ") + shard_help)
+        .type_name("I/N");
+    sub.add_option("--plot", options->plot, "draw time against distance, one panel per query").type_name("FILE.svg");
+    sub.add_option("--seed", options->seed, "seed of the poses (default 12345)").type_name("S");
+    sub.add_option("--data", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
+        .type_name("DIR");
+    sub.footer(
+        "Examples:\n"
+        "  oncollide bench narrow                                     two generated knots, no files needed\n"
+        "  oncollide bench narrow cup.obj spoon.stl --distances 0,1,10 --plot narrow.svg\n"
+        "  oncollide bench narrow --poses --query boolean --only walk-6,fcl-obb,fcl-obbrss\n"
+        "Every result is checked by exact arithmetic. In 'results', +k are k false positives and\n"
+        "MISSED k is k missed collisions (of 'all': pairs of triangles). Exit code 70: oncollide missed a\n"
+        "collision, or an exact result is wrong. Definitions for each contender: docs/notes/benchmark-methods.md.");
+    sub.action([options, poses] {
+        options->use_poses = poses.given();
+        return bench_narrow(*options);
+    });
 }
 
 } // namespace oncollide::tools

@@ -1,10 +1,13 @@
 // oncollide bench planner: which of many sampled poses of a body collide with a large static body?
 #include "bench/bench.hpp"
+#include "cli/options.hpp"
+#include "common/text.hpp"
 #include "peers/fcl_pair.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <memory>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/output_file.hpp>
@@ -17,6 +20,13 @@
 
 namespace oncollide::tools {
 namespace {
+
+struct PlannerOptions {
+    std::vector<std::string> meshes; ///< none, or the static and the moving mesh
+    int poses = 100'000;
+    std::uint64_t seed = 12345;
+    std::string csv;
+};
 
 double seconds_since(Clock::time_point from)
 {
@@ -56,8 +66,8 @@ double query_fcl(const FclPair& fcl, std::span<const MeshQuery> queries, int thr
     return seconds_since(from);
 }
 
-} // namespace
-
+/// Many poses of one mesh against another in one call, compared with FCL in a loop. Returns the exit code: 70 if FCL
+/// contradicts a result.
 int bench_planner(const PlannerOptions& options)
 {
     check_range("--poses", options.poses, 1, 10'000'000);
@@ -125,6 +135,23 @@ int bench_planner(const PlannerOptions& options)
         grouped(wrong));
     if (csv) csv->commit();
     return wrong ? int(ErrorKind::internal) : 0;
+}
+
+} // namespace
+
+void add_planner(Arguments bench)
+{
+    Arguments sub = bench.add_command("planner", "Many sampled poses of one mesh against another, in one call");
+    auto options = std::make_shared<PlannerOptions>();
+    sub.add_option("meshes", options->meshes, "two mesh files; the second is moved (default: terrain and knot)")
+        .expected(0, 2)
+        .type_name("STATIC MOVING");
+    sub.add_option("--poses", options->poses, "poses to sample (default 100000)").type_name("N");
+    sub.add_option("--seed", options->seed, "seed of the poses (default 12345)").type_name("S");
+    sub.add_option("--csv", options->csv, "write one row per kind of query and number of threads").type_name("FILE");
+    sub.footer("The first call includes building FCL's models and oncollide's trees. Ratios compare second calls.\n"
+               "'false': poses that oncollide leaves over and FCL finds separate.");
+    sub.action([options] { return bench_planner(*options); });
 }
 
 } // namespace oncollide::tools

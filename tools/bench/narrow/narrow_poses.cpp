@@ -12,8 +12,9 @@
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/scenes/motion.hpp>
 
-#include "bench/bench.hpp"
+#include "cli/options.hpp"
 #include "cli/progress.hpp"
+#include "common/text.hpp"
 #include "peers/fcl_pair.hpp"
 
 namespace oncollide::tools {

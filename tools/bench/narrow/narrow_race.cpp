@@ -7,10 +7,10 @@
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/scenes/motion.hpp>
 
-#include "bench/bench.hpp"
 #include "cli/progress.hpp"
 #include "cli/system.hpp"
 #include "common/race.hpp"
+#include "common/text.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -8,8 +8,8 @@
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/scenes/motion.hpp>
 
-#include "bench/bench.hpp"
 #include "common/line_plot.hpp"
+#include "common/text.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -8,8 +8,8 @@
 
 #include <oncollide/narrowphase/exact/relative_pose.hpp>
 
-#include "bench/bench.hpp"
 #include "cli/progress.hpp"
+#include "common/text.hpp"
 #include "verify/truth.hpp"
 
 namespace oncollide::tools {

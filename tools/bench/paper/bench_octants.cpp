@@ -1,10 +1,13 @@
 // oncollide bench octants: speed and errors of each backend in finding the octants that a surface intersects.
 #include "bench/bench.hpp"
 #include "bench/paper/octant_levels.hpp"
+#include "cli/options.hpp"
+#include "common/text.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <functional>
+#include <memory>
 #include <optional>
 
 #include <oncollide/base/error.hpp>
@@ -15,6 +18,12 @@
 
 namespace oncollide::tools {
 namespace {
+
+struct OctantsOptions {
+    std::string data, only, csv;
+    int gpu = -1, repeats = 5;
+    double limit_s = 2; ///< batches that would take longer are skipped
+};
 
 /// A backend in one of its variants.
 struct OctantContender {
@@ -252,8 +261,7 @@ private:
     std::optional<CsvFile> csv_;
 };
 
-} // namespace
-
+/// Batches of octant queries with every backend.
 int bench_octants(const OctantsOptions& options)
 {
     const std::vector<std::string> parts{"", "speed", "trees", "misses"};
@@ -264,6 +272,27 @@ int bench_octants(const OctantsOptions& options)
     check_files({{"--csv", options.csv}});
     OctantBench(options).run();
     return 0;
+}
+
+} // namespace
+
+void add_octants(Arguments bench)
+{
+    Arguments sub = bench.add_command("octants", "Batches of octant queries: which octants does the surface "
+                                                 "intersect?");
+    auto options = std::make_shared<OctantsOptions>();
+    sub.add_option("--data", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
+        .type_name("DIR");
+    sub.add_option("--gpu", options->gpu, "number of the GPU ('oncollide doctor' lists them)").type_name("N");
+    sub.add_option("--repeats", options->repeats,
+                   "number of runs; each batch's least time counts (default "
+                   "5)")
+        .type_name("N");
+    sub.add_option("--only", options->only, "run only one part: speed, trees or misses").type_name("PART");
+    sub.add_option("--limit", options->limit_s, "skip batches that would take longer (seconds, default 2)")
+        .type_name("S");
+    sub.add_option("--csv", options->csv, "write one row per figure").type_name("FILE");
+    sub.action([options] { return bench_octants(*options); });
 }
 
 } // namespace oncollide::tools

@@ -1,9 +1,12 @@
 // oncollide bench paper: the paper's tables, with its method and with oncollide's other backends.
 #include "bench/bench.hpp"
 #include "bench/paper/octant_levels.hpp"
+#include "cli/options.hpp"
+#include "common/text.hpp"
 
 #include <algorithm>
 #include <functional>
+#include <memory>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/output_file.hpp>
@@ -12,6 +15,13 @@
 
 namespace oncollide::tools {
 namespace {
+
+struct PaperOptions {
+    std::string data, csv;
+    std::optional<int> frames;
+    int gpu = -1, viewport = 16, depth = 5, age = Settings{}.age_limit;
+    bool large = false;
+};
 
 using Query = GlQueryOptions;
 
@@ -220,8 +230,7 @@ private:
     std::optional<CsvFile> csv_;
 };
 
-} // namespace
-
+/// The tables of the paper: one level of seven models, and its animation.
 int bench_paper(const PaperOptions& options)
 {
     check_range("--frames", options.frames.value_or(12), 12);
@@ -229,6 +238,25 @@ int bench_paper(const PaperOptions& options)
     check(Settings{.depth = options.depth, .viewport = options.viewport, .age_limit = options.age});
     PaperBench(options).run();
     return 0;
+}
+
+} // namespace
+
+void add_paper(Arguments bench)
+{
+    Arguments sub = bench.add_command("paper", "The paper's tables: its occlusion queries and the other backends");
+    auto options = std::make_shared<PaperOptions>();
+    sub.add_flag("--large", options->large, "animate models of 5,100 triangles instead of 1,500");
+    sub.add_option("--frames", options->frames, "frames of the animation (default 2400, as in the paper)")
+        .type_name("N");
+    sub.add_option("--depth", options->depth, "depth of the sphere-trees (default 5, as in the paper)").type_name("D");
+    sub.add_option("--age", options->age, "frames after which unused cells are dropped (default 60)").type_name("N");
+    sub.add_option("--viewport", options->viewport, "pixels per side of a cell (default 16)").type_name("PX");
+    sub.add_option("--gpu", options->gpu, "number of the GPU ('oncollide doctor' lists them)").type_name("N");
+    sub.add_option("--data", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
+        .type_name("DIR");
+    sub.add_option("--csv", options->csv, "write one row per figure").type_name("FILE");
+    sub.action([options] { return bench_paper(*options); });
 }
 
 } // namespace oncollide::tools

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include <oncollide/base/error.hpp>
@@ -11,14 +12,24 @@
 
 #include "bench/bench.hpp"
 #include "bench/scenes/environment_scenes.hpp"
+#include "cli/options.hpp"
 #include "cli/progress.hpp"
 #include "cli/shard.hpp"
 #include "common/race.hpp"
+#include "common/text.hpp"
 #include "peers/fcl_world.hpp"
 
 namespace oncollide::tools {
 
 namespace {
+
+struct DistancesOptions {
+    EnvironmentChoice in{.bodies = 12};
+    std::string distances = "0.1,1,5,10,25,50,100,200"; ///< percent of the environment's diagonal
+    double tolerance = 0;                               ///< metres
+    int repeats = 3;
+    std::string csv, shard;
+};
 
 using Eigen::Vector3d;
 
@@ -111,8 +122,7 @@ std::vector<double> percents_of(const std::string& list)
     return percents;
 }
 
-} // namespace
-
+/// Distances of bodies to large environments, compared with FCL. Returns the exit code.
 int bench_distances(const DistancesOptions& o)
 {
     check_range("--bodies", o.in.bodies, 1, 100'000), check_range("--repeats", o.repeats, 1, 100);
@@ -148,6 +158,36 @@ int bench_distances(const DistancesOptions& o)
                 Digits{r.fcl_us / r.our_us, 4}, r.differ);
     csv.commit();
     return 0;
+}
+
+} // namespace
+
+void add_distances(Arguments bench)
+{
+    Arguments sub = bench.add_command("distances", "Distances of bodies to buildings and terrains, near and far");
+    auto options = std::make_shared<DistancesOptions>();
+    add_environment_choice(sub, options->in);
+    sub.add_option("--distances", options->distances,
+                   "in percent of the environment's diagonal (default 0.1,1,5,10,25,50,100,200)")
+        .type_name("LIST");
+    sub.add_option("--tolerance", options->tolerance,
+                   "largest difference of oncollide's bounds in metres (default 0); FCL's error for shapes is up to "
+                   "1e-6")
+        .length();
+    sub.add_option("--repeats", options->repeats,
+                   "number of runs; each query's least time counts (default "
+                   "3)")
+        .type_name("N");
+    sub.add_option("--csv", options->csv, "write one row per environment, bodies and distance").type_name("FILE");
+    sub.add_option("--shard", options->shard,
+                   std::string("divide the environments with their bodies among N "
+                               "processes: ") +
+                       shard_help)
+        .type_name("I/N");
+    sub.footer("Examples:\n"
+               "  oncollide bench distances --environments hills --distances 1,10,100 --bodies 30\n"
+               "  oncollide bench distances --environments campus --bodies-of shapes --csv distances.csv");
+    sub.action([options] { return bench_distances(*options); });
 }
 
 } // namespace oncollide::tools

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/output_file.hpp>
@@ -9,14 +10,24 @@
 #include "bench/bench.hpp"
 #include "bench/scenes/environment_scenes.hpp"
 #include "bench/scenes/scene_race.hpp"
+#include "cli/options.hpp"
 #include "cli/progress.hpp"
 #include "cli/shard.hpp"
 #include "cli/system.hpp"
 #include "common/line_plot.hpp"
+#include "common/text.hpp"
 
 namespace oncollide::tools {
 
 namespace {
+
+struct EnvironmentOptions {
+    EnvironmentChoice in{.bodies = 500};
+    std::string errors = "1,0.1,0.01,exact";
+    int frames = 10, warm_up = 3, cold_runs = 1, threads = 1;
+    int repeats = 1; ///< runs over all frames; the least time of each frame counts
+    std::string csv, plot, shard;
+};
 
 struct Dial {
     std::string text; ///< "0.1" or "exact"
@@ -117,8 +128,8 @@ void write_plot(const std::string& path, const std::vector<Row>& rows, const std
     file.commit();
 }
 
-} // namespace
-
+/// Large environments with many bodies, compared with FCL. Returns the exit code: 70 if oncollide missed a collision or
+/// one of its exact results is wrong.
 int bench_environment(const EnvironmentOptions& o)
 {
     check_range("--bodies", o.in.bodies, 1, 1'000'000), check_range("--frames", o.frames, 1, 100'000);
@@ -151,6 +162,39 @@ int bench_environment(const EnvironmentOptions& o)
     if (!o.plot.empty()) write_plot(o.plot, rows, dials);
     const bool faulty = std::ranges::any_of(rows, [](const Row& row) { return row.missed || row.wrong; });
     return faulty ? int(ErrorKind::internal) : 0;
+}
+
+} // namespace
+
+void add_environment(Arguments bench)
+{
+    Arguments sub = bench.add_command("environment", "Many bodies in buildings and on terrains, with several error "
+                                                     "bounds");
+    auto options = std::make_shared<EnvironmentOptions>();
+    add_environment_choice(sub, options->in);
+    sub.add_option("--errors", options->errors,
+                   "error bounds in metres, and 'exact' (default "
+                   "1,0.1,0.01,exact)")
+        .type_name("LIST");
+    sub.add_option("--frames", options->frames, "frames to play (default 10)").type_name("N");
+    sub.add_option("--warm-up", options->warm_up, "frames at the start that are not timed (default 3)").type_name("N");
+    sub.add_option("--repeats", options->repeats, "number of runs; each frame's least time counts (default 1)")
+        .type_name("N");
+    sub.add_option("--cold-runs", options->cold_runs, "number of cold starts (default 1)").type_name("N");
+    sub.add_option("--threads", options->threads, "threads of oncollide; 0: all (default 1)").type_name("N");
+    sub.add_option("--csv", options->csv, "write one row per environment, bodies and error").type_name("FILE");
+    sub.add_option("--shard", options->shard,
+                   std::string("divide the environments with their bodies among N "
+                               "processes: ") +
+                       shard_help)
+        .type_name("I/N");
+    sub.add_option("--plot", options->plot, "draw time against error, one panel per environment").type_name("FILE.svg");
+    sub.footer("Examples:\n"
+               "  oncollide bench environment --environments building --bodies 50 --errors 0.1,exact\n"
+               "  oncollide bench environment --environments hills,hills-mesh --cells 2200 --bodies 1000\n"
+               "'first': from the geometry in memory to the first frame's results. Exit code 70: a collision was\n"
+               "missed, or an exact result is wrong.");
+    sub.action([options] { return bench_environment(*options); });
 }
 
 } // namespace oncollide::tools

@@ -1,13 +1,13 @@
 // oncollide bench scale: the work of each of very many ranks, without the machines. Bodies are a function of their
 // index and the frame, so a single rank can be played without reading any file: it computes the bodies in and near its
 // region.
-#include "bench/scenes/bench_scale.hpp"
 
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <numeric>
 #include <vector>
 
@@ -20,11 +20,23 @@
 #include <oncollide/runs/ranks/body_record.hpp>
 
 #include "bench/bench.hpp"
+#include "cli/options.hpp"
 #include "cli/shard.hpp"
 #include "cli/system.hpp"
+#include "common/text.hpp"
 
 namespace oncollide::tools {
 namespace {
+
+struct ScaleOptions {
+    double bodies = 1e6;
+    std::string ranks = "64"; ///< numbers of ranks; each number divides the whole world
+    int sample = 0;           ///< ranks to play; 0: all
+    double edge = 1;          ///< mean, in mean spacings
+    int frame = 0, threads = 1;
+    std::uint64_t seed = 12345;
+    std::string csv, shard;
+};
 
 using Eigen::Vector3d;
 
@@ -284,8 +296,9 @@ void write_rows(const std::string& path, const std::string& head, const UniformW
     csv.commit();
 }
 
-} // namespace
-
+/// Plays ranks of a large uniform world one after another on this machine, and compares them with a cost model. Returns
+/// the exit code: 70 if ghosts differ from the model by more than a tenth, or two numbers of ranks find different
+/// pairs.
 int bench_scale(const ScaleOptions& o)
 {
     if (!(o.bodies >= 1 && o.bodies <= 4e9)) usage(fmt::format("--bodies {}: must be from 1 to 4e9", o.bodies));
@@ -320,6 +333,36 @@ int bench_scale(const ScaleOptions& o)
                                           world.bodies(), o.ranks, o.sample, o.edge, o.seed, o.frame)),
                    world, partitions);
     return good ? 0 : int(ErrorKind::internal);
+}
+
+} // namespace
+
+void add_scale(Arguments bench)
+{
+    Arguments sub = bench.add_command("scale", "Ranks of a large world, simulated one after another, compared with a "
+                                               "cost model");
+    auto options = std::make_shared<ScaleOptions>();
+    sub.add_option("--bodies", options->bodies,
+                   "approximate number of bodies in the world, a cube of cells (default "
+                   "1e6)")
+        .type_name("N");
+    sub.add_option("--ranks", options->ranks, "numbers of ranks to compare (default 64)").type_name("LIST");
+    sub.add_option("--sample", options->sample, "number of ranks to play; 0: all (default 0)").type_name("N");
+    sub.add_option("--edge", options->edge, "mean edge of the bodies, in mean spacings (default 1)").type_name("E");
+    sub.add_option("--frame", options->frame, "frame of the motion (default 0)").type_name("F");
+    sub.add_option("--threads", options->threads,
+                   "ranks played at the same time; 0: as many as processors (default "
+                   "1)")
+        .type_name("N");
+    sub.add_option("--seed", options->seed, "seed of the bodies (default 12345)").type_name("S");
+    sub.add_option("--csv", options->csv, "write one row per rank").type_name("FILE");
+    sub.add_option("--shard", options->shard, std::string("divide the ranks among N processes: ") + shard_help)
+        .type_name("I/N");
+    sub.footer("If all ranks are played, pairs and hash do not depend on the number of ranks. Exit code 70: they do,\n"
+               "or the number of ghosts differs from the model by more than a tenth.\n"
+               "  oncollide bench scale --ranks 8,64 --bodies 1e6\n"
+               "  oncollide bench scale --ranks 10000 --bodies 1e9 --sample 26");
+    sub.action([options] { return bench_scale(*options); });
 }
 
 } // namespace oncollide::tools

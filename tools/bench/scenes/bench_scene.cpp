@@ -1,7 +1,10 @@
 // FCL and oncollide on the same scene, in alternation, frame by frame.
 #include "bench/bench.hpp"
+#include "cli/options.hpp"
+#include "common/text.hpp"
 
 #include <algorithm>
+#include <memory>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/output_file.hpp>
@@ -11,6 +14,9 @@
 
 namespace oncollide::tools {
 
+namespace {
+
+/// Plays a scene with both libraries. Returns the exit code: 70 if oncollide missed a collision.
 int bench_scene(const CompareOptions& given)
 {
     CompareOptions options = given;
@@ -37,6 +43,56 @@ int bench_scene(const CompareOptions& given)
     if (!options.csv.empty()) report.write_csv();
     if (!options.summary.empty()) report.write_summary();
     return faults ? int(ErrorKind::internal) : 0;
+}
+
+void add_compare_options(Arguments sub, CompareOptions& o)
+{
+    add_catalogue_options(sub, o.scene), add_pace_option(sub, o.scene);
+    add_cache_options(sub, o.scene.cache);
+    add_accuracy_options(sub, o.settings);
+    add_pipeline_options(sub, o.settings);
+    sub.add_option("--warm-up", o.warm_up, "frames at the start that are not timed (default 3)").type_name("N");
+    sub.add_option("--repeats", o.repeats,
+                   "number of runs from frame 0; each frame's least time "
+                   "counts")
+        .type_name("N");
+    sub.add_option("--cold-runs", o.cold_runs,
+                   "number of cold starts, from the scene to the first frame's results "
+                   "(default 5)")
+        .type_name("N");
+    sub.add_option("--only", o.only, "run only fcl or only oncollide, to measure its memory").type_name("WHO");
+    sub.add_flag("--contacts", o.contacts,
+                 "find all contacts of each colliding pair, not only whether it collides; needs exact results");
+    sub.add_option("--timeline", o.timeline, "print a line every N frames: cells alive, pairs, times").type_name("N");
+    sub.add_option("--csv", o.csv, "write one row per frame").type_name("FILE");
+    sub.add_option("--summary", o.summary,
+                   "write one row: time of the first result, time per frame, "
+                   "memory")
+        .type_name("FILE");
+    sub.add_option("--shard", o.shard, std::string("divide the frames among N processes: ") + shard_help)
+        .type_name("I/N");
+}
+
+} // namespace
+
+void add_scene_bench(Arguments bench, const char* name, const char* summary)
+{
+    Arguments sub = bench.add_command(name, summary);
+    auto options = std::make_shared<CompareOptions>();
+    options->scene.scene = name;
+    add_compare_options(sub, *options);
+    sub.action([options] { return bench_scene(*options); });
+}
+
+void add_any_scene_bench(Arguments bench)
+{
+    Arguments sub = bench.add_command("scene", "Any scene: a file or a scene of the catalogue");
+    auto options = std::make_shared<CompareOptions>();
+    sub.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
+        .required()
+        .type_name("SCENE.json|NAME");
+    add_compare_options(sub, *options);
+    sub.action([options] { return bench_scene(*options); });
 }
 
 } // namespace oncollide::tools

@@ -1,9 +1,12 @@
 // oncollide bench world: cost of a frame by the number of bodies added, removed or moved, and cost of queries.
 #include "bench/bench.hpp"
+#include "cli/options.hpp"
 #include "cli/system.hpp"
 #include "common/statistics.hpp"
+#include "common/text.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -18,6 +21,15 @@
 
 namespace oncollide::tools {
 namespace {
+
+struct WorldOptions {
+    int bodies = 100'000;
+    int changes = 1000; ///< bodies that move, or are removed and added, per frame
+    int frames = 20;
+    std::uint64_t seed = 12345;
+    Settings settings;
+    std::string csv;
+};
 
 /// The bodies of the catalogue's scene `many` in a World. Each body's user number is its index in the list.
 class Crowd {
@@ -160,8 +172,8 @@ double time_queries(const World& world, std::span<const ModelQuery> queries, std
     return double(queries.size()) / milliseconds_since(begin) * 1000;
 }
 
-} // namespace
-
+/// Cost of a World's frames, by the number of changed bodies, and of its queries. Returns the exit code: 70 if a newly
+/// made World finds other pairs.
 int bench_world(const WorldOptions& options)
 {
     check_range("--frames", options.frames, 1, 1'000'000);
@@ -214,6 +226,28 @@ int bench_world(const WorldOptions& options)
     const bool same = crowd.is_as_made_anew();
     say("results    {} a newly made World\n", same ? "same as of" : "WRONG: not the same as of");
     return same ? 0 : int(ErrorKind::internal);
+}
+
+} // namespace
+
+void add_world(Arguments bench)
+{
+    Arguments sub = bench.add_command("world", "Bodies that are added, removed and moved between frames, and queries");
+    auto options = std::make_shared<WorldOptions>();
+    auto settings = std::make_shared<SettingsOptions>();
+    sub.add_option("--bodies", options->bodies, "bodies (default 100000)").type_name("N");
+    sub.add_option("--changes", options->changes, "bodies moved, or removed and added, per frame (default 1000)")
+        .type_name("N");
+    sub.add_option("--frames", options->frames, "frames to time (default 20)").type_name("N");
+    sub.add_option("--seed", options->seed, "seed of the scene (default 12345)").type_name("S");
+    sub.add_option("--csv", options->csv, "write one row per kind of change").type_name("FILE");
+    add_accuracy_options(sub, *settings);
+    add_pipeline_options(sub, *settings);
+    sub.footer("A newly made World must give the same results. Exit code 70: they differ.");
+    sub.action([options, settings] {
+        options->settings = settings_from(*settings);
+        return bench_world(*options);
+    });
 }
 
 } // namespace oncollide::tools

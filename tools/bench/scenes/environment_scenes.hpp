@@ -6,6 +6,8 @@
 
 #include <oncollide/scenes/scene.hpp>
 
+#include "cli/arguments.hpp"
+
 namespace oncollide::tools {
 
 /// The available environments: generated ones, files in the data folder, and single shapes by kind.
@@ -22,6 +24,9 @@ struct EnvironmentChoice {
     /// Description of the work; must be equal for all parts of it.
     std::string work() const;
 };
+
+/// Adds the options of `in`; its values are their defaults.
+void add_environment_choice(Arguments sub, EnvironmentChoice& in);
 
 /// One large static body, and many small ones on and just above its surface, which drift slightly in every frame.
 struct EnvironmentScene {

@@ -6,11 +6,25 @@
 
 #include <oncollide/runs/pipeline.hpp>
 
-#include "bench/bench.hpp"
+#include "cli/options.hpp"
 #include "peers/fcl_world.hpp"
 
 // FCL and oncollide on the same scene, in alternation, frame by frame.
 namespace oncollide::tools {
+
+struct CompareOptions {
+    SceneOptions scene;
+    SettingsOptions settings;
+    int warm_up = 3;       ///< frames at the start that are not timed
+    int repeats = 1;       ///< runs from frame 0; the least time of each frame counts
+    int cold_runs = 5;     ///< cold starts, from the scene to the first frame's results
+    bool contacts = false; ///< find all contacts of each pair; with exact predicates
+    int timeline = 0;      ///< frames between printed lines; 0: none
+    std::string only;      ///< "fcl" or "oncollide": measure only that library
+    std::string csv;       ///< one row per frame
+    std::string summary;   ///< a single row
+    std::string shard;     ///< of the frames
+};
 
 constexpr std::size_t stage_count = 5;
 
@@ -19,10 +33,10 @@ struct Comparison {
     std::uint64_t pairs = 0;     ///< candidates of the broad phase
     std::uint64_t left_over = 0; ///< not separate: within, undecided or colliding
     std::uint64_t undecided = 0;
-    std::uint64_t colliding = 0;       ///< by the exact level
-    std::uint64_t fcl_colliding = 0;   ///< by FCL
-    std::uint64_t false_positives = 0; ///< left over, but not colliding for FCL
-    std::uint64_t missed = 0;          ///< colliding for FCL and in truth, but not left over: must be 0
+    std::uint64_t colliding = 0;          ///< by the exact level
+    std::uint64_t fcl_colliding = 0;      ///< by FCL
+    std::uint64_t false_positives = 0;    ///< left over, but not colliding for FCL
+    std::uint64_t missed = 0;             ///< colliding for FCL and in truth, but not left over: must be 0
     std::uint64_t missed_by_rounding = 0; ///< the same, but apart in truth: rounding of FCL
     /// `colliding` although FCL and the truth say no. 0 with exact fcl.
     std::uint64_t wrong_exact = 0;
