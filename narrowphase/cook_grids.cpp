@@ -47,14 +47,16 @@ CookedSize cook_terrain(const Terrain& terrain, const std::filesystem::path& pat
     file.data.reserve(terrain.bytes() + chunks * block_side * 8);
     for (std::size_t chunk = 0; chunk < chunks; ++chunk)
         CookedTerrain::add_chunk(terrain, chunk, file.data), file.end_chunk();
-    return file.write(path, CookedKind::terrain);
+    file.write(path, CookedKind::terrain);
+    return {header.file_bytes, header.chunks};
 }
 
 CookedSize cook_map(const OccupancyMap& map, const std::filesystem::path& path, std::uint32_t chunk)
 {
     CookedWriter file;
     add_map(map, std::clamp(chunk, 1u, most_chunk_nodes), file);
-    return file.write(path, CookedKind::map);
+    file.write(path, CookedKind::map);
+    return {file.header.file_bytes, file.header.chunks};
 }
 
 std::size_t check_cooked_terrain(const std::filesystem::path& path)

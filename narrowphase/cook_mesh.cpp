@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include <oncollide/narrowphase/obb/obb_tree.hpp>
 #include <oncollide/narrowphase/inside/parts.hpp>
+#include <oncollide/narrowphase/obb/obb_tree.hpp>
 #include <oncollide/scenes/cooked/cooked_format.hpp>
 #include <oncollide/scenes/cooked/cooked_writer.hpp>
 
@@ -49,7 +49,8 @@ public:
         add_vertices_without_triangles();
         find_topology();
         for (const CookedNode& node : nodes_) file_.nodes.add(node);
-        return file_.write(path, CookedKind::mesh);
+        file_.write(path, CookedKind::mesh);
+        return {file_.header.file_bytes, file_.header.chunks};
     }
 
 private:

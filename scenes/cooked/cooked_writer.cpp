@@ -27,7 +27,7 @@ void CookedWriter::end_chunk(std::uint32_t triangles, std::uint32_t vertices)
     ended_ = data.size();
 }
 
-CookedSize CookedWriter::write(const std::filesystem::path& path, CookedKind kind)
+void CookedWriter::write(const std::filesystem::path& path, CookedKind kind)
 {
     std::memcpy(header.magic, cooked_magic, sizeof cooked_magic);
     header.byte_order = cooked_byte_order, header.version = cooked_version, header.kind = kind;
@@ -45,7 +45,6 @@ CookedSize CookedWriter::write(const std::filesystem::path& path, CookedKind kin
     OutputFile file(path);
     file.write(bytes), file.write(nodes.from(0)), file.write(data.from(0));
     file.commit();
-    return {header.file_bytes, header.chunks};
 }
 
 } // namespace oncollide

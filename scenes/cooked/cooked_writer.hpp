@@ -8,7 +8,6 @@
 #include <oncollide/base/aabb.hpp>
 #include <oncollide/base/memory/large_vector.hpp>
 #include <oncollide/scenes/cooked/cooked_file.hpp>
-#include <oncollide/scenes/geometry.hpp>
 
 namespace oncollide {
 
@@ -45,8 +44,8 @@ public:
     void set_parts(std::span<const CookedPart> of);
     /// Makes a chunk of the data added to `data` since the last chunk.
     void end_chunk(std::uint32_t triangles = 0, std::uint32_t vertices = 0);
-    /// Writes to a temporary name, then renames. Throws Error{cannot_write}.
-    CookedSize write(const std::filesystem::path& path, CookedKind kind);
+    /// Writes to a temporary name, then renames; completes `header`. Throws Error{cannot_write}.
+    void write(const std::filesystem::path& path, CookedKind kind);
 
 private:
     std::vector<CookedChunkEntry> table_; ///< offsets from the first

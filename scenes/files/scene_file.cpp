@@ -12,7 +12,7 @@
 #include <oncollide/scenes/files/geometry_recipe.hpp>
 #include <oncollide/scenes/files/json/json_fault.hpp>
 #include <oncollide/scenes/files/json/json_node.hpp>
-#include <oncollide/scenes/files/quaternion.hpp>
+#include <oncollide/scenes/files/common/quaternion.hpp>
 #include <oncollide/scenes/files/scene_pose.hpp>
 #include <oncollide/scenes/files/tables/body_table.hpp>
 #include <oncollide/scenes/files/tables/recording_file.hpp>

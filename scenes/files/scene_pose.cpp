@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include <oncollide/scenes/files/quaternion.hpp>
+#include <oncollide/scenes/files/common/quaternion.hpp>
 
 namespace oncollide {
 

@@ -13,6 +13,7 @@
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
+#include <oncollide/scenes/files/common/sample_type.hpp>
 #include <oncollide/scenes/files/terrain/height_raster.hpp>
 
 namespace oncollide {

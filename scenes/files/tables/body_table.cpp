@@ -4,7 +4,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
-#include <oncollide/scenes/files/quaternion.hpp>
+#include <oncollide/scenes/files/common/quaternion.hpp>
 
 namespace oncollide {
 

@@ -4,7 +4,7 @@
 
 #include <hdf5.h>
 
-#include <oncollide/scenes/files/loaded_library.hpp>
+#include <oncollide/scenes/files/common/loaded_library.hpp>
 
 namespace oncollide {
 

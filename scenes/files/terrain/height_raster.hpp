@@ -21,17 +21,6 @@ struct HeightRaster {
     std::optional<double> no_data{};
 };
 
-/// The type of a number in an array.
-struct SampleType {
-    char kind;        ///< 'u', 'i', 'f'
-    std::size_t size; ///< bytes
-    bool big;         ///< big-endian
-};
-
-/// In NumPy's notation: "<i2", "|u1", ">f8". Throws Error{bad_data} prefixed with `name`.
-SampleType sample_type(const std::string& name, std::string_view text);
-/// All numbers of `bytes`, whose length is a multiple of the size.
-std::vector<double> decoded(const SampleType& type, std::string_view bytes);
 /// Throws Error{bad_data} unless the number of bytes matches such a grid. Safe from overflow.
 void check_size(const std::string& name, std::uint64_t columns, std::uint64_t rows, std::size_t size,
                 std::uint64_t bytes);

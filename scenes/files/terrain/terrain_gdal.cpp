@@ -8,7 +8,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
-#include <oncollide/scenes/files/loaded_library.hpp>
+#include <oncollide/scenes/files/common/loaded_library.hpp>
 #include <oncollide/scenes/files/terrain/height_raster.hpp>
 #include <oncollide/scenes/model/terrain.hpp>
 

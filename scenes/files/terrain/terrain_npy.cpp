@@ -1,7 +1,8 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/scenes/files/npy.hpp>
+#include <oncollide/scenes/files/common/npy.hpp>
+#include <oncollide/scenes/files/terrain/height_raster.hpp>
 
 namespace oncollide {
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/scenes/files/common/sample_type.hpp>
 #include <oncollide/scenes/files/terrain/height_raster.hpp>
 
 namespace oncollide {

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/scenes/files/npy.hpp>
+#include <oncollide/scenes/files/common/npy.hpp>
 
 namespace oncollide {
 

@@ -1,4 +1,4 @@
-#include <oncollide/scenes/files/quaternion.hpp>
+#include <oncollide/scenes/files/common/quaternion.hpp>
 
 #include <cmath>
 

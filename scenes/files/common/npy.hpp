@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include <oncollide/scenes/files/terrain/height_raster.hpp>
+#include <oncollide/scenes/files/common/sample_type.hpp>
 
 namespace oncollide {
 

@@ -1,4 +1,4 @@
-#include <oncollide/scenes/files/loaded_library.hpp>
+#include <oncollide/scenes/files/common/loaded_library.hpp>
 
 #include <dlfcn.h>
 #include <fmt/format.h>
