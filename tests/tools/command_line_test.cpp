@@ -172,8 +172,8 @@ TEST_F(CommandLine, EveryLengthMayHaveAUnit)
     EXPECT_EQ(settings["max_error"], 0.009);
     EXPECT_EQ(settings["clearance"], 0.1 * 25.4 / 1000);
     EXPECT_EQ(json_of({"check", "c.off", "c.off", "--clearance", "2 cm"})["settings"]["clearance"], 0.02);
-    EXPECT_EQ(json_of({"spheres", "c.off", "--directions", "10", "--max-error", "50mm"})["depth"],
-              json_of({"spheres", "c.off", "--directions", "10", "--max-error", "0.05"})["depth"]);
+    EXPECT_EQ(json_of({"spheres", "c.off", "--directions", "10", "--max-error", "600mm"})["depth"],
+              json_of({"spheres", "c.off", "--directions", "10", "--max-error", "0.6"})["depth"]);
     EXPECT_EQ(run({"check", "c.off", "c.off", "--distance", "1mm"}).out,
               run({"check", "c.off", "c.off", "--distance", "1e-3"}).out);
     EXPECT_EQ(run({"cook", "h.pgm", "--spacing", "30cm", "-o", "h.cooked"}).code, 0);

@@ -1,6 +1,6 @@
 #include "cli/command.hpp"
 #include "cli/log.hpp"
-#include "cli/numbers.hpp"
+#include "common/numbers.hpp"
 #include "cli/options.hpp"
 #include "cli/progress.hpp"
 #include "cli/system.hpp"

@@ -4,7 +4,7 @@
 
 #include <oncollide/scenes/scene.hpp>
 
-#include "peers/narrow_peer.hpp"
+#include "peers/narrow/narrow_peer.hpp"
 
 namespace fcl {
 template <typename Scalar>

@@ -1,6 +1,7 @@
 // The contenders in this build.
-#include "peers/narrow_peer.hpp"
-#include "peers/ray_peer.hpp"
+#include "peers/broad/broad_peer.hpp"
+#include "peers/narrow/narrow_peer.hpp"
+#include "peers/rays/ray_peer.hpp"
 
 #include <algorithm>
 
@@ -30,13 +31,13 @@ void ContenderList<Kind>::keep(const std::string& only)
     all = std::move(chosen);
 }
 
-template struct ContenderList<Contender>;
+template struct ContenderList<BroadContender>;
 template struct ContenderList<NarrowContender>;
 template struct ContenderList<RayContender>;
 
-Contenders broad_contenders()
+BroadContenders broad_contenders()
 {
-    Contenders contenders;
+    BroadContenders contenders;
     add_oncollide(contenders.all);
     add_fcl(contenders.all);
 #ifdef ONCOLLIDE_WITH_EMBREE

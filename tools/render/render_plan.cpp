@@ -9,7 +9,7 @@
 
 #include <oncollide/base/error.hpp>
 
-#include "cli/numbers.hpp"
+#include "common/numbers.hpp"
 
 namespace oncollide::tools {
 

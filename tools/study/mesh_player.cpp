@@ -9,7 +9,8 @@
 
 #include "cli/system.hpp"
 #include "common/text.hpp"
-#include "peers/narrow_peer.hpp"
+#include "peers/broad/broad_peer.hpp"
+#include "peers/narrow/narrow_peer.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -37,15 +38,15 @@ const Mesh& mesh_of(const Scene& scene, std::uint32_t geometry)
     return std::get<Mesh>(scene.geometries[geometry].data);
 }
 
-template <class Contender>
-const Contender& contender(const std::vector<Contender>& all, const std::string& name)
+template <class BroadContender>
+const BroadContender& contender(const std::vector<BroadContender>& all, const std::string& name)
 {
-    return *std::ranges::find(all, name, &Contender::name);
+    return *std::ranges::find(all, name, &BroadContender::name);
 }
 
 class MeshPlayer final : public StudyPlayer {
 public:
-    MeshPlayer(const Scene& scene, const NarrowContender& narrow, const Contender* broad)
+    MeshPlayer(const Scene& scene, const NarrowContender& narrow, const BroadContender* broad)
         : scene_(scene), peers_(scene.geometries.size() * scene.geometries.size()), boxes_(scene.size())
     {
         for (const Geometry& geometry : scene.geometries) bounds_.emplace_back(geometry.data);
@@ -141,7 +142,7 @@ std::string why_not(const PeerKind& kind, const Scene& scene)
 std::unique_ptr<StudyPlayer> make_mesh_player(const PeerKind& kind, const StudyWorkload& workload)
 {
     const NarrowContenders narrow = narrow_contenders();
-    const Contenders broad = broad_contenders();
+    const BroadContenders broad = broad_contenders();
     trim_memory();
     const std::size_t before = resident_memory();
     auto player = std::make_unique<MeshPlayer>(workload.scene, contender(narrow.all, kind.narrow),

@@ -9,7 +9,7 @@
 
 #include "common/text.hpp"
 #include "peers/fcl_world.hpp"
-#include "peers/narrow_peer.hpp"
+#include "peers/narrow/narrow_peer.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -194,7 +194,7 @@ private:
     }
 
     BroadOptions options_;
-    Contenders contenders_;
+    BroadContenders contenders_;
     std::vector<int> threads_;
     Shard shard_;
     std::vector<std::pair<std::string, std::size_t>> work_; ///< every combination of scene and size

@@ -9,7 +9,7 @@
 namespace oncollide::tools {
 namespace {
 
-using Group = Contender::Group;
+using Group = Group;
 
 constexpr double longest_ms = 20'000; // limit for the start with the first frame, and for each other frame
 
@@ -56,7 +56,7 @@ public:
         judge_->start(frame());
     }
 
-    void enter(const Contender& contender, int threads)
+    void enter(const BroadContender& contender, int threads)
     {
         Entrant entrant;
         entrant.row.contender = &contender, entrant.row.threads = threads;
@@ -161,12 +161,12 @@ void set_ratios(std::vector<RaceRow>& rows)
 
 } // namespace
 
-RaceResult race(BoxScene& scene, const std::vector<Contender>& contenders, const std::vector<int>& threads,
+RaceResult race(BoxScene& scene, const std::vector<BroadContender>& contenders, const std::vector<int>& threads,
                 std::uint64_t frames, std::uint64_t warm_up)
 {
     BroadRace race(scene, warm_up);
     std::vector<std::string> left;
-    for (const Contender& contender : contenders) {
+    for (const BroadContender& contender : contenders) {
         if (scene.boxes.size() > contender.most) {
             left.push_back(fmt::format("{}: supports at most {} boxes", contender.name, grouped(contender.most)));
             continue;

@@ -4,13 +4,13 @@
 #include <vector>
 
 #include "bench/broad/box_scenes.hpp"
-#include "peers/peer.hpp"
+#include "peers/broad/broad_peer.hpp"
 
 namespace oncollide::tools {
 
 /// The results of a contender in a scene.
 struct RaceRow {
-    const Contender* contender = nullptr;
+    const BroadContender* contender = nullptr;
     int threads = 1;
     double ms = 0;    ///< median of the timed frames: updating the boxes and finding all pairs
     double ratio = 0; ///< time of the best Debian peer on as many threads or fewer, divided by `ms`; 0: no such peer
@@ -31,7 +31,7 @@ struct RaceResult {
 /// Plays `frames` frames of `scene` with every contender and every number of threads, alternating within each frame.
 /// Frames up to `warm_up` are not timed. The result of every frame is compared with a plain exact grid; a peer
 /// that misses a pair or reports one twice is left out from then on.
-RaceResult race(BoxScene& scene, const std::vector<Contender>& contenders, const std::vector<int>& threads,
+RaceResult race(BoxScene& scene, const std::vector<BroadContender>& contenders, const std::vector<int>& threads,
                 std::uint64_t frames, std::uint64_t warm_up);
 
 } // namespace oncollide::tools

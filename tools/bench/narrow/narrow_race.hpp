@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/narrow/narrow_poses.hpp"
-#include "peers/narrow_peer.hpp"
+#include "peers/narrow/narrow_peer.hpp"
 
 namespace oncollide::tools {
 

@@ -14,8 +14,7 @@
 namespace oncollide::tools {
 namespace {
 
-using Group = Contender::Group;
-using Promise = NarrowContender::Promise;
+using Group = Group;
 
 constexpr double distance_tolerance = 1e-6; // relative to the diagonal; FCL rounds by about 1e-9
 

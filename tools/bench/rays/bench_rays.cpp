@@ -5,7 +5,7 @@
 #include "cli/system.hpp"
 #include "common/statistics.hpp"
 #include "common/text.hpp"
-#include "peers/ray_peer.hpp"
+#include "peers/rays/ray_peer.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -161,10 +161,10 @@ void add_oncollide(RayCase& in, GeometryData data)
     for (const bool first : {false, true})
         for (const bool together : {false, true})
             in.contenders.push_back(
-                {fmt::format("oncollide{}{}", first ? "-cast" : "", together ? "-batch" : ""),
-                 fmt::format("World::{}, {}", first ? "cast" : "query",
-                             together ? "all segments in one call" : "one call each"),
-                 true, [=](const Mesh&) { return std::make_unique<WorldRays>(geometry, together, first); }});
+                {.name = fmt::format("oncollide{}{}", first ? "-cast" : "", together ? "-batch" : ""),
+                 .what = fmt::format("World::{}, {}", first ? "cast" : "query",
+                                     together ? "all segments in one call" : "one call each"),
+                 .make = [=](const Mesh&) { return std::make_unique<WorldRays>(geometry, together, first); }});
 }
 
 RayCase mesh_case(const std::string& name, const Mesh& mesh, const RayContenders& peers)
@@ -191,8 +191,10 @@ RayCase map_case(const std::string& name, const OccupancyMap& map)
     });
     add_oncollide(in, map);
     in.contenders.push_back(
-        {"octomap", "OctoMap castRay, which follows the cells along the ray", false,
-         [map, cells = in.cells](const Mesh&) { return std::make_unique<OctomapRays>(map, cells); }});
+        {.name = "octomap",
+         .what = "OctoMap castRay, which follows the cells along the ray",
+         .promise = Promise::approximate,
+         .make = [map, cells = in.cells](const Mesh&) { return std::make_unique<OctomapRays>(map, cells); }});
     return in;
 }
 
@@ -287,7 +289,7 @@ int bench_rays(const RaysOptions& options)
                     const bool mine = result.hits[kind][i], there = truth[kind][i];
                     hits += mine, missed += there && !mine, invented += !there && mine;
                 }
-                wrong |= in.contenders[c].exact && (missed || invented);
+                wrong |= in.contenders[c].promise == Promise::exact && (missed || invented);
                 say("{:>12.3f}{:>8}{:>8}{:>9}", result.us[kind], hits, missed, invented);
                 if (csv)
                     csv->row(in.name, in.parts(), ray_kinds[kind], in.contenders[c].name, truth[kind].size(), hits,

@@ -1,4 +1,4 @@
-#include "peers/peer.hpp"
+#include "peers/broad/broad_peer.hpp"
 
 #include <type_traits>
 
@@ -79,7 +79,7 @@ private:
     std::vector<btBroadphaseProxy*> proxies_;
 };
 
-Contender contender(const char* name, const char* what, BulletPeer::Make make, std::size_t most = ~std::size_t{0})
+BroadContender contender(const char* name, const char* what, BulletPeer::Make make, std::size_t most = ~std::size_t{0})
 {
     return {
         .name = name, .what = what, .most = most, .make = [make](int) { return std::make_unique<BulletPeer>(make); }};
@@ -87,7 +87,7 @@ Contender contender(const char* name, const char* what, BulletPeer::Make make, s
 
 } // namespace
 
-void add_bullet(std::vector<Contender>& all)
+void add_bullet(std::vector<BroadContender>& all)
 {
     all.push_back(contender("bullet-dbvt", "Bullet btDbvtBroadphase, deferred", make_tree));
     // Each insertion costs time in proportion to the number of boxes: hours for a million boxes.

@@ -1,4 +1,4 @@
-#include "peers/narrow_peer.hpp"
+#include "peers/narrow/narrow_peer.hpp"
 
 #include <algorithm>
 
@@ -66,7 +66,7 @@ void add_narrow_ode(std::vector<NarrowContender>& all)
 {
     all.push_back({.name = "ode",
                    .what = "ODE dCollide of two meshes, one contact",
-                   .promise = NarrowContender::Promise::approximate,
+                   .promise = Promise::approximate,
                    .least = 2,
                    .make = [](const Mesh& a, const Mesh& b) { return std::make_unique<OdeNarrowPeer>(a, b); }});
 }

@@ -1,6 +1,6 @@
 // Embree's rtcCollide over boxes as user geometry. Static boxes have their own scene, built once.
+#include "peers/broad/broad_peer.hpp"
 #include "peers/embree_boxes.hpp"
-#include "peers/peer.hpp"
 
 #include <array>
 #include <atomic>
@@ -106,7 +106,7 @@ private:
     std::array<std::vector<BodyPair>, most_threads> parts_;
 };
 
-Contender contender(const char* name, const char* what, RTCBuildQuality quality)
+BroadContender contender(const char* name, const char* what, RTCBuildQuality quality)
 {
     return {.name = name, .what = what, .threaded = true, .make = [quality](int threads) {
                 return std::make_unique<EmbreePeer>(quality, threads);
@@ -115,7 +115,7 @@ Contender contender(const char* name, const char* what, RTCBuildQuality quality)
 
 } // namespace
 
-void add_embree(std::vector<Contender>& all)
+void add_embree(std::vector<BroadContender>& all)
 {
     all.push_back(contender("embree-rebuild", "Embree rtcCollide, Morton tree rebuilt", RTC_BUILD_QUALITY_LOW));
     all.push_back(contender("embree-refit", "Embree rtcCollide, tree refitted", RTC_BUILD_QUALITY_REFIT));

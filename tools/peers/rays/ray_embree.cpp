@@ -1,5 +1,5 @@
 // Embree's tests of rays against a triangle mesh: occluded or not, and the closest hit.
-#include "peers/ray_peer.hpp"
+#include "peers/rays/ray_peer.hpp"
 
 #include <embree3/rtcore.h>
 
@@ -62,7 +62,7 @@ private:
 
 RayContender contender(const char* name, const char* what, RTCSceneFlags flags, bool closest = false)
 {
-    return {.name = name, .what = what, .exact = false, .make = [flags, closest](const Mesh& mesh) {
+    return {.name = name, .what = what, .promise = Promise::approximate, .make = [flags, closest](const Mesh& mesh) {
                 return std::make_unique<EmbreeRayPeer>(mesh, flags, closest);
             }};
 }

@@ -1,5 +1,5 @@
 #include "peers/bullet_mesh.hpp"
-#include "peers/narrow_peer.hpp"
+#include "peers/narrow/narrow_peer.hpp"
 
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 
@@ -84,7 +84,7 @@ void add_narrow_bullet(std::vector<NarrowContender>& all)
 {
     all.push_back({.name = "bullet-gimpact",
                    .what = "Bullet btGImpactMeshShape, margin 0, single precision",
-                   .promise = NarrowContender::Promise::approximate,
+                   .promise = Promise::approximate,
                    .has_all_pairs = true,
                    .make = [](const Mesh& a, const Mesh& b) { return std::make_unique<BulletNarrowPeer>(a, b); }});
 }

@@ -9,9 +9,9 @@
 #include <oncollide/scenes/model/mesh.hpp>
 #include <oncollide/scenes/scene.hpp>
 
-#include "peers/peer.hpp"
+#include "peers/contender.hpp"
 
-// Contenders of the narrow phase benchmark. One file per library; each adds its contenders to the list.
+// BroadContenders of the narrow phase benchmark. One file per library; each adds its contenders to the list.
 namespace oncollide::tools {
 
 /// Triangle `a` of the first mesh and triangle `b` of the second.
@@ -35,18 +35,7 @@ public:
     virtual std::string figures() const { return {}; }
 };
 
-struct NarrowContender {
-    std::string name; ///< as in --only
-    std::string what; ///< library and structure
-    Contender::Group group = Contender::Group::debian;
-    /// Reliability of its results. Conservative: no missed collisions, but false positives. Approximate: nothing is
-    /// promised; errors are only counted.
-    enum class Promise { exact, conservative, approximate } promise = Promise::exact;
-    bool has_all_pairs = false, has_distance = false; ///< in addition to collides()
-    std::size_t least = 1;                            ///< least triangles per mesh; it crashes with fewer
-    /// Builds the data that it keeps between queries.
-    std::function<std::unique_ptr<NarrowPeer>(const Mesh& a, const Mesh& b)> make;
-};
+using NarrowContender = Contender<NarrowPeer, const Mesh&, const Mesh&>;
 
 using NarrowContenders = ContenderList<NarrowContender>;
 

@@ -8,9 +8,9 @@
 
 #include <oncollide/scenes/model/mesh.hpp>
 
-#include "peers/peer.hpp"
+#include "peers/contender.hpp"
 
-// Contenders of the benchmark of rays. One file per library; each adds its contenders to the list.
+// BroadContenders of the benchmark of rays. One file per library; each adds its contenders to the list.
 namespace oncollide::tools {
 
 /// Finds which segments meet a mesh.
@@ -21,12 +21,7 @@ public:
     virtual void trace(std::span<const Segment> segments, std::span<std::uint8_t> hit) = 0;
 };
 
-struct RayContender {
-    std::string name; ///< as in --only
-    std::string what; ///< library and structure
-    bool exact;       ///< promises the result for the coordinates as given
-    std::function<std::unique_ptr<RayPeer>(const Mesh&)> make;
-};
+using RayContender = Contender<RayPeer, const Mesh&>;
 
 using RayContenders = ContenderList<RayContender>;
 

@@ -1,7 +1,7 @@
 // FCL's collision managers without its narrow phase: the objects' boxes are set directly, and the callback stores the
 // pair. Its SaPCollisionManager is left out: it corrupts memory when a box's lower face moves up while its upper face
 // does not move.
-#include "peers/peer.hpp"
+#include "peers/broad/broad_peer.hpp"
 
 #include <deque>
 #include <type_traits>
@@ -97,7 +97,7 @@ private:
 };
 
 template <class Manager>
-Contender contender(const char* name, const char* manager, std::size_t most = ~std::size_t{0})
+BroadContender contender(const char* name, const char* manager, std::size_t most = ~std::size_t{0})
 {
     return {.name = name, .what = std::string("FCL ") + manager, .most = most, .make = [](int) {
                 return std::make_unique<FclPeer<Manager>>();
@@ -106,7 +106,7 @@ Contender contender(const char* name, const char* manager, std::size_t most = ~s
 
 } // namespace
 
-void add_fcl(std::vector<Contender>& all)
+void add_fcl(std::vector<BroadContender>& all)
 {
     all.push_back(contender<fcl::DynamicAABBTreeCollisionManagerd>("fcl-tree", "DynamicAABBTree"));
     all.push_back(contender<fcl::DynamicAABBTreeCollisionManager_Arrayd>("fcl-array", "DynamicAABBTree_Array"));

@@ -1,4 +1,4 @@
-#include "peers/peer.hpp"
+#include "peers/broad/broad_peer.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -39,7 +39,7 @@ private:
 
 } // namespace
 
-void add_oncollide(std::vector<Contender>& all)
+void add_oncollide(std::vector<BroadContender>& all)
 {
     struct Algorithm {
         const char *name, *what;
@@ -51,7 +51,7 @@ void add_oncollide(std::vector<Contender>& all)
                         Algorithm{"dynamic", "oncollide kd-tree, delimited", make_kd_tree, false}})
         all.push_back({.name = a.name,
                        .what = a.what,
-                       .group = Contender::Group::oncollide,
+                       .group = Group::oncollide,
                        .threaded = true,
                        .make = [a](int threads) -> std::unique_ptr<BroadPeer> {
                            return std::make_unique<OwnPeer>(a.make({.threads = threads}), a.whole);

@@ -1,7 +1,7 @@
 // The other libraries in 'oncollide accuracy study'. The build determines which are available.
 #include <set>
 
-#include "study_fixture.hpp"
+#include "tools/study/study_fixture.hpp"
 
 namespace oncollide::test {
 namespace {

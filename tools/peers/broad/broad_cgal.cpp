@@ -1,5 +1,5 @@
 // CGAL's box intersection is under the GPL: it serves only this comparison; the installed libraries do not contain it.
-#include "peers/peer.hpp"
+#include "peers/broad/broad_peer.hpp"
 
 #include <CGAL/Box_intersection_d/Box_with_info_d.h>
 #include <CGAL/box_intersection_d.h>
@@ -33,7 +33,7 @@ private:
 
 } // namespace
 
-void add_cgal(std::vector<Contender>& all)
+void add_cgal(std::vector<BroadContender>& all)
 {
     all.push_back({.name = "cgal", .what = "CGAL box_self_intersection_d", .make = [](int) {
                        return std::make_unique<CgalPeer>();

@@ -1,4 +1,4 @@
-#include "peers/tree_pair.hpp"
+#include "peers/narrow/tree_pair.hpp"
 
 namespace oncollide::tools {
 

@@ -10,8 +10,8 @@
 
 #include "bench/broad/aabbs_file.hpp"
 #include "bench/broad/box_scenes.hpp"
-#include "peers/peer.hpp"
-#include "run_command.hpp"
+#include "peers/broad/broad_peer.hpp"
+#include "tools/run_command.hpp"
 
 namespace oncollide::test {
 namespace {

@@ -1,5 +1,5 @@
 // CGAL's trees are under the GPL: they serve only this comparison, and the installed libraries do not contain them.
-#include "peers/narrow_peer.hpp"
+#include "peers/narrow/narrow_peer.hpp"
 
 #include <iterator>
 

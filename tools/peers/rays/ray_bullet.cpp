@@ -1,6 +1,6 @@
 // Bullet's rayTest against a world of one static mesh.
 #include "peers/bullet_mesh.hpp"
-#include "peers/ray_peer.hpp"
+#include "peers/rays/ray_peer.hpp"
 
 #include <btBulletCollisionCommon.h>
 
@@ -49,7 +49,7 @@ void add_ray_bullet(std::vector<RayContender>& all)
 {
     all.push_back({.name = "bullet",
                    .what = "Bullet rayTest, btBvhTriangleMeshShape, single precision; the closest hit",
-                   .exact = false,
+                   .promise = Promise::approximate,
                    .make = [](const Mesh& mesh) { return std::make_unique<BulletRayPeer>(mesh); }});
 }
 

@@ -1,6 +1,6 @@
-#include "browser.hpp"
-#include "decoded_png.hpp"
-#include "study_fixture.hpp"
+#include "tools/browser.hpp"
+#include "tools/decoded_png.hpp"
+#include "tools/study/study_fixture.hpp"
 
 #include <regex>
 #include <set>

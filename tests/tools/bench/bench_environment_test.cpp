@@ -1,9 +1,9 @@
-#include "command_fixture.hpp"
+#include "tools/command_fixture.hpp"
 
 #include <cmath>
 #include <set>
 
-#include "csv_rows.hpp"
+#include "tools/csv_rows.hpp"
 
 namespace oncollide::test {
 namespace {

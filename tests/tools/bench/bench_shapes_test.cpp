@@ -1,6 +1,6 @@
-#include "command_fixture.hpp"
+#include "tools/command_fixture.hpp"
 
-#include "csv_rows.hpp"
+#include "tools/csv_rows.hpp"
 
 namespace oncollide::test {
 namespace {

@@ -1,9 +1,9 @@
-#include "command_fixture.hpp"
+#include "tools/command_fixture.hpp"
 
 #include <set>
 #include <thread>
 
-#include "csv_rows.hpp"
+#include "tools/csv_rows.hpp"
 
 namespace oncollide::test {
 namespace {
@@ -110,7 +110,8 @@ TEST_F(CommandLine, BenchPlannerAgreesWithFcl)
     EXPECT_NE(outcome.out.find("FCL contradicts: 0"), std::string::npos) << outcome.out;
     const std::string csv = folder_.read("p.csv");
     EXPECT_NE(csv.find("\n\"terrain\",69192,\"knot\",5000,400,"), std::string::npos) << csv;
-    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 3 * std::min(2u, std::thread::hardware_concurrency())) << csv;
+    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 3 * std::min(2u, std::thread::hardware_concurrency()))
+        << csv;
     expect_error(64, {"bench", "planner", "--poses", "0"}, {"--poses 0"});
     expect_error(66, {"bench", "planner", "none.obj", "none.obj"}, {"none.obj"});
 }

@@ -1,4 +1,4 @@
-#include "peers/narrow_peer.hpp"
+#include "peers/narrow/narrow_peer.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -8,12 +8,10 @@
 #include <oncollide/narrowphase/walks/traversal.hpp>
 
 #include "peers/fcl_pair.hpp"
-#include "peers/tree_pair.hpp"
+#include "peers/narrow/tree_pair.hpp"
 
 namespace oncollide::tools {
 namespace {
-
-using Promise = NarrowContender::Promise;
 
 /// Traversal of two sphere-trees. The trees grow only in the warm-up pass, because it runs every pose.
 class SpheresPeer final : public NarrowPeer {
@@ -83,7 +81,7 @@ NarrowContender exact()
 {
     return {.name = "exact",
             .what = "oncollide oriented boxes, exact predicates",
-            .group = Contender::Group::oncollide,
+            .group = Group::oncollide,
             .promise = Promise::exact,
             .has_all_pairs = true,
             .has_distance = true,
@@ -107,7 +105,7 @@ NarrowContender near(double error)
 {
     return {.name = fmt::format("near-{}%", 100 * error),
             .what = fmt::format("oncollide oriented boxes, error {} % of size", 100 * error),
-            .group = Contender::Group::oncollide,
+            .group = Group::oncollide,
             .promise = Promise::conservative,
             .make = [error](const Mesh& a, const Mesh& b) { return std::make_unique<NearPeer>(a, b, error); }};
 }
@@ -118,7 +116,7 @@ NarrowContender sphere_walk(int depth, bool then_fcl)
 {
     return {.name = fmt::format("walk-{}{}", depth, then_fcl ? "+fcl" : ""),
             .what = fmt::format("oncollide sphere-trees, depth {}{}", depth, then_fcl ? ", then FCL" : ""),
-            .group = Contender::Group::oncollide,
+            .group = Group::oncollide,
             .promise = Promise::conservative,
             .make = [=](const Mesh& a, const Mesh& b) {
                 return std::make_unique<SpheresPeer>(a, b, Settings{.depth = depth}, then_fcl);

@@ -1,4 +1,4 @@
-#include "cli/numbers.hpp"
+#include "common/numbers.hpp"
 
 #include <cctype>
 #include <charconv>
