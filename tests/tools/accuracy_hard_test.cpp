@@ -1,5 +1,5 @@
 #include "command_fixture.hpp"
-#include "peers/fcl_pair.hpp"
+#include "peers/narrow/fcl_pair.hpp"
 #include "verify/trials/triangle_trial.hpp"
 
 namespace oncollide::test {

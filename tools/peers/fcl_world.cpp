@@ -5,7 +5,7 @@
 
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 
-#include "peers/fcl_pair.hpp"
+#include "peers/narrow/fcl_pair.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -18,7 +18,7 @@
 
 #include "cli/shard.hpp"
 #include "common/text.hpp"
-#include "peers/fcl_pair.hpp"
+#include "peers/narrow/fcl_pair.hpp"
 #include "verify/trials/body_trial.hpp"
 #include "verify/trials/crowd_trial.hpp"
 #include "verify/trials/differential.hpp"

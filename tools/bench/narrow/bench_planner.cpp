@@ -3,7 +3,7 @@
 #include "cli/options.hpp"
 #include "common/race.hpp"
 #include "common/text.hpp"
-#include "peers/fcl_pair.hpp"
+#include "peers/narrow/fcl_pair.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -56,7 +56,7 @@ struct PlannerEntrant {
     std::string name, who; ///< in the table, in the file
     ExactLevel exact = ExactLevel::off;
     std::function<void(std::vector<std::uint8_t>& hits)> run;
-    double first = 0, second = 0; ///< seconds of the two calls; the first includes all that is built
+    double first = 0, second = 0; ///< seconds of the two calls; the first includes building the models and trees
     std::vector<std::uint8_t> hits;
 };
 

@@ -15,7 +15,7 @@
 #include "cli/options.hpp"
 #include "cli/progress.hpp"
 #include "common/text.hpp"
-#include "peers/fcl_pair.hpp"
+#include "peers/narrow/fcl_pair.hpp"
 
 namespace oncollide::tools {
 namespace {

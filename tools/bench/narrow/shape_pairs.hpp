@@ -7,7 +7,7 @@
 
 #include <oncollide/narrowphase/model.hpp>
 
-#include "peers/fcl_pair.hpp"
+#include "peers/narrow/fcl_pair.hpp"
 
 namespace oncollide::tools {
 

@@ -1,6 +1,6 @@
 // Embree's rtcCollide over boxes as user geometry. Static boxes have their own scene, built once.
 #include "peers/broad/broad_peer.hpp"
-#include "peers/embree_boxes.hpp"
+#include "peers/common/embree_boxes.hpp"
 
 #include <array>
 #include <atomic>

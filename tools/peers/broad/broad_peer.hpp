@@ -8,7 +8,7 @@
 
 #include <oncollide/broadphase/broad_phase.hpp>
 
-#include "peers/contender.hpp"
+#include "peers/common/contender.hpp"
 
 // BroadContenders of the broad phase benchmark. One file per library; each adds its contenders to the list.
 namespace oncollide::tools {

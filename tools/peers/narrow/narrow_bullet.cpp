@@ -1,4 +1,4 @@
-#include "peers/bullet_mesh.hpp"
+#include "peers/common/bullet_mesh.hpp"
 #include "peers/narrow/narrow_peer.hpp"
 
 #include <BulletCollision/Gimpact/btGImpactShape.h>

@@ -1,6 +1,6 @@
 // Embree's rtcCollide over the boxes of triangles as user geometry. It does not support moving instances, so the second
 // mesh's boxes are computed again for every pose.
-#include "peers/embree_boxes.hpp"
+#include "peers/common/embree_boxes.hpp"
 #include "peers/narrow/narrow_peer.hpp"
 
 #include <algorithm>

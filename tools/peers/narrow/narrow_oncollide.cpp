@@ -7,7 +7,7 @@
 
 #include <oncollide/narrowphase/walks/traversal.hpp>
 
-#include "peers/fcl_pair.hpp"
+#include "peers/narrow/fcl_pair.hpp"
 #include "peers/narrow/tree_pair.hpp"
 
 namespace oncollide::tools {

@@ -9,7 +9,7 @@
 #include <oncollide/scenes/model/mesh.hpp>
 #include <oncollide/scenes/scene.hpp>
 
-#include "peers/contender.hpp"
+#include "peers/common/contender.hpp"
 
 // BroadContenders of the narrow phase benchmark. One file per library; each adds its contenders to the list.
 namespace oncollide::tools {

@@ -1,5 +1,5 @@
 // Bullet's rayTest against a world of one static mesh.
-#include "peers/bullet_mesh.hpp"
+#include "peers/common/bullet_mesh.hpp"
 #include "peers/rays/ray_peer.hpp"
 
 #include <btBulletCollisionCommon.h>

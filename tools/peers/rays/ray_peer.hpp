@@ -8,7 +8,7 @@
 
 #include <oncollide/scenes/model/mesh.hpp>
 
-#include "peers/contender.hpp"
+#include "peers/common/contender.hpp"
 
 // BroadContenders of the benchmark of rays. One file per library; each adds its contenders to the list.
 namespace oncollide::tools {

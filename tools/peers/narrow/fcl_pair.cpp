@@ -1,4 +1,4 @@
-#include "peers/fcl_pair.hpp"
+#include "peers/narrow/fcl_pair.hpp"
 
 #include <fcl/narrowphase/detail/traversal/collision/intersect.h>
 
