@@ -158,6 +158,49 @@ TEST_F(Render, WhatHasNoSpheresIsDrawnWithoutThem)
     EXPECT_GT(picture("ground.json", {"--whole", "--level", "2", "--show", "spheres"}).count(is_drawn), 20);
 }
 
+TEST_F(Render, RaysSeeWhatTrianglesShow)
+{
+    folder_.write(
+        "mixed.json",
+        R"({"geometries": {"hills": {"terrain": {"hills": {"cells": 30, "spacing": 0.3, "height": 1, "seed": 3}}},
+        "knot": {"mesh": {"generate": {"kind": "sphere", "radius": 1, "triangles": 2000}}},
+        "box": {"shape": {"kind": "box", "half": [0.5, 1, 0.25]}}},
+        "bodies": [{"geometry": "hills"}, {"geometry": "knot", "position": [2, 3, 2]},
+                   {"geometry": "box", "position": [6, 5, 2.5]}]})");
+    const std::vector<std::string> common{"--eye", "4 -14 9", "--look-at", "4.5 4.5 1"};
+    const auto with = [&](std::vector<std::string> more) {
+        more.insert(more.end(), common.begin(), common.end());
+        return picture("mixed.json", more);
+    };
+    const Decoded cast = with({"--rays"}), drawn = with({"--show", "meshes", "--exact", "off"});
+    int different = 0, unlike = 0;
+    for (int y = 0; y < cast.height; ++y)
+        for (int x = 0; x < cast.width; ++x) {
+            const std::uint8_t *p = cast.at(x, y), *q = drawn.at(x, y);
+            different += is_drawn(p) != is_drawn(q);
+            unlike += std::abs(int(p[0]) - p[2] - q[0] + q[2]) > 60; // another body's hue
+        }
+    EXPECT_GT(cast.count(is_drawn), 500);
+    RecordProperty("different", different), RecordProperty("unlike", unlike);
+    EXPECT_LT(different, 25) << "only along outlines";
+    EXPECT_LT(unlike, 25);
+    EXPECT_NE(render("mixed.json", {"--rays", "--out", "x.png"}).out.find("x.png: 12288 rays"), std::string::npos);
+    EXPECT_LT(with({"--rays", "--body", "body 2"}).count(is_drawn), cast.count(is_drawn) / 2);
+    // Several frames stand side by side; the second ball comes nearer.
+    const Decoded two = picture("apart.json", {"--rays", "--frame", "0,20"});
+    EXPECT_GT(two.count(is_drawn, 0, 32), 20);
+    EXPECT_GT(two.count(is_drawn, 32), 20);
+}
+
+TEST_F(Render, RaysReadCookedMeshesOnDemand)
+{
+    folder_.write("ball.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+    ASSERT_EQ(run({"cook", "ball.obj", "-o", "ball.cooked"}).code, 0);
+    folder_.write("cooked.json",
+                  R"({"geometries": {"g": {"mesh": {"file": "ball.cooked"}}}, "bodies": [{"geometry": "g"}]})");
+    EXPECT_GT(picture("cooked.json", {"--rays"}).count(is_drawn), 300);
+}
+
 TEST_F(Render, RefusesWhatMakesNoSense)
 {
     const auto refuse = [&](std::vector<std::string> more, const std::vector<std::string>& words) {
@@ -183,6 +226,8 @@ TEST_F(Render, RefusesWhatMakesNoSense)
     refuse({"--level", "17", "--whole"}, {"--level 17", "0 to 16"});
     refuse({"--level", "16", "--whole"}, {"level 9 of 'ball'", "smaller --level"});
     refuse({"--whole"}, {"--whole", "--level"});
+    refuse({"--rays", "--level", "2"}, {"--rays", "no spheres", "--level"});
+    refuse({"--rays", "--show", "spheres"}, {"--rays", "--show spheres"});
     refuse({"--show", "nothing"}, {"nothing", "meshes, spheres or both"});
     refuse({"--body", "three"}, {"--body three", "one, other"});
     refuse({"--eye", "1 2"}, {"--eye", "x y z"});

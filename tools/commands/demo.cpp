@@ -143,7 +143,7 @@ void draw_hall(const Scene& scene, const World& world, std::span<const PairResul
     ScenePictures pictures(scene, std::move(shown));
     ScenePicture picture = pictures.make(world, {}, pairs, std::nullopt);
     picture.width = 960, picture.height = 640;
-    Framing framing;
+    Framing framing(picture.width, picture.height);
     framing.add(picture);
     picture.camera = framing.camera();
     save_png(draw_bodies(picture), file);

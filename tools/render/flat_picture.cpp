@@ -1,4 +1,5 @@
 #include "render/flat_picture.hpp"
+#include "render/shading.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +9,6 @@ namespace oncollide::tools {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr int per_side = 2; ///< samples of a pixel, horizontally and vertically
 
 /// Colours and depths of all samples.
 struct Canvas {
@@ -49,17 +48,11 @@ void fill(Canvas& canvas, const std::array<Vector3d, 3>& p, Colour colour)
         }
 }
 
-Colour lit(Colour colour, double light)
-{
-    const auto part = [&](std::uint8_t full) { return std::uint8_t(std::lround(full * light)); };
-    return {part(colour.red), part(colour.green), part(colour.blue)};
-}
-
 } // namespace
 
 Image draw_bodies(const Picture& picture)
 {
-    Canvas canvas(picture.width * per_side, picture.height * per_side, picture.background);
+    Canvas canvas(picture.width * samples_per_side, picture.height * samples_per_side, picture.background);
     const Eigen::Isometry3d view = view_of(picture.camera);
     const double scale = 0.5 * canvas.height / std::tan(0.5 * picture.camera.view_angle);
     std::vector<Vector3d> seen;
@@ -78,21 +71,21 @@ Image draw_bodies(const Picture& picture)
                 p = {0.5 * canvas.width + scale * p.x() * nearness, 0.5 * canvas.height - scale * p.y() * nearness,
                      nearness};
             }
-            fill(canvas, corners, lit(body.colour, 0.35 + 0.65 * std::abs(normal.dot(middle)) / length));
+            fill(canvas, corners, lit(body.colour, light_of(normal.dot(middle) / length)));
         }
     }
     Image image{picture.width, picture.height, {}};
-    image.pixels.reserve(3 * std::size_t(image.width) * std::size_t(image.height));
+    image.pixels.resize(3 * std::size_t(image.width) * std::size_t(image.height));
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x) {
-            std::array<int, 3> sum{};
-            for (int k = 0; k < per_side * per_side; ++k) {
-                const int row = y * per_side + k / per_side, column = x * per_side + k % per_side;
-                const Colour& c = canvas.colours[std::size_t(row) * std::size_t(canvas.width) + std::size_t(column)];
-                sum[0] += c.red, sum[1] += c.green, sum[2] += c.blue;
+            std::array<Colour, samples_per_pixel> samples;
+            for (int k = 0; k < int(samples_per_pixel); ++k) {
+                const int row = y * samples_per_side + k / samples_per_side;
+                const int column = x * samples_per_side + k % samples_per_side;
+                samples[std::size_t(k)] =
+                    canvas.colours[std::size_t(row) * std::size_t(canvas.width) + std::size_t(column)];
             }
-            for (const int part : sum)
-                image.pixels.push_back(std::uint8_t((part + per_side * per_side / 2) / (per_side * per_side)));
+            image.set(x, y, mean(samples));
         }
     return image;
 }

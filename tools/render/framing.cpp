@@ -11,18 +11,18 @@ constexpr double border = 1.06; ///< factor by which the view is larger than its
 
 } // namespace
 
-Framing::Framing()
+Framing::Framing(int width, int height)
 {
     rotated_.eye = {0.45, -1, 0.45}, rotated_.look_at = {0, 0, 0};
     view_ = view_of(rotated_);
     view_.translation().setZero();
+    tangent_[1] = std::tan(0.5 * rotated_.view_angle) / border;
+    tangent_[0] = tangent_[1] * width / height;
     reach_.fill(-std::numeric_limits<double>::infinity());
 }
 
 void Framing::add(const Picture& picture)
 {
-    tangent_[1] = std::tan(0.5 * rotated_.view_angle) / border;
-    tangent_[0] = tangent_[1] * picture.width / picture.height;
     for (const Picture::Body& body : picture.bodies)
         for (const Eigen::Vector3d& vertex : body.mesh->vertices) add(body.pose * vertex, 0);
     for (const Picture::Ball& ball : picture.balls) add(ball.centre, ball.radius);

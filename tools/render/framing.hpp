@@ -10,19 +10,19 @@ namespace oncollide::tools {
 /// slightly from the right and above.
 class Framing {
 public:
-    Framing();
+    /// @param width, height  of the pictures
+    Framing(int width, int height);
     void add(const Picture& picture);
+    void add(const Eigen::Vector3d& point, double radius); ///< a sphere
     /// Bounds of the contents; empty if there are none.
     const Aabb& bounds() const { return bounds_; }
     /// An arbitrary camera if there are no contents.
     Camera camera() const;
 
 private:
-    void add(const Eigen::Vector3d& point, double radius);
-
-    Camera rotated_;                  ///< in the direction of view; its position is not known yet
-    Eigen::Isometry3d view_;          ///< of rotated_
-    std::array<double, 2> tangent_{}; ///< tangent of half the view angle: horizontal, vertical
+    Camera rotated_;                ///< in the direction of view; its position is not known yet
+    Eigen::Isometry3d view_;        ///< of rotated_
+    std::array<double, 2> tangent_; ///< tangent of half the view angle: horizontal, vertical
     /// The largest extent beyond a plane of the view pyramid whose apex is at the origin:
     /// right, left, top, bottom.
     std::array<double, 4> reach_;

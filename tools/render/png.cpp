@@ -1,5 +1,6 @@
 #include "render/png.hpp"
 
+#include <algorithm>
 #include <string_view>
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
@@ -21,6 +22,18 @@ namespace {
 [[maybe_unused]] const int compression = stbi_write_png_compression_level = 12;
 
 } // namespace
+
+Image blank(int width, int height)
+{
+    return {width, height, std::vector<std::uint8_t>(3 * std::size_t(width) * std::size_t(height), 255)};
+}
+
+void paste(std::span<const std::uint8_t> pixels, int width, Image& into, int column)
+{
+    const auto row = std::ptrdiff_t(3 * width), whole = std::ptrdiff_t(3 * into.width);
+    for (int y = 0; y < into.height; ++y)
+        std::copy_n(pixels.begin() + row * y, row, into.pixels.begin() + whole * y + 3 * column);
+}
 
 std::string packed_png(const Image& image)
 {

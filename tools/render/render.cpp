@@ -1,5 +1,6 @@
 #include "cli/command.hpp"
 #include "render/png.hpp"
+#include "render/ray_picture.hpp"
 #include "render/render_plan.hpp"
 #include "verify/trees/grown_tree.hpp"
 
@@ -61,33 +62,64 @@ void play(Scene& scene, const RenderOptions& options, const Settings& settings, 
 /// Draws panels side by side. Columns that no panel covers are background.
 Image draw(Painter& painter, std::vector<ScenePicture>& panels, const Camera& camera, const RenderPlan& plan)
 {
-    Image image{plan.width, plan.height, std::vector<std::uint8_t>(3 * std::size_t(plan.width * plan.height), 255)};
+    Image image = blank(plan.width, plan.height);
     for (std::size_t k = 0; k < panels.size(); ++k) {
         panels[k].camera = camera;
-        const std::vector<std::uint8_t> pixels = painter.draw(panels[k]);
-        const auto row = std::ptrdiff_t(3 * panels[k].width);
-        for (int y = 0; y < plan.height; ++y)
-            std::copy_n(pixels.begin() + row * y, row, image.pixels.begin() + 3 * plan.width * y + row * int(k));
+        paste(painter.draw(panels[k]), panels[k].width, image, int(k) * panels[k].width);
     }
     return image;
+}
+
+/// Draws all images by casts. No stage plays, so no trees age and no frame depends on the frames before it.
+void render_rays(Scene& scene, const RenderOptions& options, const Settings& settings, const RenderPlan& plan,
+                 const View& view)
+{
+    RayPictures pictures(scene, settings, shown_from(options, settings, scene).bodies);
+    Mover mover;
+    const int width = plan.width / plan.panels();
+    Framing framing(width, plan.height);
+    const auto each_frame = [&](const ImagePlan& image, auto take) {
+        for (std::size_t k = 0; k < image.frames.size(); ++k)
+            mover.move(scene, image.frames[k]), pictures.move(scene), take(int(k));
+    };
+    if (view.automatic())
+        for (const ImagePlan& image : plan.images) each_frame(image, [&](int) { pictures.frame(framing); });
+    for (const ImagePlan& image : plan.images) {
+        Image drawn = blank(plan.width, plan.height);
+        each_frame(image, [&](int k) {
+            paste(pictures.draw(view.camera(framing), width, plan.height).pixels, width, drawn, k * width);
+        });
+        save_png(drawn, image.file);
+    }
+    if (!options.quiet)
+        (options.out == "-" ? std::cerr : std::cout)
+            << fmt::format("{}: {} rays, {} hits, {:.2f} microseconds per ray on {} threads\n", printable(options.out),
+                           pictures.rays(), pictures.hits(), 1e3 * pictures.milliseconds() / double(pictures.rays()),
+                           thread_count(settings));
 }
 
 int render(const RenderOptions& options)
 {
     Settings settings = settings_from(options.settings);
-    if (!settings.depth && !settings.max_error) settings.depth = 6; // the sphere-trees are drawn
+    if (!settings.depth && !settings.max_error && !options.rays) settings.depth = 6; // the sphere-trees are drawn
     const View view(options);
-    Scene scene = open_scene(options.scene);
+    SceneOptions source = options.scene;
+    source.on_demand = options.rays;
+    Scene scene = open_scene(source);
     const RenderPlan plan = plan_from(options, settings, scene);
     shown_from(options, settings, scene);
     const std::string input = is_scene_file(options.scene.scene) ? options.scene.scene : "";
     for (const ImagePlan& image : plan.images) check_files({{"--out", image.file}}, {input});
     check_extension("--out", options.out, {".png"});
     if (!options.quiet) print_warnings(scene);
+    if (options.rays) {
+        render_rays(scene, options, settings, plan, view);
+        return 0;
+    }
     Painter painter(settings.gpu);
 
     // All images share a camera, whose position is known only after all pictures were seen.
-    Framing framing;
+    Framing framing(plan.width / plan.panels(), plan.height);
     const auto see = [&](const Panels& panels) {
         for (const Picture& picture : panels.pictures) framing.add(picture);
     };
@@ -117,6 +149,9 @@ void add_drawing_options(Arguments command, RenderOptions& o)
     command.add_option("--level", o.levels, "draw only spheres of this level; 2,4,6: several, side by side")
         .type_name("L[,L...]")
         .separated_by(',');
+    command.add_flag("--rays", o.rays,
+                     "cast four rays per pixel instead of drawing triangles: needs no OpenGL, reads cooked files on "
+                     "demand; surfaces only");
     command.add_flag("--whole", o.whole, "grow whole trees, not only where bodies meet; needs --level");
     command.add_option("--body", o.bodies, "draw only this body (repeatable)").type_name("NAME").repeatable();
     command.add_option("--eye", o.eye, "camera position (default: such that all bodies are visible)")
@@ -142,6 +177,7 @@ void add_render(Arguments app)
                "  oncollide render paper --frame 1200 --out contact.png\n"
                "  oncollide render paper --body dragon --whole --show spheres --level 2,4,6 --out levels.png\n"
                "  oncollide render city --bodies 300 --every 10 --frame 100 --out city.png\n"
+               "  oncollide render hills --rays --threads 0 --out hills.png\n"
                "Spheres are drawn at the finest level that the trees hold in that frame; red spheres touch "
                "spheres of\n"
                "another body from which this body was not certified separate. With --exact on, intersecting triangles "

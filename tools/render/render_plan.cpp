@@ -94,6 +94,8 @@ RenderPlan plan_from(const RenderOptions& o, const Settings& settings, const Sce
         plan.levels.push_back(level);
         plan.deepest = std::max(plan.deepest, level);
     }
+    if (o.rays && (o.whole || !o.levels.empty() || o.show == "spheres"))
+        usage("--rays: draws surfaces, no spheres; leave out --level, --whole and --show spheres");
     if (o.whole && o.levels.empty()) usage("--whole: needs --level, the depth to which trees are grown");
     if (plan.levels.empty()) plan.levels.push_back(std::nullopt);
     if (plan.width / plan.panels() < least_side)

@@ -16,7 +16,7 @@ struct RenderOptions {
     std::optional<int> every;
     std::string out, size = "1280x720", show = "both", eye, look_at;
     std::vector<std::string> bodies;
-    bool whole = false, quiet = false;
+    bool whole = false, rays = false, quiet = false;
 };
 
 /// A file to write: frames side by side, and for each frame its levels.

@@ -1,37 +1,10 @@
 #include "render/render_scene.hpp"
 #include "render/drawn_mesh.hpp"
+#include "render/shading.hpp"
 
 #include <algorithm>
-#include <array>
 
 namespace oncollide::tools {
-
-namespace {
-
-constexpr Colour touching{214, 40, 40};
-/// Distinguishable hues, none near red, all of similar lightness.
-constexpr std::array<Colour, 8> palette{{{104, 152, 196},
-                                         {222, 184, 108},
-                                         {126, 178, 122},
-                                         {170, 140, 196},
-                                         {98, 178, 178},
-                                         {196, 160, 132},
-                                         {150, 160, 176},
-                                         {186, 192, 104}}};
-
-Colour colour_of(std::uint32_t body)
-{
-    return palette[body % palette.size()];
-}
-
-/// Meshes are paler than the spheres that lie on them.
-Colour paler(Colour c)
-{
-    const auto half_white = [](std::uint8_t x) { return static_cast<std::uint8_t>((x + 255) / 2); };
-    return {half_white(c.red), half_white(c.green), half_white(c.blue)};
-}
-
-} // namespace
 
 ScenePictures::ScenePictures(const Scene& scene, Shown shown)
     : scene_(scene), shown_(std::move(shown)), made_(scene.geometries.size())
@@ -150,13 +123,13 @@ void ScenePictures::add_mesh(ScenePicture& picture, std::uint32_t body)
             if (std::binary_search(meeting.begin(), meeting.end(), t) == red) triangles.push_back(whole->triangles[t]);
         if (triangles.empty()) return;
         picture.made.push_back(std::make_unique<Mesh>(make_mesh("part", whole->vertices, std::move(triangles))));
-        picture.bodies.push_back({picture.made.back().get(), pose, red ? touching : paler(colour_of(body))});
+        picture.bodies.push_back({picture.made.back().get(), pose, red ? touching : surface_colour(body)});
     };
     meeting_ += meeting.size();
     if (!meeting.empty()) add_part(true);
     if (!shown_.meshes) return;
     if (meeting.empty())
-        picture.bodies.push_back({whole, pose, paler(colour_of(body))});
+        picture.bodies.push_back({whole, pose, surface_colour(body)});
     else
         add_part(false);
 }

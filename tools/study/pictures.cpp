@@ -63,13 +63,6 @@ std::optional<Eigen::Vector3d> nearest_place(const Scene& scene, BodyPair pair)
     return 0.5 * (centre(pair.a, found.a.triangle) + centre(pair.b, found.b.triangle));
 }
 
-void paste(Painter& painter, const Picture& picture, Image& image, int column)
-{
-    const std::vector<std::uint8_t> pixels = painter.draw(picture);
-    for (int y = 0; y < side; ++y)
-        std::copy_n(pixels.begin() + 3 * side * y, 3 * side, image.pixels.begin() + 3 * (image.width * y + column));
-}
-
 StudyPicture draw(StudyWorkload& workload, const Scenario& scenario, Painter& painter)
 {
     const Settings& settings = scenario.row->variant.settings;
@@ -95,16 +88,16 @@ StudyPicture draw(StudyWorkload& workload, const Scenario& scenario, Painter& pa
         pipeline.world(), [&](GeometryId id) { return WorldAccess::tree(pipeline.world(), pipeline.model(id)); }, pairs,
         std::nullopt);
     picture.width = picture.height = side;
-    Framing framing;
+    Framing framing(side, side);
     framing.add(picture);
     picture.camera = framing.camera();
-    Image image{2 * side, side, std::vector<std::uint8_t>(std::size_t(3 * 2 * side * side), 255)};
-    paste(painter, picture, image, 0);
+    Image image = blank(2 * side, side);
+    paste(painter.draw(picture), side, image, 0);
     if (const auto place = nearest_place(scene, pair)) {
         const Eigen::Vector3d back = (picture.camera.eye - picture.camera.look_at).normalized();
         const double size = std::max(4 * scenario.at.bound, 0.15 * framing.bounds().diagonal());
         picture.camera.look_at = *place, picture.camera.eye = *place + 2 * size * back;
-        paste(painter, picture, image, side);
+        paste(painter.draw(picture), side, image, side);
     }
     const std::string what = scenario.miss ? "missed: they collide, but were reported separate"
                                            : fmt::format("false positive: {:.3g} m apart, certified within {:.3g} m",
