@@ -50,6 +50,7 @@ void add_ray_bullet(std::vector<RayContender>& all)
     all.push_back({.name = "bullet",
                    .what = "Bullet rayTest, btBvhTriangleMeshShape, single precision; the closest hit",
                    .promise = Promise::approximate,
+                   .most = std::size_t{1} << 21, // bits of a triangle's index in btQuantizedBvh; it crashes with more
                    .make = [](const Mesh& mesh) { return std::make_unique<BulletRayPeer>(mesh); }});
 }
 
