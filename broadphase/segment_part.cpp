@@ -4,6 +4,12 @@
 
 namespace oncollide {
 
+namespace {
+
+using Pair = double __attribute__((vector_size(16)));
+
+}
+
 std::optional<SegmentPart> part_in(const Segment& segment, const Aabb& box)
 {
     const Eigen::Vector3d& from = segment.from;
@@ -19,8 +25,8 @@ std::optional<SegmentPart> part_in(const Segment& segment, const Aabb& box)
             if (low > 0 || high < 0) return std::nullopt;
             continue;
         }
-        const double a = low / along[axis], b = high / along[axis];
-        begin = std::max(begin, std::min(a, b)), end = std::min(end, std::max(a, b));
+        const Pair at = Pair{low, high} / along[axis];
+        begin = std::max(begin, std::min(at[0], at[1])), end = std::min(end, std::max(at[0], at[1]));
     }
     if (begin > end) return std::nullopt;
     const bool whole = begin == 0 && end == 1;
@@ -32,11 +38,13 @@ SegmentLine line_of(const SegmentPart& part, const Eigen::Vector3d& origin, doub
 {
     // With u = 2^-24, coordinates err by 4 u radius and projections by 16 u radius; the second bounds by 24 u radius,
     // which `cross_error` exceeds.
-    const double error = part.error + 0x1p-18 * radius + 1e-30, half = part.half.stableNorm();
+    const double error = part.error + 0x1p-18 * radius + 1e-30, norm = part.half.norm();
+    const double half = norm > 1e-100 ? norm : 0; // shorter ones, whose squares may underflow, are points
+    const double scale = half > 0 ? 1 / half : 0;
     SegmentLine line{};
     for (int k = 0; k < 3; ++k) {
         line.middle[k] = static_cast<float>(part.middle[k] - origin[k]);
-        line.direction[k] = half > 0 ? static_cast<float>(part.half[k] / half) : 0;
+        line.direction[k] = static_cast<float>(part.half[k] * scale);
     }
     line.half = static_cast<float>(half * (1 + 0x1p-22));
     line.error = static_cast<float>(error * (1 + 0x1p-22)), line.cross_error = 0.5f * line.error;

@@ -372,14 +372,19 @@ void DynamicTree::query_segments(const BodyColumns& columns, std::span<const Seg
 {
     check_query(columns), refuse_unusable_queries(segments);
     hits.clear();
+    const bool few = tree_.bodies() <= 2 && tree_.size() <= 16; // testing all is faster than using the tree
     for (std::uint32_t k = 0; k < segments.size(); ++k) {
-        SegmentLine line;
-        if (!tree_.find_line(segments[k], options_.margin, line)) continue;
         const auto meets = [&](std::uint32_t body) {
             return part_in(segments[k], grown(columns.boxes[body], options_.margin)).has_value();
         };
-        add_hits(
-            k, [&](PairSink& sink) { aabb_tree_kernel().on_segment(tree_.view(), k, line, sink); }, meets, hits);
+        SegmentLine line;
+        if (!few && !tree_.find_line(segments[k], options_.margin, line)) continue;
+        const auto search = [&](PairSink& sink) {
+            if (!few) return aabb_tree_kernel().on_segment(tree_.view(), k, line, sink);
+            for (std::uint32_t place = 0; place < tree_.size(); ++place)
+                if (tree_.body_at(place) != no_body) sink.i[sink.count] = k, sink.j[sink.count++] = place;
+        };
+        add_hits(k, search, meets, hits);
     }
 }
 

@@ -16,6 +16,11 @@ struct RelativePose {
         // Rounding must not rotate one body against the other: two copies of a mesh at the same pose must coincide.
         if (a.linear() == b.linear()) rotation.setIdentity();
     }
+    /// From the world's frame into A's: RelativePose(a, identity).
+    explicit RelativePose(const Eigen::Isometry3d& a)
+        : rotation(a.linear().transpose()), translation(a.linear().transpose() * (-a.translation()))
+    {
+    }
     Eigen::Vector3d operator()(const Eigen::Vector3d& p) const
     {
         const auto row = [&](int i) {

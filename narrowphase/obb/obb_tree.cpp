@@ -95,6 +95,14 @@ LaneMasks ObbTree::open(Node index, const BoxPlacement* placement, OpenBoxes& bo
     return {from.leaves, from.singles};
 }
 
+unsigned ObbTree::on_segment(Node index, const SegmentLine& line, float (&entry)[8], unsigned& leaves) const
+{
+    if (chunked_) chunked_->opened(index);
+    const BoxNode& from = node(index);
+    leaves = from.leaves;
+    return oriented_box_kernel().node_on_segment(from, line, entry);
+}
+
 /// The two boxes of 20 bytes are not stored: computing them from the corners takes as long as opening a node of eight
 /// boxes.
 LaneMasks ObbTree::open_triangles(Node index, const BoxPlacement* placement, OpenBoxes& boxes) const

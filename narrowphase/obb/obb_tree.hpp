@@ -9,6 +9,7 @@
 #include <oncollide/base/memory/large_vector.hpp>
 #include <oncollide/base/simd/prefetch.hpp>
 #include <oncollide/base/threads/lock_order.hpp>
+#include <oncollide/broadphase/segment_line.hpp>
 #include <oncollide/narrowphase/obb/fits/grid_split.hpp>
 #include <oncollide/narrowphase/obb/hierarchy.hpp>
 #include <oncollide/narrowphase/obb/mesh_chunks.hpp>
@@ -45,11 +46,17 @@ public:
 
     /// Boxes and nodes are relative to this point of the mesh's frame.
     const Eigen::Vector3d& centre() const { return centre_; }
+    const Aabb& bounds() const { return chunked_ ? chunked_->mesh().bounds() : mesh_->bounds; } ///< in the mesh's frame
     double radius() const { return radius_; } ///< upper bound of the distance of the triangles' corners from the centre
 
     /// A node whose only box is the box of the whole mesh.
     static constexpr Node root = 0;
+    /// The node below the root; the root if it has none.
+    Node below_root() { return node(root).leaves ? root : child(root, 0); }
     LaneMasks open(Node index, const BoxPlacement* placement, OpenBoxes& boxes) const;
+    /// OrientedBoxKernel::on_segment() for a node's boxes, which is faster than opening the node. Sets `leaves` to the
+    /// boxes that are leaves. Requires !of_triangles(index).
+    unsigned on_segment(Node index, const SegmentLine& line, float (&entry)[8], unsigned& leaves) const;
     std::span<const std::uint32_t> primitives(Node index, unsigned k) const
     {
         if (of_triangles(index)) return {order_ + place_of(index) + k, 1};
@@ -98,6 +105,13 @@ public:
     {
         ONCOLLIDE_ASSERT(mesh_);
         return *mesh_;
+    }
+    /// Prefetches the positions in the tree's order of the first triangles in box k, which must be no leaf.
+    void prefetch_order(Node index, unsigned k) const { prefetch(order_ + inner_at(blocks_, index).begin[k]); }
+    /// Prefetches the corners of the triangles in leaf box k of an open node.
+    void prefetch_primitives(Node index, unsigned k) const
+    {
+        for (const std::uint32_t triangle : primitives(index, k)) prefetch_corners(triangle);
     }
     /// Prefetch the data that traversals read first: the node table and, some time later, the root.
     void prefetch_table() const { prefetch_all_of(blocks_[0]); }

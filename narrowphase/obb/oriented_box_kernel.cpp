@@ -1,4 +1,6 @@
 // Compiled once per instruction set; see oncollide_add_kernel.
+#include <cstddef>
+
 #include <oncollide/base/simd/simd.hpp>
 #include <oncollide/narrowphase/obb/oriented_box_kernel.hpp>
 
@@ -88,14 +90,9 @@ constexpr float far_away = 1e30f;
     for (int i = 0; i < 3; ++i) store(out.axis[i], axes[i]);
 }
 
-/// As axes_of() in oriented_box.cpp, operation by operation.
-void open(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out)
+/// The axes of a node's boxes, as axes_of() in oriented_box.cpp, operation by operation.
+[[gnu::always_inline]] inline void read_axes(const BoxNode& node, Vec (&axes)[3])
 {
-    const F32x8 unit = splat(node.unit);
-    float origin[3] = {node.origin[0], node.origin[1], node.origin[2]};
-    if (placement)
-        for (int i = 0; i < 3; ++i) origin[i] -= placement->from[i];
-    Vec centre{origin[0] + widen(node.x) * unit, origin[1] + widen(node.y) * unit, origin[2] + widen(node.z) * unit};
     F32x8 w = widen(node.qw) * (1.0f / 32767), x = widen(node.qx) * (1.0f / 32767), y = widen(node.qy) * (1.0f / 32767),
           z = widen(node.qz) * (1.0f / 32767);
     const F32x8 stretch = 1.5f - 0.5f * (w * w + x * x + y * y + z * z);
@@ -103,14 +100,31 @@ void open(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out)
     const F32x8 x2 = x + x, y2 = y + y, z2 = z + z;
     const F32x8 xx = x * x2, yy = y * y2, zz = z * z2, xy = x * y2, xz = x * z2, yz = y * z2, wx = w * x2, wy = w * y2,
                 wz = w * z2;
-    Vec axes[3] = {
-        {1 - (yy + zz), xy + wz, xz - wy}, {xy - wz, 1 - (xx + zz), yz + wx}, {xz + wy, yz - wx, 1 - (xx + yy)}};
+    axes[0] = {1 - (yy + zz), xy + wz, xz - wy};
+    axes[1] = {xy - wz, 1 - (xx + zz), yz + wx};
+    axes[2] = {xz + wy, yz - wx, 1 - (xx + yy)};
+}
+
+/// A centre and half-extents are below 77,600 units, so this is at least 432 * 2^-24 of their sum.
+inline float margin_of(const BoxNode& node)
+{
+    return 2 * node.unit;
+}
+
+void open(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out)
+{
+    const F32x8 unit = splat(node.unit);
+    float origin[3] = {node.origin[0], node.origin[1], node.origin[2]};
+    if (placement)
+        for (int i = 0; i < 3; ++i) origin[i] -= placement->from[i];
+    Vec centre{origin[0] + widen(node.x) * unit, origin[1] + widen(node.y) * unit, origin[2] + widen(node.z) * unit};
+    Vec axes[3];
+    read_axes(node, axes);
     put(centre, axes, node.lanes, placement, out);
     const Vec half{widen(node.hx) * unit, widen(node.hy) * unit, widen(node.hz) * unit};
     store(out.h, half);
     store(out.size, half.x * half.x + half.y * half.y + half.z * half.z);
-    out.margin = 2 * node.unit; // a centre and half-extents are below 77,600 units, so this is at least 432 * 2^-24 of
-                                // their sum
+    out.margin = margin_of(node);
 }
 
 inline float greatest(F32x8 v)
@@ -273,35 +287,73 @@ unsigned compare_far(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k,
     return compare<true>(boxes, other, k, &line, cutoff, gaps, nearest);
 }
 
-unsigned on_segment(const OpenBoxes& boxes, const SegmentLine& s, float (&entry)[8])
+/// As OrientedBoxKernel::on_segment().
+/// @param to         the centres relative to the segment's middle
+/// @param direction  the segment's
+/// @param p, d       both, projected onto the boxes' axes
+[[gnu::always_inline]] inline unsigned on_segment(const Vec& to, const Vec& direction, const Vec& p, const Vec& d,
+                                                  const Vec& half, float margin, const SegmentLine& s,
+                                                  float (&entry)[8])
 {
-    const F32x8 error = splat(s.error + boxes.margin);
-    const Vec to{load(boxes.c[0]) - s.middle[0], load(boxes.c[1]) - s.middle[1], load(boxes.c[2]) - s.middle[2]};
-    const Vec direction{splat(s.direction[0]), splat(s.direction[1]), splat(s.direction[2])};
-    F32x8 p[3], d[3], wide[3], reach = error;
+    const F32x8 error = splat(s.error + margin);
+    const F32x8 at[3] = {p.x, p.y, p.z}, along[3] = {abs(d.x), abs(d.y), abs(d.z)}, to_line[3] = {d.x, d.y, d.z},
+                wide[3] = {half.x + error, half.y + error, half.z + error};
     I32x8 meets = I32x8{} == I32x8{};
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i) {
-        const Vec axis = load(boxes.axis[i]);
-        p[i] = dot(to, axis), d[i] = dot(direction, axis), wide[i] = load(boxes.h[i]) + error;
-        meets &= abs(p[i]) <= wide[i] + s.half * abs(d[i]);
-        reach += wide[i] * abs(d[i]);
-    }
+    F32x8 reach = error;
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3;
-        meets &= abs(p[i] * d[j] - p[j] * d[i]) <=
-                 wide[i] * abs(d[j]) + wide[j] * abs(d[i]) + s.cross_error + 0.5f * boxes.margin;
+        meets &= abs(at[i]) <= wide[i] + s.half * along[i];
+        meets &= abs(at[i] * to_line[j] - at[j] * to_line[i]) <=
+                 wide[i] * along[j] + wide[j] * along[i] + s.cross_error + 0.5f * margin;
+        reach += wide[i] * along[i];
     }
     store(entry, s.half > 0 ? (dot(to, direction) - reach) / s.half : splat(-1));
     return bits(meets);
+}
+
+unsigned on_segment(const OpenBoxes& boxes, const SegmentLine& s, float (&entry)[8])
+{
+    const Vec to{load(boxes.c[0]) - s.middle[0], load(boxes.c[1]) - s.middle[1], load(boxes.c[2]) - s.middle[2]};
+    const Vec direction{splat(s.direction[0]), splat(s.direction[1]), splat(s.direction[2])};
+    const Vec axes[3] = {load(boxes.axis[0]), load(boxes.axis[1]), load(boxes.axis[2])};
+    return on_segment(to, direction, {dot(to, axes[0]), dot(to, axes[1]), dot(to, axes[2])},
+                      {dot(direction, axes[0]), dot(direction, axes[1]), dot(direction, axes[2])}, load(boxes.h),
+                      boxes.margin, s, entry);
+}
+
+/// True if all boxes have the frame's axes.
+inline bool straight(const BoxNode& node)
+{
+    std::uint64_t parts[6];
+    __builtin_memcpy(parts, node.qx, sizeof parts); // qx, qy and qz
+    return !((parts[0] | parts[1]) | (parts[2] | parts[3]) | (parts[4] | parts[5]));
+}
+static_assert(offsetof(BoxNode, qz) + sizeof(BoxNode::qz) - offsetof(BoxNode, qx) == 6 * sizeof(std::uint64_t));
+
+unsigned node_on_segment(const BoxNode& node, const SegmentLine& s, float (&entry)[8])
+{
+    const F32x8 unit = splat(node.unit);
+    const Vec to{node.origin[0] - s.middle[0] + widen(node.x) * unit,
+                 node.origin[1] - s.middle[1] + widen(node.y) * unit,
+                 node.origin[2] - s.middle[2] + widen(node.z) * unit};
+    const Vec direction{splat(s.direction[0]), splat(s.direction[1]), splat(s.direction[2])};
+    const Vec half{widen(node.hx) * unit, widen(node.hy) * unit, widen(node.hz) * unit};
+    const unsigned lanes = (1u << node.lanes) - 1;
+    const float margin = margin_of(node);
+    if (straight(node)) return lanes & on_segment(to, direction, to, direction, half, margin, s, entry);
+    Vec axes[3];
+    read_axes(node, axes);
+    return lanes & on_segment(to, direction, {dot(to, axes[0]), dot(to, axes[1]), dot(to, axes[2])},
+                              {dot(direction, axes[0]), dot(direction, axes[1]), dot(direction, axes[2])}, half, margin,
+                              s, entry);
 }
 
 } // namespace
 
 OrientedBoxKernel oriented_box_kernel()
 {
-    return {open, open_triangles, open_octants, compare_near, compare_far, on_segment};
+    return {open, open_triangles, open_octants, compare_near, compare_far, on_segment, node_on_segment};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

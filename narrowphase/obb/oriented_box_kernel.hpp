@@ -42,6 +42,8 @@ struct OrientedBoxKernel {
     /// Returns one bit for each box that the segment may meet. The boxes must not be moved: see SegmentLine.
     /// @param entry  out: lower bounds of the parameters, -1 to 1, of the segment's points in the box
     unsigned (*on_segment)(const OpenBoxes& boxes, const SegmentLine& segment, float (&entry)[8]);
+    /// The same for the boxes of a node.
+    unsigned (*node_on_segment)(const BoxNode& node, const SegmentLine& segment, float (&entry)[8]);
 };
 
 namespace baseline {

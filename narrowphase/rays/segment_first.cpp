@@ -13,7 +13,7 @@ double slack_of(const Segment& segment, const auto& tree)
 {
     const double largest = std::max(segment.from.cwiseAbs().maxCoeff(), segment.to.cwiseAbs().maxCoeff()) +
                            tree.centre().cwiseAbs().maxCoeff() + tree.radius();
-    return 0x1p-40 + 0x1p-44 * largest / (segment.to - segment.from).stableNorm();
+    return 0x1p-40 + 0x1p-44 * largest / (segment.to - segment.from).norm();
 }
 
 } // namespace

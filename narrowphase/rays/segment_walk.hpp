@@ -28,29 +28,51 @@ private:
     struct Box {
         float entry; ///< as OrientedBoxKernel::on_segment() returns it
         bool leaf;
-        unsigned lane;
+        std::uint8_t lane;
         typename Tree::Node node;
     };
+    static Aabb bounds_of(const Tree& tree)
+    {
+        if constexpr (requires { tree.bounds(); }) return tree.bounds();
+        const Eigen::Vector3d radius = Eigen::Vector3d::Constant(tree.radius());
+        return {tree.centre() - radius, tree.centre() + radius};
+    }
+    static typename Tree::Node first_node(Tree& tree)
+    {
+        if constexpr (requires { tree.below_root(); }) return tree.below_root();
+        return Tree::root;
+    }
     void open(Tree& tree, const typename Tree::Node& node, const SegmentLine& line);
 
-    std::vector<Box> boxes_; ///< to visit, the next one last
+    std::vector<Box> boxes_ = std::vector<Box>(64); ///< the first `waiting_` are to visit, the last of them next
+    std::size_t waiting_ = 0;
 };
 
 /// Adds the boxes of a node that the segment meets, the nearest last.
 template <BoxHierarchy Tree>
 void SegmentWalk<Tree>::open(Tree& tree, const typename Tree::Node& node, const SegmentLine& line)
 {
-    OpenBoxes boxes;
-    const LaneMasks masks = tree.open(node, nullptr, boxes);
     float entry[8];
-    const std::size_t first = boxes_.size();
-    for (unsigned met = oriented_box_kernel().on_segment(boxes, line, entry); met; met &= met - 1) {
+    unsigned met, leaves;
+    if constexpr (requires { tree.on_segment(node, line, entry, leaves); }) {
+        met = tree.on_segment(node, line, entry, leaves);
+    } else {
+        OpenBoxes boxes;
+        leaves = tree.open(node, nullptr, boxes).leaves;
+        met = oriented_box_kernel().on_segment(boxes, line, entry);
+    }
+    const std::size_t first = waiting_;
+    if (boxes_.size() < first + 8) boxes_.resize(2 * boxes_.size());
+    for (; met; met &= met - 1) {
         const auto lane = static_cast<unsigned>(__builtin_ctz(met));
-        const Box box{entry[lane], (masks.leaves >> lane & 1) != 0, lane, node};
-        if constexpr (requires { tree.prefetch_child(node, lane); })
-            if (!box.leaf) tree.prefetch_child(node, lane);
-        boxes_.push_back(box);
-        std::size_t place = boxes_.size() - 1;
+        const Box box{entry[lane], (leaves >> lane & 1) != 0, static_cast<std::uint8_t>(lane), node};
+        if constexpr (requires { tree.prefetch_child(node, lane); }) {
+            if (box.leaf)
+                tree.prefetch_primitives(node, lane);
+            else
+                tree.prefetch_child(node, lane), tree.prefetch_order(node, lane);
+        }
+        std::size_t place = waiting_++;
         for (; place > first && boxes_[place - 1].entry < box.entry; --place) boxes_[place] = boxes_[place - 1];
         boxes_[place] = box;
     }
@@ -60,8 +82,8 @@ template <BoxHierarchy Tree>
 template <class Take>
 void SegmentWalk<Tree>::walk(Tree& tree, const Segment& segment, Take take, double reach)
 {
-    const Eigen::Vector3d centre = tree.centre(), radius = Eigen::Vector3d::Constant(tree.radius());
-    const std::optional<SegmentPart> part = part_in(segment, {centre - radius, centre + radius});
+    const Eigen::Vector3d centre = tree.centre();
+    const std::optional<SegmentPart> part = part_in(segment, bounds_of(tree));
     if (!part) return;
     const SegmentLine line = line_of(*part, centre, 4 * tree.radius()); // corners of boxes lie farther out
     // Entries are in the part: -1 is its begin, 1 its end.
@@ -72,11 +94,10 @@ void SegmentWalk<Tree>::walk(Tree& tree, const Segment& segment, Take take, doub
     };
     float last = last_entry(reach);
     if (last < -1) return;
-    boxes_.clear();
-    open(tree, Tree::root, line);
-    while (!boxes_.empty()) {
-        const Box box = boxes_.back();
-        boxes_.pop_back();
+    waiting_ = 0;
+    open(tree, first_node(tree), line);
+    while (waiting_) {
+        const Box box = boxes_[--waiting_];
         if (std::max(box.entry, -1.0f) > last) continue;
         if (!box.leaf) {
             open(tree, tree.child(box.node, box.lane), line);

@@ -53,6 +53,9 @@ private:
     std::unique_ptr<QueryWorker> worker_;
 };
 
+/// Throws Error{bad_data}, which begins with the call's name, for a segment that is not finite or goes beyond 1e15 m.
+void check_ends(const char* call, std::span<const Segment> segments);
+
 /// Calls work(worker, i) for each item on the World's threads.
 template <class Work>
 void World::Impl::each(std::size_t items, std::size_t chunk, Work work)

@@ -13,16 +13,11 @@ namespace {
 
 void check_segments(std::span<const Segment> segments)
 {
-    for (std::size_t i = 0; i < segments.size(); ++i) {
-        const auto& [from, to] = segments[i];
-        for (const Eigen::Vector3d& end : {from, to})
-            if (!(end.cwiseAbs().maxCoeff() <= 1e15) || !end.allFinite())
-                throw Error(ErrorKind::bad_data,
-                            fmt::format("cast {}: a point of the segment is not finite, or beyond 1e15 m", i));
-        if (from == to)
+    check_ends("cast", segments);
+    for (std::size_t i = 0; i < segments.size(); ++i)
+        if (segments[i].from == segments[i].to)
             throw Error(ErrorKind::bad_data,
                         fmt::format("cast {}: the segment has no length; query() finds the bodies at a point", i));
-    }
 }
 
 /// A lower bound on the fraction at which a segment enters a box that it may meet.
@@ -30,7 +25,7 @@ double entry_into(const Segment& segment, const Aabb& box)
 {
     const std::optional<SegmentPart> part = part_in(segment, box);
     if (!part) return 0;
-    return std::max(0.0, part->begin - 2 * part->error / (segment.to - segment.from).stableNorm() - 0x1p-40);
+    return std::max(0.0, part->begin - 2 * part->error / (segment.to - segment.from).norm() - 0x1p-40);
 }
 
 /// An order of hits that may be first: certain ones before others, then by slots.
@@ -51,7 +46,7 @@ std::optional<CastHit> World::Impl::cast(QueryWorker& w, std::uint32_t slot, con
     CastHit hit{.body = bodies.id(slot), .verdict = Verdict::undecided, .fraction_lower = entry, .fraction_upper = 1.0};
     try {
         if (has_tree_for_segments(slot)) {
-            const RelativePose into(pose, Eigen::Isometry3d::Identity());
+            const RelativePose into(pose);
             const Segment mine{into(segment.from), into(segment.to)};
             const bool solid = settings.mode == Mode::solid;
             const std::optional<SegmentHit> first =

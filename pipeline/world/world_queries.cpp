@@ -16,7 +16,7 @@ namespace {
 /// True if some point of the body lies in the box.
 bool has_point_in(const Bodies& bodies, std::uint32_t slot, const Aabb& box)
 {
-    const RelativePose into(bodies.pose(slot), Eigen::Isometry3d::Identity());
+    const RelativePose into(bodies.pose(slot));
     return bodies.model(slot).any_part(box, into, [&](const PartPoints& part) {
         const Eigen::Vector3d point = bodies.pose(slot) * part[0];
         return (point.array() >= box.min.array()).all() && (point.array() <= box.max.array()).all();
@@ -55,6 +55,15 @@ Mesh box_mesh(const Aabb& box)
 }
 
 } // namespace
+
+void check_ends(const char* call, std::span<const Segment> segments)
+{
+    for (std::size_t i = 0; i < segments.size(); ++i)
+        for (const Eigen::Vector3d& end : {segments[i].from, segments[i].to})
+            if (!(end.cwiseAbs().sum() <= 1e15) && (!(end.cwiseAbs().maxCoeff() <= 1e15) || !end.allFinite()))
+                throw Error(ErrorKind::bad_data,
+                            fmt::format("{} {}: a point of the segment is not finite, or beyond 1e15 m", call, i));
+}
 
 bool World::Impl::allows(const QueryFilter& q, std::uint32_t slot) const
 {
@@ -136,7 +145,7 @@ bool World::Impl::tests_segments(std::uint32_t slot)
 Finding World::Impl::on_segment(QueryWorker& w, std::uint32_t slot, const Segment& segment)
 {
     Model& model = bodies.model(slot);
-    const RelativePose into(bodies.pose(slot), Eigen::Isometry3d::Identity());
+    const RelativePose into(bodies.pose(slot));
     const Segment mine{into(segment.from), into(segment.to)};
     try {
         return models.with_room([&] { return w.segments.decide(model, mine, settings.mode == Mode::solid); });
@@ -214,19 +223,19 @@ void World::query(std::span<const ModelQuery> queries, QueryHits& out) const
 
 std::vector<QueryHit> World::query(const Segment& segment, const QueryFilter& filter) const
 {
-    QueryHits found;
-    query(std::span(&segment, 1), filter, found);
-    return std::move(found.hits);
+    Impl& p = impl();
+    check_ends("query", std::span(&segment, 1));
+    p.bring_up_to_date();
+    std::vector<QueryHit> hits;
+    Impl::Lease worker(p);
+    p.find_hits(*worker, segment, filter, hits);
+    return hits;
 }
 
 void World::query(std::span<const Segment> segments, const QueryFilter& filter, QueryHits& out) const
 {
     Impl& p = impl();
-    for (std::size_t i = 0; i < segments.size(); ++i)
-        for (const Eigen::Vector3d& end : {segments[i].from, segments[i].to})
-            if (!(end.cwiseAbs().maxCoeff() <= 1e15) || !end.allFinite())
-                throw Error(ErrorKind::bad_data,
-                            fmt::format("query {}: a point of the segment is not finite, or beyond 1e15 m", i));
+    check_ends("query", segments);
     p.bring_up_to_date();
     p.gather(segments.size(), 64, out.hits, out.offsets,
              [&](auto& worker, std::size_t i, auto& hits) { p.find_hits(worker, segments[i], filter, hits); });

@@ -22,18 +22,16 @@ double milliseconds(Clock::duration d)
     return std::chrono::duration<double, std::milli>(d).count();
 }
 
-std::uint64_t hash_of(std::span<const PairResult> results, bool with_kinds)
+/// Also counts the undecided results, which costs nothing beside the hash.
+std::uint64_t hash_of(std::span<const PairResult> results, bool with_kinds, std::size_t& undecided)
 {
     std::uint64_t hash = 0;
-    for (const PairResult& result : results) mix(hash, result, with_kinds);
+    undecided = 0;
+    for (const PairResult& result : results) {
+        mix(hash, result, with_kinds);
+        undecided += result.verdict == Verdict::undecided;
+    }
     return hash;
-}
-
-std::size_t count_undecided(std::span<const PairResult> results)
-{
-    std::size_t count = 0;
-    for (const PairResult& result : results) count += result.verdict == Verdict::undecided;
-    return count;
 }
 
 void add_to(StageStats& total, const StageStats& s)
@@ -180,8 +178,7 @@ FrameView World::step()
             if (!p.settings.coherence) keep_bounds(frame);
             p.find_events();
             p.look_ahead();
-            frame.undecided = count_undecided(frame.results);
-            p.frame_hash = hash_of(frame.results, wants_kinds(p.settings));
+            p.frame_hash = hash_of(frame.results, wants_kinds(p.settings), frame.undecided);
         } catch (...) {
             frame.keeps = false; // some results may be of this frame
             throw;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/numbers/random.hpp>
+#include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/rays/segment_query.hpp>
 #include <oncollide/narrowphase/rays/segment_tests.hpp>
@@ -273,6 +274,71 @@ TEST(SegmentQuery, TheWalkFindsTheNearestAndVisitsFew)
     EXPECT_GT(hits, 30);
     EXPECT_LT(hits, 60);
     EXPECT_LT(visited, 120 * 60) << "of " << mesh.triangles.size() << " triangles";
+}
+
+/// A box of a node as its kernel reads it: whether it holds a point of the tree's frame, except for `slack`.
+bool holds(const OpenBoxes& boxes, unsigned k, const Vector3d& point, double slack)
+{
+    const Vector3d to = point - Vector3d(boxes.c[0][k], boxes.c[1][k], boxes.c[2][k]);
+    for (const int i : {0, 1, 2})
+        if (std::abs(to.dot(Vector3d(boxes.axis[i][0][k], boxes.axis[i][1][k], boxes.axis[i][2][k]))) >
+            boxes.h[i][k] + slack)
+            return false;
+    return true;
+}
+
+TEST(SegmentQuery, ANodesBoxesAreThoseThatTheSegmentMeetsOnEveryInstructionSet)
+{
+    std::vector<OrientedBoxKernel> kernels{baseline::oriented_box_kernel()};
+    if (instruction_set() >= InstructionSet::avx2) kernels.push_back(avx2::oriented_box_kernel());
+    if (instruction_set() >= InstructionSet::avx512) kernels.push_back(avx512::oriented_box_kernel());
+    const Mesh hills = mesh_of(make_hills(40, 30, 1, 9, 3)), torus = make_torus_mesh(2, 0.5, 3000);
+    int met = 0, missed = 0;
+    for (const Mesh* mesh : {&hills, &torus}) { // boxes along the axes, and others
+        ObbTree tree(*mesh);
+        ObbTree::Node node = tree.below_root();
+        for (std::uint64_t seed = 0; seed < 4000; ++seed) {
+            const auto draw = [&](std::uint64_t k) { return u01(seed, 70, k); };
+            const auto point = [&](std::uint64_t k) {
+                return Vector3d(
+                    mesh->bounds.min +
+                    (mesh->bounds.max - mesh->bounds.min).cwiseProduct(Vector3d(draw(k), draw(k + 1), draw(k + 2))));
+            };
+            const auto lane = static_cast<unsigned>(draw(9) * tree.node(node).lanes);
+            node = tree.node(node).leaves >> lane & 1 ? tree.below_root() : tree.child(node, lane);
+            Segment segment{point(0), point(3)};
+            segment.to[2] = segment.from[2] + (seed % 3) * (segment.to[2] - segment.from[2]); // flat, and longer
+            const std::optional<SegmentPart> part = part_in(segment, mesh->bounds);
+            if (!part) continue;
+            const SegmentLine line = line_of(*part, tree.centre(), 4 * tree.radius());
+            OpenBoxes boxes;
+            const LaneMasks masks = tree.open(node, nullptr, boxes);
+            float entry[8], same[8];
+            unsigned leaves;
+            const unsigned found = tree.on_segment(node, line, entry, leaves);
+            EXPECT_EQ(leaves, masks.leaves);
+            for (const OrientedBoxKernel& kernel : kernels) {
+                EXPECT_EQ(kernel.node_on_segment(tree.node(node), line, same), found);
+                EXPECT_TRUE(std::equal(entry, entry + tree.node(node).lanes, same));
+            }
+            for (unsigned k = 0; k < 8; ++k) {
+                bool inside = false, near = false;
+                for (double t = -1; t <= 1; t += 0x1p-7) {
+                    const Vector3d at = part->middle + t * part->half - tree.centre();
+                    if (k < tree.node(node).lanes && holds(boxes, k, at, 0)) {
+                        inside = true;
+                        EXPECT_LE(entry[k], t);
+                    }
+                    near |= holds(boxes, k, at, 0.02 * tree.radius());
+                }
+                EXPECT_TRUE(!inside || found >> k & 1) << seed << ' ' << k;
+                EXPECT_TRUE(near || !(found >> k & 1)) << seed << ' ' << k;
+                (found >> k & 1 ? met : missed)++;
+            }
+        }
+    }
+    EXPECT_GT(met, 2000);
+    EXPECT_GT(missed, 2000);
 }
 
 TEST(SegmentQuery, DecidesAtCornersAndEdgesExactly)
