@@ -111,6 +111,13 @@ struct ViewPage::Shown {
     json geometries = json::array(), notes = json::array();
     std::vector<std::pair<std::string, std::string>> blocks; ///< by name, base64
     std::uint64_t simplified = 0, triangles = 0, shown_triangles = 0;
+    std::size_t taken = 0; ///< bytes of the blocks
+
+    void add(std::string name, const PageBlock& block)
+    {
+        blocks.emplace_back(std::move(name), base64(block.bytes()));
+        taken += blocks.back().second.size() + 64;
+    }
 };
 
 ViewPage::ViewPage(const Scene& scene, const Pipeline& pipeline, const Options& options)
@@ -170,78 +177,84 @@ std::size_t ViewPage::room_left() const
 ViewPage::Shown ViewPage::shown() const
 {
     Shown shown;
-    const std::size_t room = room_left();
     std::vector<std::uint8_t> used(scene_.geometries.size());
     for (const GeometryId id : scene_.geometry) used[index(id)] = 1;
     std::vector<std::uint64_t> counts;
     for (std::size_t g = 0; g < used.size(); ++g)
         if (used[g]) counts.push_back(page_triangles(scene_.geometries[g]));
-    const std::uint64_t room_for = std::min<std::uint64_t>(room * 3 / 4 * 7 / 10 / bytes_of_triangle, most_triangles);
+    const std::uint64_t room_for =
+        std::min<std::uint64_t>(room_left() * 3 / 4 * 7 / 10 / bytes_of_triangle, most_triangles);
     const std::uint64_t cap = std::max<std::uint64_t>(std::min(cap_for(counts, room_for), most_of_model), 12);
-
-    std::size_t taken = 0;
-    const auto add_block = [&](std::string name, const PageBlock& block) {
-        shown.blocks.emplace_back(std::move(name), base64(block.bytes()));
-        taken += shown.blocks.back().second.size() + 64;
-    };
     for (std::uint32_t g = 0; g < used.size(); ++g) {
-        json entry = {{"name", names_ ? printable(scene_.geometries[g].name) : ""}};
-        if (used[g]) {
-            const PageModel model = make_page_model(scene_, GeometryId{g}, cap);
-            entry["kind"] = model.kind, entry["triangles"] = model.triangles;
-            entry["low"] = columns_of(model.box.min), entry["high"] = columns_of(model.box.max);
-            entry["meshes"] = json::array();
-            for (std::size_t k = 0; k < model.meshes.size(); ++k) {
-                entry["meshes"].push_back({model.meshes[k].vertices.size(), model.meshes[k].triangles()});
-                add_block(fmt::format("m{}.{}", g, k), model.meshes[k].block());
-            }
-            if (model.simplified)
-                ++shown.simplified, shown.triangles += page_triangles(scene_.geometries[g]),
-                    shown.shown_triangles += model.meshes[0].triangles();
-        }
-        shown.geometries.push_back(std::move(entry));
+        shown.geometries.push_back({{"name", names_ ? printable(scene_.geometries[g].name) : ""}});
+        if (used[g]) add_model(shown, g, cap);
     }
+    add_all_trees(shown);
+    return shown;
+}
 
-    // Trees of the geometries that were in pairs, the most frequent first.
+/// @param cap  largest number of triangles
+void ViewPage::add_model(Shown& shown, std::uint32_t g, std::uint64_t cap) const
+{
+    const PageModel model = make_page_model(scene_, GeometryId{g}, cap);
+    json& entry = shown.geometries[g];
+    entry["kind"] = model.kind, entry["triangles"] = model.triangles;
+    entry["low"] = columns_of(model.box.min), entry["high"] = columns_of(model.box.max);
+    entry["meshes"] = json::array();
+    for (std::size_t k = 0; k < model.meshes.size(); ++k) {
+        entry["meshes"].push_back({model.meshes[k].vertices.size(), model.meshes[k].triangles()});
+        shown.add(fmt::format("m{}.{}", g, k), model.meshes[k].block());
+    }
+    if (!model.simplified) return;
+    ++shown.simplified, shown.triangles += page_triangles(scene_.geometries[g]);
+    shown.shown_triangles += model.meshes[0].triangles();
+}
+
+/// Adds the trees of the geometries that were in pairs, the most frequent first, while there is room.
+void ViewPage::add_all_trees(Shown& shown) const
+{
     std::vector<std::uint32_t> order;
-    for (std::uint32_t g = 0; g < used.size(); ++g)
+    for (std::uint32_t g = 0; g < scene_.geometries.size(); ++g)
         if (frames_->touched()[g]) order.push_back(g);
     std::stable_sort(order.begin(), order.end(),
                      [&](std::uint32_t x, std::uint32_t y) { return frames_->touched()[x] > frames_->touched()[y]; });
     std::size_t without = 0;
     for (const std::uint32_t g : order) {
         constexpr std::size_t most_bytes_of_trees = 12 * most_of_level * 4 / 3 + 32 * most_of_level * 8 / 7;
-        if (taken + encoded(most_bytes_of_trees) > room) {
+        if (shown.taken + encoded(most_bytes_of_trees) > room_left()) {
             ++without;
             continue;
         }
         const PageTrees trees = make_page_trees(scene_.geometries.share(g), most_of_level, options_.threads);
-        const auto add = [&](const char* name, const std::vector<PageTrees::Level>& levels, bool balls) {
-            json list = json::array();
-            std::vector<float> centres, halves;
-            std::vector<std::int16_t> turns;
-            for (const PageTrees::Level& level : levels) {
-                list.push_back(
-                    {level.volumes.size(), level.error, level.volumes.empty() ? 0 : level.volumes[0].radius()});
-                for (const CoveringVolume& v : level.volumes) {
-                    append(centres, v.centre);
-                    if (balls) continue;
-                    append(halves, v.half);
-                    Eigen::Matrix3d axes = v.axes;
-                    if (axes.determinant() < 0) axes.col(2) *= -1; // the same box
-                    append(turns, Eigen::Quaterniond(axes).normalized());
-                }
-            }
-            shown.geometries[g][name] = std::move(list);
-            PageBlock block;
-            block.add(centres), block.add(halves), block.add(turns);
-            add_block(fmt::format("{}{}", name[0], g), block);
-        };
-        if (!trees.spheres.empty()) add("spheres", trees.spheres, true);
-        if (!trees.boxes.empty()) add("boxes", trees.boxes, false);
+        if (!trees.spheres.empty()) add_levels(shown, g, "spheres", trees.spheres);
+        if (!trees.boxes.empty()) add_levels(shown, g, "boxes", trees.boxes);
     }
     if (without) shown.notes.push_back(fmt::format("There was no room for the trees of {} geometries.", without));
-    return shown;
+}
+
+/// @param name  "spheres" or "boxes"
+void ViewPage::add_levels(Shown& shown, std::uint32_t g, std::string_view name,
+                          const std::vector<PageTrees::Level>& levels)
+{
+    const bool balls = name == "spheres";
+    json list = json::array();
+    std::vector<float> centres, halves;
+    std::vector<std::int16_t> turns;
+    for (const PageTrees::Level& level : levels) {
+        list.push_back({level.volumes.size(), level.error, level.volumes.empty() ? 0 : level.volumes[0].radius()});
+        for (const CoveringVolume& v : level.volumes) {
+            append(centres, v.centre);
+            if (balls) continue;
+            append(halves, v.half);
+            Eigen::Matrix3d axes = v.axes;
+            if (axes.determinant() < 0) axes.col(2) *= -1; // the same box
+            append(turns, Eigen::Quaterniond(axes).normalized());
+        }
+    }
+    shown.geometries[g][std::string(name)] = std::move(list);
+    PageBlock block;
+    block.add(centres), block.add(halves), block.add(turns);
+    shown.add(fmt::format("{}{}", name[0], g), block);
 }
 
 json ViewPage::about() const
@@ -276,10 +289,9 @@ void ViewPage::summarize(const Shown& shown, std::size_t size)
     if (step_ > 1) summary_ += fmt::format("; --view-limit allows {}", megabytes(options_.most_bytes));
 }
 
-void ViewPage::close()
+/// Adds notes about frames, names and triangles that the page lacks.
+void ViewPage::add_notes(Shown& made) const
 {
-    if (kept_.empty()) return;
-    Shown made = shown();
     if (step_ > 1)
         made.notes.push_back(fmt::format("The page shows one frame in {}, {} of {}, to stay below {}.", step_,
                                          kept_.size(), grouped(seen_), megabytes(options_.most_bytes)));
@@ -290,7 +302,10 @@ void ViewPage::close()
                         made.simplified, made.simplified == 1 ? "y is" : "ies are", grouped(made.shown_triangles),
                         grouped(made.triangles)));
     if (!names_) made.notes.push_back("Bodies are shown by number: there was no room for their names.");
+}
 
+json ViewPage::header_of(Shown& made) const
+{
     json header = {{"scene", printable(scene_.name)},
                    {"frames_of_scene", scene_.frames},
                    {"frames_run", seen_},
@@ -313,7 +328,12 @@ void ViewPage::close()
         for (std::size_t body = 0; body < scene_.size(); ++body) names.push_back(printable(scene_.names[body]));
         header["names"] = std::move(names);
     }
+    return header;
+}
 
+/// The bodies and their poses at the start.
+PageBlock ViewPage::bodies() const
+{
     std::vector<std::uint32_t> geometry;
     std::vector<float> positions;
     std::vector<std::int16_t> turns;
@@ -323,9 +343,18 @@ void ViewPage::close()
         append(positions, start.translation() - frames_->origin());
         append(turns, Eigen::Quaterniond(start.linear()).normalized());
     }
-    PageBlock bodies;
-    bodies.add(geometry), bodies.add(frames_->moving()), bodies.add(positions), bodies.add(turns);
-    bodies.add(std::span(scene_.is_static.data(), scene_.is_static.size()));
+    PageBlock block;
+    block.add(geometry), block.add(frames_->moving()), block.add(positions), block.add(turns);
+    block.add(std::span(scene_.is_static.data(), scene_.is_static.size()));
+    return block;
+}
+
+void ViewPage::close()
+{
+    if (kept_.empty()) return;
+    Shown made = shown();
+    add_notes(made);
+    const json header = header_of(made);
 
     using namespace page;
     OutputFile file(options_.file);
@@ -339,7 +368,7 @@ void ViewPage::close()
     until("{{style}}"), file.write(style_css);
     until("{{data}}");
     file.print("<script type=\"application/json\" id=\"header\">{}</script>\n", script_json(header));
-    write_block(file, "bodies", base64(bodies.bytes()));
+    write_block(file, "bodies", base64(bodies().bytes()));
     for (const auto& [name, block] : made.blocks) write_block(file, name, block);
     for (std::size_t k = 0; k < kept_.size(); ++k) write_block(file, fmt::format("f{}", k), kept_[k].block);
     until("{{three}}"), file.write(three_.library), file.write("\n"), file.write(three_.controls);

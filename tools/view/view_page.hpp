@@ -2,10 +2,12 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "play/play.hpp"
 #include "view/page_frame.hpp"
+#include "view/page_trees.hpp"
 #include "view/three_js.hpp"
 
 namespace oncollide::tools {
@@ -53,6 +55,13 @@ private:
     void thin_out();
     nlohmann::json about() const;
     Shown shown() const;
+    void add_model(Shown& shown, std::uint32_t g, std::uint64_t cap) const;
+    void add_all_trees(Shown& shown) const;
+    static void add_levels(Shown& shown, std::uint32_t g, std::string_view name,
+                           const std::vector<PageTrees::Level>& levels);
+    void add_notes(Shown& made) const;
+    nlohmann::json header_of(Shown& made) const;
+    PageBlock bodies() const;
     void summarize(const Shown& shown, std::size_t size);
 
     const Scene& scene_;
