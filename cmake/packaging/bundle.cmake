@@ -3,6 +3,8 @@
 #   bin/oncollide                 a script that finds the rest (launcher.sh)
 #   lib/oncollide/oncollide       the command; it and its libraries look for each other in their own folder ($ORIGIN)
 #   lib/oncollide/libc/           the C library, for systems whose own is older
+#   lib/oncollide/gl/             the loaders of OpenGL and EGL, for systems that have a driver but no loader; vendors/ names
+#                                 NVIDIA's driver, which containers often forget
 #   share/oncollide/three/        three.js, which pages draw with, if Debian's libjs-three is installed
 if(NOT CPACK_GENERATOR STREQUAL "TGZ")
   return()
@@ -23,6 +25,18 @@ foreach(library IN LISTS libraries)
     list(APPEND bundled ${home}/${name})
   endif()
 endforeach()
+list(FILTER libraries INCLUDE REGEX "/libepoxy\\.so")
+if(libraries) # a build with OpenGL; these are opened by name
+  get_filename_component(folder ${libraries} DIRECTORY)
+  foreach(name IN ITEMS libEGL.so.1 libOpenGL.so.0 libGLdispatch.so.0)
+    get_filename_component(file ${folder}/${name} REALPATH)
+    file(MAKE_DIRECTORY ${home}/gl/vendors)
+    file(COPY_FILE ${file} ${home}/gl/${name})
+    list(APPEND bundled ${home}/gl/${name})
+  endforeach()
+  file(WRITE ${home}/gl/vendors/10_nvidia.json
+       [[{"file_format_version": "1.0.0", "ICD": {"library_path": "libEGL_nvidia.so.0"}}]] "\n")
+endif()
 foreach(file IN LISTS bundled ITEMS ${home}/oncollide)
   # DT_RPATH instead of DT_RUNPATH: it also applies to indirect dependencies.
   execute_process(COMMAND ${PATCHELF} --force-rpath --set-rpath "$ORIGIN" ${file} COMMAND_ERROR_IS_FATAL ANY)

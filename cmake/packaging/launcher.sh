@@ -6,6 +6,12 @@ home=$root/lib/oncollide
 if [ -z "$ONCOLLIDE_THREE" ] && [ -d "$root/share/oncollide/three" ]; then
     export ONCOLLIDE_THREE="$root/share/oncollide/three" # three.js for pages (run --view)
 fi
+if [ -d "$home/gl" ]; then
+    export ONCOLLIDE_GL_LIBRARIES="$home/gl" # used if the system has no loaders
+    if [ -z "$__EGL_VENDOR_LIBRARY_FILENAMES$__EGL_VENDOR_LIBRARY_DIRS" ]; then
+        export __EGL_VENDOR_LIBRARY_DIRS="/etc/glvnd/egl_vendor.d:/usr/share/glvnd/egl_vendor.d:$home/gl/vendors"
+    fi
+fi
 version=$(getconf GNU_LIBC_VERSION 2>/dev/null)
 minor=${version#glibc 2.}
 case $minor in '' | *[!0-9]*) minor=0 ;; esac

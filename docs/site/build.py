@@ -21,9 +21,10 @@ PLOTS = {
     "distances": ("Distances to large environments", "distances-to-large-environments"),
     "shape_distances": ("Distances of two shapes", "distances-to-large-environments"),
     "shapes": ("Close pairs of shapes", "close-pairs-of-shapes"),
+    "gpu": ("Grey cells on a GPU", "grey-cells-on-a-gpu"),
     "reading": ("Reading files", "reading-files"),
 }
-DATA = {"study": "study_many"}  # of plots that several files are behind: the first
+DATA = {"study": "study_many.csv", "gpu": "gpu/llvmpipe.json"}  # of plots that several files are behind: the first
 DOXYFILE = """
 PROJECT_NAME = oncollide
 INPUT = {inputs}
@@ -70,7 +71,7 @@ def write_reference(pages, command):
 
 
 def write_plots(pages, complete):
-    text = "# Benchmarks, plotted\n\nDrawn from `docs/data/*.csv`, as the commands in [Benchmarks](benchmarks.md) wrote them.\n"
+    text = "# Benchmarks, plotted\n\nDrawn from `docs/data`, as the commands in [Benchmarks](benchmarks.md) wrote them.\n"
     try:
         import matplotlib  # noqa: F401
     except ImportError:
@@ -80,7 +81,7 @@ def write_plots(pages, complete):
     else:
         subprocess.run([sys.executable, SITE / "figures.py", "--plots", pages / "plots"], check=True)
         for name, (title, place) in PLOTS.items():
-            text += f"\n## {title}\n\n![{title}](plots/{name}.svg)\n\n[Figures](data/{DATA.get(name, name)}.csv), [how they were measured](benchmarks.md#{place})\n"
+            text += f"\n## {title}\n\n![{title}](plots/{name}.svg)\n\n[Figures](data/{DATA.get(name, name + '.csv')}), [how they were measured](benchmarks.md#{place})\n"
     (pages / "plots.md").write_text(text, encoding="utf-8")
 
 

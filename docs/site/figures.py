@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tables, headline figures and plots of the pages and README.md, from docs/data/*.csv, which the benchmarks wrote.
+"""Tables, headline figures and plots of the pages and README.md, from docs/data, which the benchmarks wrote.
 
     figures.py --write          writes tables between <!-- figures: NAME --> and <!-- end -->, and figures within a
                                 sentence between <!-- figure: NAME --> and <!-- end -->
@@ -8,6 +8,7 @@
 """
 import argparse
 import csv
+import json
 import pathlib
 import re
 import statistics
@@ -331,8 +332,9 @@ def levels_of(mesh):
 
 def spheres():
     out = []
-    for mesh, title in (("cow_5144", "paper/cow_5144.obj"), ("spot", "spot.obj"), ("armadillo_86k", "armadillo_86k.obj")):
-        of, side = levels_of(mesh)
+    for mesh in ("paper/bunny", "paper/cow", "paper/dragon", "paper/lamp", "paper/cow_5144", "spot", "armadillo_86k"):
+        title = f"{mesh}.obj"
+        of, side = levels_of(mesh.removeprefix("paper/"))
         both = lambda kind, level: ", ".join(side(of[kind, level], f"{what}_outside") for what in ("worst", "mean"))
         fine = of["sphere", 5]
         out.append([f"`{title}`", number(fine["triangles"]), number(fine["count"]), both("sphere", 5), f"{float(fine['volume']):.3f}",
@@ -426,6 +428,55 @@ def paper():
     return table(["", "seconds", "frames per second, in twelfths of the animation", "queries"], out)
 
 
+METHODS = ["CULLIDE", "CULLIDE, fattened", "viewing volumes", "gl-query, inherited", "gl-compute", "cpu"]
+
+
+def comparators():
+    scenes = {"paper": "`paper`", "many": "`many`", "hard": "`hard`",
+              "needles": "[`needles.json`](data/gl_query/needles.json)"}
+    rows = {(name, r["backend"]): r for name in scenes
+            for r in rows_of("paper" if name == "paper" else f"comparators/{name}") if r["table"] == "3"}
+
+    def cell(r):
+        each = int(r["frames"])
+        return f"{number(r['left_over'])}, {number(r['missed'])}; {number(round(int(r['queries']) / each))}; {three(float(r['ms']) / each)}"
+    heads = [f"{title}, {number(rows[name, 'cpu']['frames'])} frames: {number(rows[name, 'cpu']['collisions'])} collisions of "
+             f"{number(rows[name, 'cpu']['candidates'])} pairs" for name, title in scenes.items()]
+    return table(["left over, missed; queries per frame; ms per frame"] + heads,
+                 [[f"`{m}`"] + [cell(rows[name, m]) for name in scenes] for m in METHODS])
+
+
+def gpu_runs():
+    """The runs of `bench gpu`: parts by name, each with its rows."""
+    for path in sorted((DOCS / "data/gpu").glob("*.json")):
+        run = json.loads(path.read_text(encoding="utf-8"))
+        yield path, run, {part["name"]: part["rows"] for part in run["parts"]}
+
+
+def gpu():
+    out = []
+    for path, run, parts in gpu_runs():
+        name = f"[{run['gpu']['renderer']}](data/gpu/{path.name})"
+        equal = [r["equal"] for r in parts["correctness"]]
+        out.append([name, "result hashes equal to the cpu's", f"{sum(equal)} of {len(equal)}", ""])
+        most = max(r["rows"] for r in parts["octants"])
+        for mesh in dict.fromkeys(r["what"] for r in parts["octants"]):
+            of = {r["backend"]: r for r in parts["octants"] if r["what"] == mesh and r["rows"] == most}
+            out.append([name, f"{mesh}, {number(most)} rows: million octants per second"] +
+                       [three(of[b]["octants_per_s"] / 1e6) for b in ("gl-compute", "cpu")])
+        for what in dict.fromkeys(r["what"] for r in parts["trees"]):
+            of = {r["backend"]: r for r in parts["trees"] if r["what"] == what}
+            out.append([name, f"whole tree, {what}: ms (by the GPU's clock)",
+                        f"{three(of['gl-compute']['ms'])} ({three(of['gl-compute']['gpu_ms'])})", three(of["cpu"]["ms"])])
+        for what in dict.fromkeys(r["what"] for r in parts["many"]):
+            of = {r["backend"]: r for r in parts["many"] if r["what"] == what}
+            for way, title in (("", ""), (", ahead", ", cells grow ahead")):
+                out.append([name, f"`{what}`{title}: first frame, others, ms (rounds)"] +
+                           [", ".join(f"{three(of[b + way][f'{k}_ms'])} ({three(of[b + way][f'{k}_rounds'])})" for k in ("first", "warm"))
+                            for b in ("gl-compute", "cpu")])
+    return table(["renderer", "", "gl-compute", "cpu"], out)
+
+
 def planner():
     titles = {"fcl": "FCL, exact", "bound": "oncollide, within its error", "exact": "oncollide, exact"}
     out = []
@@ -508,7 +559,7 @@ def mutants():
                   for r in rows_of("mutants")])
 
 
-TABLES = {f.__name__: f for f in (headline, many, many_pairs, exact_cost, narrow, narrow_large, study, study_peers, octants, octants_missed, paper, planner, rays,
+TABLES = {f.__name__: f for f in (headline, many, many_pairs, exact_cost, narrow, narrow_large, study, study_peers, octants, octants_missed, paper, comparators, gpu, planner, rays,
                                   world, broad, hard, spheres, sphere_levels, occlusion_losses, delimitation,
                                   environments, worlds, distances, shape_distances, shapes, reading, clash,
                                   python, view, mutants)}
@@ -636,6 +687,19 @@ def plot_all(folder):
     axes.set_xlabel("boxes, all of which move"), axes.set_ylabel("nanoseconds a box"), axes.set_title("Broad phase: all pairs of a frame")
     axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
     save(figure, "broad")
+
+    runs = list(gpu_runs())
+    figure, panels = plt.subplots(1, len(runs), figsize=(7 * len(runs), 3.8), squeeze=False)
+    for axes, (path, run, parts) in zip(panels[0], runs):
+        mesh = parts["octants"][-1]["what"]
+        for k, backend in enumerate(dict.fromkeys(r["backend"] for r in parts["octants"])):
+            of = [r for r in parts["octants"] if (r["what"], r["backend"]) == (mesh, backend)]
+            axes.plot([r["rows"] for r in of], [r["octants_per_s"] for r in of], marker="o", markersize=3, color=colours[k], label=backend)
+        axes.set_xscale("log"), axes.set_yscale("log")
+        axes.set_xlabel("rows in a batch"), axes.set_ylabel("octants a second")
+        axes.set_title(f"{mesh} on {run['gpu']['renderer']}", fontsize=9)
+        axes.legend(frameon=False, fontsize=8)
+    save(figure, "gpu")
 
     figure, axes = plt.subplots(figsize=(8, 3))
     rows = rows_of("reading")

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <chrono>
+#include <cstdlib>
 #include <dlfcn.h>
 #include <string_view>
 
@@ -16,15 +17,20 @@ namespace {
     throw Error(ErrorKind::no_gpu, message);
 }
 
-/// epoxy ends the program if a library is missing, so look for them first.
+/// epoxy ends the program if a library is missing, so look for them first. A download brings its own in case the system
+/// has none (cmake/packaging/launcher.sh); epoxy then finds them by name, as they are loaded.
 void need_libraries()
 {
+    const auto loads = [](const std::string& file) {
+        return ::dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL) != nullptr;
+    };
+    const char* const own = std::getenv("ONCOLLIDE_GL_LIBRARIES");
     struct Needed {
         const char *library, *other, *package;
     };
     for (const Needed& n :
          {Needed{"libEGL.so.1", nullptr, "libegl1"}, Needed{"libOpenGL.so.0", "libGL.so.1", "libopengl0"}})
-        if (!::dlopen(n.library, RTLD_LAZY | RTLD_LOCAL) && !(n.other && ::dlopen(n.other, RTLD_LAZY | RTLD_LOCAL)))
+        if (!loads(n.library) && !(n.other && loads(n.other)) && !(own && loads(fmt::format("{}/{}", own, n.library))))
             fail(fmt::format("no GPU: {} is missing (Debian: install {} and libgl1-mesa-dri)", n.library, n.package));
 }
 
@@ -94,6 +100,30 @@ std::vector<GpuDevice> gpu_devices()
 GpuInfo describe_gpu(int gpu)
 {
     return gl::Context(gpu).info();
+}
+
+std::vector<std::pair<std::string, std::int64_t>> gpu_limits(int gpu)
+{
+    const gl::Context context(gpu);
+    std::vector<std::pair<std::string, std::int64_t>> limits;
+    for (const auto& [name, what] :
+         {std::pair{"GL_MAX_SHADER_STORAGE_BLOCK_SIZE", GL_MAX_SHADER_STORAGE_BLOCK_SIZE},
+          std::pair{"GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS", GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS},
+          std::pair{"GL_MAX_COMPUTE_SHARED_MEMORY_SIZE", GL_MAX_COMPUTE_SHARED_MEMORY_SIZE},
+          std::pair{"GL_MAX_RENDERBUFFER_SIZE", GL_MAX_RENDERBUFFER_SIZE},
+          std::pair{"GL_SUBPIXEL_BITS", GL_SUBPIXEL_BITS}}) {
+        GLint64 value = 0;
+        glGetInteger64v(static_cast<GLenum>(what), &value);
+        limits.emplace_back(name, value);
+    }
+    for (const auto& [name, target] :
+         {std::pair{"bits of GL_SAMPLES_PASSED", GL_SAMPLES_PASSED}, std::pair{"bits of GL_TIMESTAMP", GL_TIMESTAMP}}) {
+        GLint bits = 0;
+        glGetQueryiv(static_cast<GLenum>(target), GL_QUERY_COUNTER_BITS, &bits);
+        limits.emplace_back(name, bits);
+    }
+    context.check("reading limits");
+    return limits;
 }
 
 namespace gl {

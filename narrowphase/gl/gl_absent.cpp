@@ -22,6 +22,11 @@ GpuInfo describe_gpu(int)
     refuse();
 }
 
+std::vector<std::pair<std::string, std::int64_t>> gpu_limits(int)
+{
+    refuse();
+}
+
 std::unique_ptr<OcclusionBackend> make_gl_compute_backend(const GlComputeOptions&)
 {
     refuse();

@@ -1,6 +1,8 @@
 #pragma once
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
@@ -28,6 +30,10 @@ struct GpuInfo {
 /// Opens device number `gpu` and closes it again; -1: the first hardware device, else the first software device. Throws
 /// Error{no_gpu}, which names the failed step.
 GpuInfo describe_gpu(int gpu);
+
+/// Limits of an opened device that bound batches and pictures, by OpenGL's names. Arguments and errors as
+/// describe_gpu().
+std::vector<std::pair<std::string, std::int64_t>> gpu_limits(int gpu);
 
 /// Separating axes in a compute shader: the results of the cpu backend, bit for bit. Triangle lists stay on the GPU.
 /// The backend belongs to the thread that made it.

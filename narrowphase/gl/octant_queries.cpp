@@ -29,16 +29,27 @@ BareFramebuffer::BareFramebuffer(int pixels)
     glNamedFramebufferParameteri(name_, GL_FRAMEBUFFER_DEFAULT_HEIGHT, pixels);
 }
 
-Queries::Queries(GLenum target, std::size_t count) : names_(count)
+Queries::Queries(GLenum target, std::size_t count)
+    : names_(count), results_(count * sizeof(GLuint), GL_DYNAMIC_STORAGE_BIT)
 {
     glCreateQueries(target, static_cast<GLsizei>(count), names_.data());
+}
+
+std::span<const GLuint> Queries::read(std::size_t count)
+{
+    // Into a buffer first, so that there is one wait instead of one per query.
+    for (std::size_t i = 0; i < count; ++i)
+        glGetQueryBufferObjectuiv(names_[i], results_.name(), GL_QUERY_RESULT,
+                                  static_cast<GLintptr>(i * sizeof(GLuint)));
+    samples_.resize(count);
+    glGetNamedBufferSubData(results_.name(), 0, static_cast<GLsizeiptr>(count * sizeof(GLuint)), samples_.data());
+    return samples_;
 }
 
 OctantQueries::OctantQueries(GLenum target, int viewport, bool inflated)
     : target_(target), growth_(inflated ? 1 + 1 / static_cast<float>(viewport) : 1),
       program_("gl-query", {{GL_VERTEX_SHADER, vertex_shader}, {GL_FRAGMENT_SHADER, fragment_shader}}),
-      framebuffer_(viewport), queries_(target, most_in_flight),
-      results_(most_in_flight * sizeof(GLuint), GL_DYNAMIC_STORAGE_BIT)
+      framebuffer_(viewport), queries_(target, most_in_flight)
 {
     glUseProgram(program_.name());
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
@@ -55,17 +66,6 @@ void OctantQueries::look_at(const OctantCell& octant)
 {
     glUniform3fv(0, 1, octant.centre);
     glUniform3f(1, octant.half[0] * growth_, octant.half[1] * growth_, octant.half[2] * growth_);
-}
-
-std::span<const GLuint> OctantQueries::read(std::size_t count)
-{
-    // Into a buffer first, so that there is one wait instead of one per query.
-    for (std::size_t i = 0; i < count; ++i)
-        glGetQueryBufferObjectuiv(queries_[i], results_.name(), GL_QUERY_RESULT,
-                                  static_cast<GLintptr>(i * sizeof(GLuint)));
-    samples_.resize(count);
-    glGetNamedBufferSubData(results_.name(), 0, static_cast<GLsizeiptr>(count * sizeof(GLuint)), samples_.data());
-    return samples_;
 }
 
 } // namespace oncollide::gl

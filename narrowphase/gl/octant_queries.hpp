@@ -27,13 +27,17 @@ private:
 class Queries {
 public:
     Queries(GLenum target, std::size_t count);
+    /// Waits for the first `count` queries. Returns their results, 0 for no fragment; valid until the next read().
+    std::span<const GLuint> read(std::size_t count);
     ~Queries() { glDeleteQueries(static_cast<GLsizei>(names_.size()), names_.data()); }
     Queries(const Queries&) = delete;
     Queries& operator=(const Queries&) = delete;
     GLuint operator[](std::size_t i) const { return names_[i]; }
+    std::size_t size() const { return names_.size(); }
 
 private:
-    std::vector<GLuint> names_;
+    std::vector<GLuint> names_, samples_;
+    Buffer results_;
 };
 
 /// Occlusion queries whose view volume is an octant, many in flight. They need a context of their own: OpenGL's state
@@ -57,8 +61,7 @@ public:
         draw();
         glEndQuery(target_);
     }
-    /// Waits for the first `count` queries. Returns their results, 0 for no fragment; valid until the next read().
-    std::span<const GLuint> read(std::size_t count);
+    std::span<const GLuint> read(std::size_t count) { return queries_.read(count); }
 
 private:
     void look_at(const OctantCell& octant);
@@ -68,8 +71,6 @@ private:
     Program program_;
     BareFramebuffer framebuffer_;
     Queries queries_;
-    Buffer results_;
-    std::vector<GLuint> samples_;
 };
 
 } // namespace oncollide::gl

@@ -38,6 +38,7 @@ public:
     /// spheres at Settings::depth certify; else default_error times the smaller diagonal.
     double max_error(const Model& a, const Model& b) const;
     // The functions of SphereForest.
+    void grow_ahead(bool on) { spheres_.grow_ahead(on); }
     Ocst& spheres(Model& model, double max_error) { return spheres_.tree(model, max_error); }
     bool has_spheres(const Model& model, double max_error) const { return spheres_.has_tree(model, max_error); }
     int depth(const Model& model, double max_error) const { return spheres_.depth(model, max_error); }

@@ -1,9 +1,12 @@
 #include <oncollide/pipeline/models/sphere_forest.hpp>
 
+#include <algorithm>
+
 namespace oncollide {
 
 Ocst& SphereForest::tree(Model& model, double max_error)
 {
+    ahead_.clear();
     if (!model.spheres_) {
         model.spheres_ = std::make_unique<Ocst>(model.root_cell(), 1, model.covering_error());
         model.spheres_->admit_backend(*backend_);
@@ -70,6 +73,13 @@ void SphereForest::make_rows(std::span<const CellRequest> requests)
 void SphereForest::submit(std::span<const CellRequest> requests, int threads)
 {
     threads_ = threads;
+    if (!ahead_.empty()) { // these are grey children of expanded cells, so they are stored and not expanded
+        requests_.assign(requests.begin(), requests.end());
+        requests_.insert(requests_.end(), ahead_.begin(), ahead_.end());
+        std::sort(requests_.begin(), requests_.end());
+        requests_.erase(std::unique(requests_.begin(), requests_.end()), requests_.end());
+        requests = requests_;
+    }
     survive([&] {
         make_rows(requests);
         backend_->submit(rows_, threads);
@@ -87,13 +97,20 @@ BatchWork SphereForest::grow(std::uint32_t frame)
         for (OctantRow& row : rows_) attach(row.tree), row = tree_of(row.tree).row(row.tree, row.cell);
         work = backend_->run(rows_, threads_, results_);
     }
-    for (std::size_t i = 0; i < rows_.size(); ++i) tree_of(rows_[i].tree).expand(rows_[i].cell, results_[i], frame);
+    ahead_.clear();
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+        const OctantRow& row = rows_[i];
+        tree_of(row.tree).expand(row.cell, results_[i], frame);
+        for (unsigned k = 0; k < 8 && grows_ahead_ && row.keep_list; ++k)
+            if (results_[i].grey >> k & 1) ahead_.push_back({row.tree, child_cell(row.cell, k)});
+    }
     return work;
 }
 
 std::uint64_t SphereForest::collapse(std::uint32_t frame, std::uint32_t age)
 {
     std::uint64_t dropped = 0;
+    ahead_.clear();
     for (std::uint32_t number : trees_) {
         Ocst& tree = tree_of(number);
         if (!tree.nodes()[0].expanded()) continue;
@@ -106,6 +123,7 @@ std::uint64_t SphereForest::collapse(std::uint32_t frame, std::uint32_t age)
 void SphereForest::drop(Model& model)
 {
     if (!model.spheres_) return;
+    ahead_.clear();
     if (backend_->attached(model.number())) backend_->detach(model.number());
     model.spheres_.reset();
     std::erase(trees_, model.number());

@@ -33,6 +33,9 @@ public:
     /// must exist.
     int depth(const Model& model, double max_error) const;
 
+    /// Expands in each batch also the grey children of the cells of the batch before. For benchmarks: it counts towards
+    /// no budget. Results stay the same.
+    void grow_ahead(bool on) { grows_ahead_ = on; }
     /// Starts to expand the requested cells (sorted, each once) in one batch. A surface is attached to the backend when
     /// its tree first grows. Trees do not change until grow().
     void submit(std::span<const CellRequest> requests, int threads);
@@ -65,6 +68,9 @@ private:
     std::vector<std::uint32_t> trees_; ///< numbers of the models with a tree
     std::vector<OctantRow> rows_;      ///< of the current batch
     std::vector<OctantResult> results_;
+    std::vector<CellRequest> requests_; ///< of the batch, with those ahead
+    bool grows_ahead_ = false;
+    std::vector<CellRequest> ahead_; ///< for the next batch
     int threads_ = 1;
     std::string lost_;
 };

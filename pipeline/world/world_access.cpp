@@ -22,6 +22,18 @@ std::string WorldAccess::backend_note(const World& world)
     return world.impl().note_on_backend();
 }
 
+void WorldAccess::replace(World& world, StageId stage,
+                          const std::function<std::unique_ptr<Stage>(std::unique_ptr<Stage> old)>& make)
+{
+    for (std::unique_ptr<Stage>& each : world.impl().stages)
+        if (each->id() == stage) each = make(std::move(each));
+}
+
+void WorldAccess::grow_ahead(World& world, bool on)
+{
+    world.impl().models.grow_ahead(on);
+}
+
 const Ocst* WorldAccess::tree(const World& world, ModelId model)
 {
     return world.impl().model_of(model).spheres();

@@ -1,8 +1,12 @@
 // Parts of a World that no installed header can name: for the library's own tools and tests.
 #pragma once
+#include <functional>
+#include <memory>
+
 #include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
 #include <oncollide/narrowphase/spheres/ocst.hpp>
 #include <oncollide/pipeline/world.hpp>
+#include <oncollide/pipeline/world/stage.hpp>
 
 namespace oncollide {
 
@@ -13,6 +17,11 @@ struct WorldAccess {
     static std::string backend(const World& world);
     static std::string renderer(const World& world);
     static std::string backend_note(const World& world);
+    /// Puts another stage, which may call the old one, in the place of a stage. Before the first step.
+    static void replace(World& world, StageId stage,
+                        const std::function<std::unique_ptr<Stage>(std::unique_ptr<Stage> old)>& make);
+    /// Lets sphere-trees grow ahead of the traversals.
+    static void grow_ahead(World& world, bool on);
     /// The sphere-tree of a model as it is now. Null until a test reaches it. Valid until the next step.
     static const Ocst* tree(const World& world, ModelId model);
 };

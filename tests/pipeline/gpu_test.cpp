@@ -67,6 +67,27 @@ Played play(Scene scene, const Settings& settings, int frames, std::unique_ptr<O
     return played;
 }
 
+TEST(Gpu, GrowingAheadOfTheTraversalsChangesNoResultAndTakesFewerRounds)
+{
+    for (const bool on_gpu : {false, true}) {
+        std::uint64_t hashes[2], rounds[2] = {};
+        for (const bool ahead : {false, true}) {
+            Scene scene = many(200);
+            Pipeline pipeline(scene, WorldAccess::make({.depth = 6, .age_limit = 2},
+                                                       on_gpu ? make_gl_compute_backend() : make_cpu_backend()));
+            WorldAccess::grow_ahead(pipeline.world(), ahead);
+            Mover mover;
+            for (int frame = 0; frame < 6; ++frame) {
+                mover.move(scene, frame);
+                rounds[ahead] += pipeline.step(scene).rounds.size();
+            }
+            hashes[ahead] = pipeline.hash();
+        }
+        EXPECT_EQ(hashes[0], hashes[1]);
+        EXPECT_LT(rounds[1], rounds[0]);
+    }
+}
+
 TEST(Gpu, GlComputeGivesTheAnswersOfTheCpu)
 {
     for (const ExactLevel exact : {ExactLevel::off, ExactLevel::fcl})

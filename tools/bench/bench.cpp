@@ -13,7 +13,7 @@ void add_bench(Arguments app)
     bench.action([]() -> int {
         usage("bench: choose a benchmark: broad, narrow, planner, rays, world, environment, distances, shapes, clash, "
               "read, "
-              "scale, many, octants, paper, poses or scene (oncollide bench --help)");
+              "scale, many, octants, paper, gpu, poses or scene (oncollide bench --help)");
     });
     add_broad(bench);
     add_narrow(bench);
@@ -29,6 +29,7 @@ void add_bench(Arguments app)
     add_paper(bench);
     add_poses(bench);
     add_octants(bench);
+    add_gpu(bench);
     add_scale(bench);
     add_any_scene_bench(bench);
     bench.footer(

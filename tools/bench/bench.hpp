@@ -18,6 +18,7 @@ void add_clash_bench(Arguments bench);
 void add_read(Arguments bench);
 void add_paper(Arguments bench);
 void add_octants(Arguments bench);
+void add_gpu(Arguments bench);
 void add_scale(Arguments bench);
 /// One scene of the catalogue by its name, as a benchmark of its own.
 void add_scene_bench(Arguments bench, const char* name, const char* summary);

@@ -1,18 +1,16 @@
 // oncollide bench octants: speed and errors of each backend in finding the octants that a surface intersects.
 #include "bench/bench.hpp"
-#include "bench/paper/octant_levels.hpp"
+#include "bench/paper/octant_candidate.hpp"
 #include "cli/options.hpp"
 #include "common/text.hpp"
 
 #include <algorithm>
 #include <bit>
-#include <functional>
 #include <memory>
 #include <optional>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/output_file.hpp>
-#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
 #include <oncollide/samples/generators.hpp>
 
@@ -25,114 +23,10 @@ struct OctantsOptions {
     double limit_s = 2; ///< batches that would take longer are skipped
 };
 
-/// A backend in one of its variants.
-struct OctantContender {
-    std::string name;
-    std::function<std::unique_ptr<OcclusionBackend>()> make;
-    int threads = 1;
-    bool lists = true; ///< false: it draws whole meshes, without using lists
-};
-
-std::vector<OctantContender> contenders(int gpu)
-{
-    using Query = GlQueryOptions;
-    std::vector<OctantContender> all;
-    all.push_back({"cpu", make_cpu_backend});
-    if (hardware_threads() > 1)
-        all.push_back({fmt::format("cpu, {} threads", hardware_threads()), make_cpu_backend, hardware_threads()});
-    all.push_back({"gl-compute", [gpu] { return make_gl_compute_backend({.gpu = gpu}); }});
-    const auto add = [&](std::string what, Query query) {
-        query.gpu = gpu;
-        all.push_back({fmt::format("gl-query {} px, {}", query.viewport, what),
-                       [query] { return make_gl_query_backend(query); }, 1, query.draw == Query::Draw::inherited});
-    };
-    for (int viewport : {8, 16, 32, 64}) {
-        add("soup", {.viewport = viewport, .primitives = Query::Primitives::soup, .draw = Query::Draw::mesh});
-        add("indexed", {.viewport = viewport, .primitives = Query::Primitives::indexed, .draw = Query::Draw::mesh});
-        add("strips", {.viewport = viewport, .primitives = Query::Primitives::strips, .draw = Query::Draw::mesh});
-    }
-    add("inherited", {.draw = Query::Draw::inherited});
-    add("inherited, inflated", {.draw = Query::Draw::inherited, .inflated = true});
-    return all;
-}
-
-/// A contender with a mesh, and the tree that it grew along the true cells.
-class Candidate {
-public:
-    Candidate(const OctantContender& contender, const OctantLevels& levels)
-        : contender_(contender), levels_(levels), backend_(contender.make())
-    {
-        start_again();
-    }
-
-    void start_again()
-    {
-        if (backend_->attached(0)) backend_->detach(0);
-        tree_.emplace(levels_.root(), levels_.depth() + 1, 0);
-        backend_->attach(0, levels_.surface());
-        grown_ = 0;
-    }
-
-    /// Queries the cells of the next level and grows the tree; `see` receives each cell's true and found octants.
-    template <class See>
-    BatchWork grow_level(See see)
-    {
-        const auto& cells = levels_.level(grown_++);
-        rows_.clear();
-        for (const auto& cell : cells) rows_.push_back(row(cell.key));
-        results_.resize(rows_.size());
-        const BatchWork work = backend_->run(rows_, contender_.threads, results_);
-        for (std::size_t i = 0; i < cells.size(); ++i) {
-            see(cells[i].truth, results_[i].grey);
-            results_[i].grey = cells[i].truth;
-            tree_->expand(cells[i].key, results_[i], 1);
-        }
-        return work;
-    }
-
-    /// `count` queries of one level: the last level with at least this many cells, if there is one. Returns the least
-    /// time of `repeats`, ms.
-    double measure(std::size_t count, int repeats)
-    {
-        int level = 0;
-        while (level + 1 < levels_.depth() && levels_.level(level).size() < count) ++level;
-        while (contender_.lists && grown_ < level) grow_level([](auto...) {});
-        rows_.clear();
-        const auto& cells = levels_.level(level);
-        for (std::size_t i = 0; i < count; ++i) // spread over the level; repeated if it has too few cells
-            rows_.push_back(row(cells[cells.size() >= count ? i * cells.size() / count : i % cells.size()].key));
-        results_.resize(count);
-        double best = 1e300;
-        for (int repeat = 0; repeat < repeats; ++repeat) {
-            const Clock::time_point from = Clock::now();
-            backend_->run(rows_, contender_.threads, results_);
-            best = std::min(best, milliseconds_since(from));
-            for (const OctantResult& result : results_)
-                if (result.list != all_triangles) backend_->release(0, result.list);
-        }
-        return best;
-    }
-
-private:
-    OctantRow row(CellKey cell) const
-    {
-        if (contender_.lists) return tree_->row(0, cell);
-        return {0, cell, all_triangles, false};
-    }
-
-    const OctantContender& contender_;
-    const OctantLevels& levels_;
-    std::unique_ptr<OcclusionBackend> backend_;
-    std::optional<Ocst> tree_;
-    int grown_ = 0; ///< levels
-    std::vector<OctantRow> rows_;
-    std::vector<OctantResult> results_;
-};
-
 class OctantBench {
 public:
     explicit OctantBench(const OctantsOptions& options)
-        : options_(options), data_(data_folder(options.data)), contenders_(contenders(options.gpu))
+        : options_(options), data_(data_folder(options.data)), contenders_(octant_contenders(options.gpu))
     {
         if (!options.csv.empty()) csv_.emplace(options.csv, "part,mesh,triangles,backend,n,value,other");
     }
@@ -186,7 +80,7 @@ private:
                     say("{:>12}", "-"); // predicted from the batch before
                     continue;
                 }
-                const double ms = candidate.measure(rows, row_ms * double(rows) > 200 ? 1 : options_.repeats);
+                const double ms = candidate.measure(rows, row_ms * double(rows) > 200 ? 1 : options_.repeats).ms;
                 row_ms = ms / double(rows);
                 say("{:>12.4f}", 8e-3 * double(rows) / ms);
                 std::cout.flush();
@@ -211,14 +105,7 @@ private:
             say("  {:<32}", contender.name);
             Candidate candidate(contender, levels);
             for (int depth : depths) {
-                double best = 1e300, gpu = 0;
-                for (int repeat = 0; repeat < options_.repeats; ++repeat) {
-                    candidate.start_again();
-                    double gpu_ms = 0;
-                    const Clock::time_point from = Clock::now();
-                    for (int level = 0; level < depth; ++level) gpu_ms += candidate.grow_level([](auto...) {}).gpu_ms;
-                    if (const double ms = milliseconds_since(from); ms < best) best = ms, gpu = gpu_ms;
-                }
+                const auto [best, gpu] = candidate.measure_tree(depth, options_.repeats);
                 say("{:>20}", gpu > 0 ? fmt::format("{:.3f} ({:.3f})", best, gpu) : fmt::format("{:.3f}", best));
                 record("tree", mesh, contender.name, std::size_t(depth), best, gpu);
             }
@@ -261,7 +148,6 @@ private:
     std::optional<CsvFile> csv_;
 };
 
-/// Batches of octant queries with every backend.
 int bench_octants(const OctantsOptions& options)
 {
     const std::vector<std::string> parts{"", "speed", "trees", "misses"};

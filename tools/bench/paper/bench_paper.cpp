@@ -1,111 +1,43 @@
-// oncollide bench paper: the paper's tables, with its method and with oncollide's other backends.
+// oncollide bench paper: the paper's tables, with its method, with oncollide's other backends, and with comparators of
+// its related work.
 #include "bench/bench.hpp"
 #include "bench/paper/octant_levels.hpp"
+#include "bench/paper/paper_methods.hpp"
 #include "cli/options.hpp"
 #include "common/text.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <memory>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
-#include <oncollide/pipeline/world/world_access.hpp>
 
 namespace oncollide::tools {
 namespace {
 
 struct PaperOptions {
-    std::string data, csv;
-    std::optional<int> frames;
+    std::string scene = "paper", data, csv;
+    std::optional<int> bodies, frames;
     int gpu = -1, viewport = 16, depth = 5, age = Settings{}.age_limit;
-    bool large = false;
+    int every = 24;     ///< frames are played with comparators
+    bool large = false; ///< the scene paper-5k
 };
-
-using Query = GlQueryOptions;
-
-struct Method {
-    std::string name;
-    std::function<std::unique_ptr<OcclusionBackend>()> make;
-};
-
-std::vector<Method> methods(const PaperOptions& options)
-{
-    const auto query = [&](Query::Primitives primitives, Query::Draw draw) {
-        return [=, gpu = options.gpu, viewport = options.viewport] {
-            return make_gl_query_backend({.gpu = gpu,
-                                          .viewport = viewport,
-                                          .primitives = primitives,
-                                          .samples = Query::Samples::passed,
-                                          .draw = draw});
-        };
-    };
-    return {{"gl-query, soup", query(Query::Primitives::soup, Query::Draw::mesh)},
-            {"gl-query, strips", query(Query::Primitives::strips, Query::Draw::mesh)},
-            {"gl-query, inherited", query(Query::Primitives::indexed, Query::Draw::inherited)},
-            {"gl-compute", [gpu = options.gpu] { return make_gl_compute_backend({.gpu = gpu}); }},
-            {"cpu", make_cpu_backend}};
-}
-
-/// A part of the animation.
-struct Window {
-    double ms = 0;
-    std::uint64_t frames = 0, queries = 0, cells = 0;
-};
-
-struct Played {
-    std::vector<Window> windows;
-    std::vector<std::vector<BodyPair>> within; ///< by frame
-    double first_ms = 0;
-    std::uint64_t hash = 0;
-
-    Window total() const
-    {
-        Window sum;
-        for (const Window& w : windows)
-            sum.ms += w.ms, sum.frames += w.frames, sum.queries += w.queries, sum.cells += w.cells;
-        return sum;
-    }
-};
-
-Played play(Scene scene, const PaperOptions& options, std::unique_ptr<OcclusionBackend> backend)
-{
-    constexpr int windows = 12;
-    Played played;
-    played.windows.resize(windows);
-    Settings settings{.depth = options.depth, .age_limit = options.age};
-    Pipeline pipeline(scene, WorldAccess::make(settings, std::move(backend)));
-    Mover mover;
-    for (int frame = 0; frame < scene.frames; ++frame) {
-        mover.move(scene, frame);
-        const FrameView view = pipeline.step(scene);
-        if (frame == 0) played.first_ms = view.ms;
-        Window& window = played.windows[static_cast<std::size_t>(frame * windows / scene.frames)];
-        window.ms += view.ms, window.frames += 1, window.queries += view.trees.queries, window.cells += view.trees.rows;
-        std::vector<BodyPair>& within = played.within.emplace_back();
-        for (const PairResult& pair : view.pairs)
-            if (pair.verdict != Verdict::separate) within.push_back({index(pair.a), index(pair.b)});
-    }
-    played.hash = pipeline.hash();
-    return played;
-}
-
-/// Number of pairs of `truth`, over all frames, that `other` missed.
-std::uint64_t lost(const Played& truth, const Played& other)
-{
-    std::uint64_t count = 0;
-    for (std::size_t frame = 0; frame < truth.within.size(); ++frame)
-        for (BodyPair pair : truth.within[frame])
-            count += !std::binary_search(other.within[frame].begin(), other.within[frame].end(), pair);
-    return count;
-}
 
 class PaperBench {
 public:
-    explicit PaperBench(const PaperOptions& options) : options_(options), methods_(methods(options))
+    explicit PaperBench(const PaperOptions& options)
+        : options_(options), scene_(open_scene({.scene = options.scene,
+                                                .bodies = options.bodies,
+                                                .frames = options.frames,
+                                                .seed = {},
+                                                .data = options.data,
+                                                .cache = {}})),
+          methods_(tree_methods(options.gpu, options.viewport))
     {
-        if (!options.csv.empty()) csv_.emplace(options.csv, "table,what,backend,frames,ms,queries,cells");
+        if (!options.csv.empty())
+            csv_.emplace(options.csv,
+                         "table,what,backend,frames,ms,queries,cells,candidates,left_over,missed,collisions");
     }
 
     void run()
@@ -113,8 +45,9 @@ public:
         const GpuInfo gpu = describe_gpu(options_.gpu);
         say("{}GPU        {}, OpenGL {}; {} pixels per side, samples passed\n\n",
             describe_program(make_cpu_backend()->name()), gpu.renderer, gpu.version, options_.viewport);
-        table_1();
-        tables_2_and_3();
+        const bool paper = options_.scene == "paper" || options_.scene == "paper-5k";
+        if (paper) table_1();
+        play_all(paper);
         if (csv_) csv_->commit();
     }
 
@@ -127,86 +60,89 @@ private:
         for (const Method& method : methods_) say("{:>21}", method.name);
         say("   ms\n");
         const std::filesystem::path data = data_folder(options_.data);
-        for (const auto& [file, triangles] :
-             std::initializer_list<std::pair<const char*, int>>{{"paper/lamp.obj", 600},
-                                                                {"woody.obj", 1267},
-                                                                {"paper/dragon.obj", 1496},
-                                                                {"paper/bunny.obj", 1500},
-                                                                {"paper/cow.obj", 1500},
-                                                                {"beetle.obj", 2053},
-                                                                {"spot.obj", 5856}}) {
+        for (const auto& [file, triangles] : level_models()) {
             const NamedMesh mesh = mesh_or_knot(data, file, triangles);
             const OctantLevels levels(mesh.mesh, 1);
             std::string times;
             std::uint64_t queries = 0;
             for (const Method& method : methods_) {
-                const auto [ms, work] = one_level(levels, *method.make());
+                const auto [ms, work] = one_level(levels, method);
                 queries = std::max(queries, work.queries);
                 times += fmt::format("{:>21.4f}", ms);
-                if (csv_) csv_->row(1, mesh.name, Quoted{method.name}, std::nullopt, ms, work.queries, 1);
+                if (csv_)
+                    csv_->row(1, mesh.name, Quoted{method.name}, std::nullopt, ms, work.queries, 1, std::nullopt,
+                              std::nullopt, std::nullopt, std::nullopt);
             }
             say("{:<16}{:>10}{:>9}{}\n", mesh.name, grouped(mesh.mesh.triangles.size()), queries, times);
         }
         say("\n");
     }
 
-    static std::pair<double, BatchWork> one_level(const OctantLevels& levels, OcclusionBackend& backend)
+    /// The paper's Tables 2 and 3; then the comparators, on every n-th frame.
+    void play_all(bool paper)
     {
-        backend.attach(0, levels.surface());
-        const std::vector<OctantRow> rows{{0, root_cell, all_triangles, false}};
-        std::vector<OctantResult> results(1);
-        std::pair<double, BatchWork> best{1e300, {}};
-        for (int repeat = 0; repeat < 10; ++repeat) {
-            const Clock::time_point from = Clock::now();
-            const BatchWork work = backend.run(rows, 1, results);
-            const double ms = milliseconds_since(from);
-            if (ms < best.first) best = {ms, work};
-        }
-        return best;
+        say("{}{}, {} frames, depth {}, cells dropped after {} frames\n", paper ? "Tables 2 and 3: " : "",
+            options_.scene, scene_.frames, options_.depth, options_.age);
+        if (paper)
+            say("(the paper: 1,500 triangles per model, on a notebook of 2004: 8.58 s with soup, 7.36 s with strips, "
+                "178 "
+                "to 349 frames per second)\n");
+        print_timeline(methods_, play_methods(methods_, 1, 2));
+
+        std::vector<Method> all = comparators(options_.gpu);
+        all.insert(all.end(), methods_.end() - 3, methods_.end()); // one of gl-query, gl-compute, cpu
+        say("\ncomparators: every {}th frame\n", options_.every);
+        play_methods(all, options_.every, 3);
     }
 
-    void tables_2_and_3()
+    /// Plays the methods and prints their totals. The last method must be the cpu.
+    std::vector<Played> play_methods(const std::vector<Method>& methods, int every, int table)
     {
-        const Scene scene = open_scene({.scene = options_.large ? "paper-5k" : "paper",
-                                        .bodies = {},
-                                        .frames = options_.frames,
-                                        .seed = {},
-                                        .data = options_.data,
-                                        .cache = {}});
-        say("Tables 2 and 3: the animation, {} frames, depth {}, cells dropped after {} frames\n"
-            "(the paper: 1,500 triangles per model, on a notebook of 2004: 8.58 s with soup, 7.36 s with strips, 178 "
-            "to 349 frames per second)\n",
-            scene.frames, options_.depth, options_.age);
+        const Settings settings{.depth = options_.depth, .age_limit = options_.age};
         std::vector<Played> played;
-        for (const Method& method : methods_) played.push_back(play(scene, options_, method.make()));
-        print_totals(played);
-        print_timeline(played);
+        for (const Method& method : methods)
+            played.push_back(play(scene_, settings, method, std::min(12, scene_.frames), every));
+        print_totals(methods, played, true_pairs(scene_, every), table);
+        return played;
     }
 
-    void print_totals(const std::vector<Played>& played) const
+    void print_totals(const std::vector<Method>& all, const std::vector<Played>& played, const PairsByFrame& truth,
+                      int table)
     {
-        say("{:<22}{:>10}{:>12}{:>18}{:>12}{:>10}{:>14}{:>16}  {}\n", "", "seconds", "frames/s", "slowest-fastest",
-            "queries", "cells", "queries/cell", "contacts lost", "hash");
-        for (std::size_t i = 0; i < played.size(); ++i) {
-            const Window all = played[i].total();
+        const std::uint64_t collisions = count_pairs(truth);
+        say("{:<22}{:>10}{:>12}{:>18}{:>12}{:>10}{:>14}{:>12}{:>10}{:>10}  {}\n", "", "seconds", "frames/s",
+            "slowest-fastest", "queries", "cells", "queries/cell", "left over", "lost", "missed", "hash");
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            const Window sum = played[i].total();
+            const bool trees = bool(all[i].backend);
             double least = 1e300, most = 0;
             for (const Window& w : played[i].windows)
                 if (w.frames)
                     least = std::min(least, 1e3 * double(w.frames) / w.ms),
                     most = std::max(most, 1e3 * double(w.frames) / w.ms);
-            say("{:<22}{:>10.3f}{:>12.0f}{:>18}{:>12}{:>10}{:>14}{:>16}  {:016x}\n", methods_[i].name, all.ms / 1e3,
-                1e3 * double(all.frames) / all.ms, fmt::format("{:.0f}-{:.0f}", least, most), grouped(all.queries),
-                grouped(all.cells), all.queries ? fmt::format("{:.2f}", double(all.queries) / double(all.cells)) : "-",
-                grouped(lost(played.back(), played[i])), played[i].hash);
+            const std::uint64_t lost = missed(truth, played[i].left);
+            say("{:<22}{:>10.3f}{:>12.0f}{:>18}{:>12}{:>10}{:>14}{:>12}{:>10}{:>10}  {:016x}\n", all[i].name,
+                sum.ms / 1e3, 1e3 * double(sum.frames) / sum.ms, fmt::format("{:.0f}-{:.0f}", least, most),
+                grouped(sum.queries), grouped(sum.cells),
+                sum.queries && trees ? fmt::format("{:.2f}", double(sum.queries) / double(sum.cells)) : "-",
+                grouped(played[i].left_over()), trees ? grouped(missed(played.back().left, played[i].left)) : "-",
+                grouped(lost), played[i].hash);
+            if (csv_ && table == 3)
+                csv_->row(table, Quoted{options_.scene}, Quoted{all[i].name}, sum.frames, sum.ms, sum.queries,
+                          sum.cells, played[i].candidates, played[i].left_over(), lost, collisions);
+            if (lost && all[i].certified)
+                throw Error(ErrorKind::internal, fmt::format("{}: {} collisions were missed", all[i].name, lost));
         }
-        say("contacts lost: pairs, over all frames, that cpu, which misses none, leaves over and the method does "
-            "not\n\n");
+        say("left over: of {} pairs whose boxes overlap, over all frames; lost: pairs that cpu leaves over and the "
+            "method "
+            "does not;\nmissed: of {} pairs that collide by exact arithmetic\n\n",
+            grouped(played.front().candidates), grouped(collisions));
     }
 
-    void print_timeline(const std::vector<Played>& played)
+    void print_timeline(const std::vector<Method>& all, const std::vector<Played>& played)
     {
         say("over time: frames per second (queries)\n{:>12}", "to frame");
-        for (const Method& method : methods_) say("{:>24}", method.name);
+        for (const Method& method : all) say("{:>24}", method.name);
         say("\n");
         std::uint64_t frame = 0;
         for (std::size_t w = 0; w < played.front().windows.size(); ++w) {
@@ -218,22 +154,24 @@ private:
                 say("{:>24}", window.queries ? fmt::format("{:.0f} ({})", rate, grouped(window.queries))
                                              : fmt::format("{:.0f}", rate));
                 if (csv_)
-                    csv_->row(2, frame, Quoted{methods_[i].name}, window.frames, window.ms, window.queries,
-                              window.cells);
+                    csv_->row(2, frame, Quoted{all[i].name}, window.frames, window.ms, window.queries, window.cells,
+                              std::nullopt, std::nullopt, std::nullopt, std::nullopt);
             }
             say("\n");
         }
     }
 
     PaperOptions options_;
+    Scene scene_;
     std::vector<Method> methods_;
     std::optional<CsvFile> csv_;
 };
 
-/// The tables of the paper: one level of seven models, and its animation.
+/// Returns the exit code: 70 if a method that promises not to missed a collision.
 int bench_paper(const PaperOptions& options)
 {
-    check_range("--frames", options.frames.value_or(12), 12);
+    check_range("--frames", options.frames.value_or(1), 1);
+    check_range("--every", options.every, 1);
     check_files({{"--csv", options.csv}});
     check(Settings{.depth = options.depth, .viewport = options.viewport, .age_limit = options.age});
     PaperBench(options).run();
@@ -244,11 +182,16 @@ int bench_paper(const PaperOptions& options)
 
 void add_paper(Arguments bench)
 {
-    Arguments sub = bench.add_command("paper", "The paper's tables: its occlusion queries and the other backends");
+    Arguments sub = bench.add_command("paper", "The paper's tables: its occlusion queries, the other backends, and "
+                                               "comparators (CULLIDE, viewing volumes)");
     auto options = std::make_shared<PaperOptions>();
     sub.add_flag("--large", options->large, "animate models of 5,100 triangles instead of 1,500");
+    sub.add_option("--scene", options->scene, "animate another scene: a file, or a name from 'oncollide scene --list'")
+        .type_name("SCENE");
+    sub.add_option("--bodies", options->bodies, "number of bodies of that scene").type_name("N");
     sub.add_option("--frames", options->frames, "frames of the animation (default 2400, as in the paper)")
         .type_name("N");
+    sub.add_option("--every", options->every, "play the comparators on every N-th frame (default 24)").type_name("N");
     sub.add_option("--depth", options->depth, "depth of the sphere-trees (default 5, as in the paper)").type_name("D");
     sub.add_option("--age", options->age, "frames after which unused cells are dropped (default 60)").type_name("N");
     sub.add_option("--viewport", options->viewport, "pixels per side of a cell (default 16)").type_name("PX");
@@ -256,7 +199,10 @@ void add_paper(Arguments bench)
     sub.add_option("--data", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
         .type_name("DIR");
     sub.add_option("--csv", options->csv, "write one row per figure").type_name("FILE");
-    sub.action([options] { return bench_paper(*options); });
+    sub.action([options] {
+        if (options->large) options->scene = "paper-5k";
+        return bench_paper(*options);
+    });
 }
 
 } // namespace oncollide::tools
