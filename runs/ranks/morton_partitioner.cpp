@@ -27,8 +27,6 @@ struct Sample {
 
 class MortonPartitioner final : public Partitioner {
 public:
-    std::string_view name() const override { return "morton"; }
-
     void rebuild(Ranks& ranks, std::span<const Vector3d> points, std::span<const float> weights) override
     {
         fit_grid(ranks, points);

@@ -1,5 +1,5 @@
 // Replaces the MPI sources if ONCOLLIDE_MPI=OFF.
-#include <oncollide/runs/ranks/partitioner.hpp>
+#include <oncollide/runs/ranks/ranks.hpp>
 
 namespace oncollide {
 
@@ -7,8 +7,8 @@ namespace {
 
 [[noreturn]] void refuse_without_mpi()
 {
-    throw Error(ErrorKind::usage, "oncollide was built without MPI; build it with -DONCOLLIDE_MPI=ON (Open MPI and "
-                                  "Zoltan: libopenmpi-dev, libtrilinos-zoltan-dev)");
+    throw Error(ErrorKind::usage, "oncollide was built without MPI; build it with -DONCOLLIDE_MPI=ON (Open "
+                                  "MPI: libopenmpi-dev)");
 }
 
 } // namespace
@@ -19,11 +19,6 @@ bool mpi_is_built()
 }
 
 std::unique_ptr<Ranks> make_mpi_ranks()
-{
-    refuse_without_mpi();
-}
-
-std::unique_ptr<Partitioner> make_zoltan_partitioner(const Ranks&)
 {
     refuse_without_mpi();
 }

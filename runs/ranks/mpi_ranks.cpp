@@ -1,4 +1,3 @@
-#include <oncollide/runs/ranks/mpi_ranks.hpp>
 
 #include <algorithm>
 
@@ -95,11 +94,6 @@ private:
 };
 
 } // namespace
-
-MPI_Comm mpi_communicator()
-{
-    return MPI_COMM_WORLD;
-}
 
 bool mpi_is_built()
 {

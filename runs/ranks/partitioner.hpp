@@ -14,8 +14,6 @@ namespace oncollide {
 class Partitioner {
 public:
     virtual ~Partitioner() = default;
-    virtual std::string_view name() const = 0;
-
     /// Divides anew, with roughly equal weights in all regions. Collective.
     /// @param points  of this rank
     /// @param weights  of these points, > 0
@@ -30,7 +28,5 @@ public:
 
 /// Regions are ranges of an octree's cells in Morton order, split by samples from all ranks.
 std::unique_ptr<Partitioner> make_morton_partitioner();
-/// Zoltan's recursive coordinate bisection. Throws Error{usage} with ONCOLLIDE_MPI=OFF or if `ranks` are not MPI's.
-std::unique_ptr<Partitioner> make_zoltan_partitioner(const Ranks& ranks);
 
 } // namespace oncollide

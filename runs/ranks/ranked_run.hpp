@@ -79,7 +79,6 @@ public:
     std::vector<StageStats> totals();
 
     World& world() { return world_.world(); }
-    std::string_view partitioner() const { return partition_->name(); }
     std::uint32_t bodies() const { return scene_.bodies; }
     int rebuilds() const { return rebuilds_; }
 

@@ -69,12 +69,12 @@ FILE* fopen64(const char* path, const char* mode)
     return of_library(path, mode);
 }
 
-int Zoltan_LB_Partition(void* a, int* b, int* c, int* d, int* e, unsigned** f, unsigned** g, int** h, int** i, int* j,
-                        unsigned** k, unsigned** l, int** m, int** n)
+/// The largest of six numbers are the bounds of all bodies: a partition begins.
+int MPI_Allreduce(const void* a, void* b, int count, MPI_Datatype type, MPI_Op d, MPI_Comm e)
 {
-    static const auto of_library = real(&Zoltan_LB_Partition, "Zoltan_LB_Partition");
-    if (due("partition")) die();
-    return of_library(a, b, c, d, e, f, g, h, i, j, k, l, m, n);
+    REAL(MPI_Allreduce);
+    if (count == 6 && type == MPI_DOUBLE && due("partition")) die();
+    return of_library(a, b, count, type, d, e);
 }
 
 int MPI_Alltoall(const void* a, int b, MPI_Datatype c, void* d, int e, MPI_Datatype f, MPI_Comm g)

@@ -237,7 +237,6 @@ TEST_F(RanksTest, ClusteredScenesAreCutByWorkNotByBodies)
 /// Morton's partitioner, with a fault.
 class Faulty : public Partitioner {
 public:
-    std::string_view name() const override { return "faulty"; }
     void rebuild(Ranks& ranks, std::span<const Vector3d> points, std::span<const float> weights) override
     {
         good_->rebuild(ranks, points, weights);

@@ -98,7 +98,6 @@ public:
     {
         Settings settings;
         SceneSlice slice;
-        std::unique_ptr<Partitioner> partition;
         RankedOptions ranked{.csv = outputs_.csv,
                              .separate = outputs_.separate,
                              .trace = !outputs_.trace.empty(),
@@ -111,6 +110,10 @@ public:
             ranked.rebalance = rebalance_from_name(options_.rebalance);
             check_range("--checkpoint-every", options_.checkpoint_every, 1);
             check_range("--patience", options_.patience, 1);
+            if (options_.partitioner == "zoltan" && speaks_)
+                log(LogLevel::note, "--partitioner zoltan: Zoltan is not used; regions are ranges of Morton keys");
+            else if (options_.partitioner != "morton" && options_.partitioner != "zoltan")
+                usage(fmt::format("--partitioner: unknown name '{}'; valid: morton", options_.partitioner));
             if (options_.resume && options_.checkpoint.empty()) usage("--resume needs --checkpoint FILE");
             check_rank_outputs(outputs_);
             if (ranks_.rank() == 0) check_files({{"--process-csv", options_.csv}});
@@ -122,13 +125,12 @@ public:
             }
         });
         print_warnings_of_all(slice.warnings);
-        together(ranks_, [&] { partition = make_partitioner(); });
         if (speaks_ && slice.bodies < std::uint32_t(ranks_.size()))
             log(LogLevel::note,
                 fmt::format("{} processes for {} bodies: some processes have no body", ranks_.size(), slice.bodies));
         title_ = slice.name.empty() ? "scene" : slice.name;
         const int frames = slice.frames;
-        RankedRun run(ranks_, std::move(partition), std::move(slice), settings, ranked);
+        RankedRun run(ranks_, make_morton_partitioner(), std::move(slice), settings, ranked);
         return play(run, frames);
     }
 
@@ -153,13 +155,6 @@ private:
             }
         if (speaks_) log_warnings(all);
     }
-    std::unique_ptr<Partitioner> make_partitioner()
-    {
-        if (ranks_.size() == 1 || options_.partitioner == "morton") return make_morton_partitioner();
-        if (options_.partitioner == "zoltan") return make_zoltan_partitioner(ranks_);
-        usage(fmt::format("--partitioner: unknown name '{}'; valid: zoltan, morton", options_.partitioner));
-    }
-
     int play(RankedRun& run, int frames)
     {
         catch_interrupts();
@@ -189,10 +184,9 @@ private:
         const std::vector<StageStats> stages = run.totals();
         const std::vector<RankStatistics> ranks = run.statistics(peak_memory());
         const auto phases = run.phases();
-        const std::string title =
-            fmt::format("{}: {} bodies, {} frame{}{}; {} process{} ({})", title_, run.bodies(), run.frame(),
-                        run.frame() == 1 ? "" : "s", run.frame() < frames ? " (interrupted)" : "", ranks_.size(),
-                        ranks_.size() == 1 ? "" : "es", run.partitioner());
+        const std::string title = fmt::format(
+            "{}: {} bodies, {} frame{}{}; {} process{}", title_, run.bodies(), run.frame(), run.frame() == 1 ? "" : "s",
+            run.frame() < frames ? " (interrupted)" : "", ranks_.size(), ranks_.size() == 1 ? "" : "es");
         together(ranks_, [&] {
             if (ranks_.rank() != 0) return;
             if (speaks_)
@@ -238,8 +232,7 @@ void add_rank_options(Arguments command, RankOptions& o)
         .add_option("--rebalance", o.rebalance,
                     "under mpirun, when to divide space among the processes again: auto (default), always or never")
         .type_name("WHEN");
-    command.add_option("--partitioner", o.partitioner, "under mpirun, partitioner: zoltan (default) or morton")
-        .type_name("NAME");
+    command.add_option("--partitioner", o.partitioner, "for old scripts: morton is the only one").type_name("NAME");
     command
         .add_option("--process-csv", o.csv,
                     "under mpirun, write one row per process: its bodies, its work and the "

@@ -8,7 +8,7 @@ namespace oncollide::tools {
 
 /// Options of a run on several processes (docs/many-processes.md).
 struct RankOptions {
-    std::string rebalance = "auto", partitioner = "zoltan";
+    std::string rebalance = "auto", partitioner = "morton";
     std::string checkpoint, csv; ///< csv: one row per process
     int checkpoint_every = 100;
     bool resume = false;
