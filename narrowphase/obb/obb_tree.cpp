@@ -13,7 +13,6 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::size_t large_from = 4096; ///< triangles; half a megabyte with their corners and boxes
 /// Boxes of at most this many triangles are fitted. Boxes of more triangles use the mesh's axes: fitting costs ten
 /// times as much as computing bounds, and would delay the first result of a large mesh.
 constexpr std::size_t most_fitted = 16384;

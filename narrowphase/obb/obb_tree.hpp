@@ -134,6 +134,9 @@ public:
     /// loaded.
     bool is_large() const { return large_; }
 
+    /// True if the mesh, cooked or not, has many triangles.
+    bool has_many() const { return !(node(root).leaves & 1) && count_of(root, 0) >= large_from; }
+
     /// Indexed by number in the tree. In a cooked mesh only entries that traversals have reached are valid.
     const Eigen::Vector3d* vertices() const { return vertices_; }
     const Triangle* triangles() const { return triangles_; }
@@ -165,6 +168,7 @@ public:
     std::string validate() const;
 
 private:
+    static constexpr std::size_t large_from = 4096; ///< triangles; half a megabyte with their corners and boxes
     static constexpr unsigned most_lanes = 8;
     std::string fault_of_node(Node index, std::uint32_t begin, std::uint32_t count) const;
     static std::uint64_t most_lines(std::size_t triangles);

@@ -287,6 +287,22 @@ unsigned compare_far(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k,
     return compare<true>(boxes, other, k, &line, cutoff, gaps, nearest);
 }
 
+float reach(const OpenBoxes& boxes, const float (&direction)[3])
+{
+    const float x = direction[0], y = direction[1], z = direction[2];
+    const F32x8 cx = load(boxes.c[0]);
+    F32x8 most = x * cx + y * load(boxes.c[1]) + z * load(boxes.c[2]);
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i)
+        most = most + load(boxes.h[i]) *
+                          abs(x * load(boxes.axis[i][0]) + y * load(boxes.axis[i][1]) + z * load(boxes.axis[i][2]));
+    most = cx < splat(0.5f * far_away) ? most : splat(-far_away);
+    most = max(most, ONCOLLIDE_SHUFFLE(most, 4, 5, 6, 7, 0, 1, 2, 3));
+    most = max(most, ONCOLLIDE_SHUFFLE(most, 2, 3, 0, 1, 6, 7, 4, 5));
+    most = max(most, ONCOLLIDE_SHUFFLE(most, 1, 0, 3, 2, 5, 4, 7, 6));
+    return most[0];
+}
+
 /// As OrientedBoxKernel::on_segment().
 /// @param to         the centres relative to the segment's middle
 /// @param direction  the segment's
@@ -353,7 +369,7 @@ unsigned node_on_segment(const BoxNode& node, const SegmentLine& s, float (&entr
 
 OrientedBoxKernel oriented_box_kernel()
 {
-    return {open, open_triangles, open_octants, compare_near, compare_far, on_segment, node_on_segment};
+    return {open, open_triangles, open_octants, compare_near, compare_far, reach, on_segment, node_on_segment};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

@@ -39,6 +39,8 @@ struct OrientedBoxKernel {
     using CompareFar = unsigned(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxLine& line,
                                 float cutoff, float (&gaps)[8], float (&nearest)[8]);
     CompareFar* compare_far;
+    /// The largest projection of the boxes onto a direction of length 1 at most.
+    float (*reach)(const OpenBoxes& boxes, const float (&direction)[3]);
     /// Returns one bit for each box that the segment may meet. The boxes must not be moved: see SegmentLine.
     /// @param entry  out: lower bounds of the parameters, -1 to 1, of the segment's points in the box
     unsigned (*on_segment)(const OpenBoxes& boxes, const SegmentLine& segment, float (&entry)[8]);

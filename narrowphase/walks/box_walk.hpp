@@ -255,28 +255,63 @@ private:
     /// Sets the direction onto which boxes are also projected.
     void take_line(const Line& line)
     {
+        ++line_number_;
         line_ = line, origin_along_line_ = line.in_a.dot(origin_);
         for (int i = 0; i < 3; ++i) toward_b_[i] = static_cast<float>(box_line_length * line.in_a[i]);
     }
-    /// Sets the direction from the other box towards the parts of this one, and the other box's largest projection onto
-    /// it. If the other box is a leaf, its primitives are projected instead.
-    void set_line(BoxLine& line, Entry e, bool down_a) const
+    struct Reaches {
+        std::uint32_t line[8] = {}; ///< by box: the number of the line that its reach is for
+        double reach[8];
+    };
+    /// Upper bound of the projection of a box's contents onto a direction, relative to the origin: of a leaf's
+    /// primitives, or of the boxes in the child node of a mesh with many triangles, which follow the contents better
+    /// than the box does. Opens the node. Kept until the line changes, because each box is compared with many.
+    double reach_of(auto& nodes, std::vector<Reaches>& kept, std::uint32_t slot, unsigned k,
+                    const float (&direction)[3], auto of_leaf)
     {
-        for (int i = 0; i < 3; ++i) line.direction[i] = down_a ? -toward_b_[i] : toward_b_[i];
-        if (down_a ? b_[e.slot_b()].leaf(e.lane_b()) : a_[e.slot_a()].leaf(e.lane_a())) {
-            const double reach = down_a ? origin_along_line_ - low_b(b_.primitives(e.slot_b(), e.lane_b()), line_)
-                                        : high_a(a_.primitives(e.slot_a(), e.lane_a()), line_) - origin_along_line_;
-            line.other_reach = static_cast<float>(box_line_length * reach);
-            return;
+        if (kept.size() <= slot) kept.resize(2 * std::size_t(slot) + 16);
+        if (kept[slot].line[k] == line_number_) return kept[slot].reach[k];
+        double reach;
+        if (nodes[slot].leaf(k) || !nodes.has_many()) {
+            const OpenBoxes& boxes = nodes[slot].boxes;
+            reach = nodes[slot].leaf(k) ? box_line_length * of_leaf() : reach_of_box(boxes, k, direction);
+            reach += boxes.margin;
+        } else {
+            const OpenBoxes& boxes = nodes[nodes.descend(slot, k)].boxes;
+            reach = double(kernel_.reach(boxes, direction)) + boxes.margin;
         }
-        const OpenBoxes& boxes = down_a ? b_[e.slot_b()].boxes : a_[e.slot_a()].boxes;
-        const unsigned k = down_a ? e.lane_b() : e.lane_a();
+        kept[slot].line[k] = line_number_;
+        return kept[slot].reach[k] = reach;
+    }
+    static float reach_of_box(const OpenBoxes& boxes, unsigned k, const float (&direction)[3])
+    {
         const auto along = [&](const auto& v) {
-            return line.direction[0] * v[0][k] + line.direction[1] * v[1][k] + line.direction[2] * v[2][k];
+            return direction[0] * v[0][k] + direction[1] * v[1][k] + direction[2] * v[2][k];
         };
         float reach = along(boxes.c);
         for (int i = 0; i < 3; ++i) reach += boxes.h[i][k] * std::abs(along(boxes.axis[i]));
-        line.other_reach = reach;
+        return reach;
+    }
+    double reach_of_a(Entry e)
+    {
+        return reach_of(a_, reaches_a_, e.slot_a(), e.lane_a(), toward_b_,
+                        [&] { return high_a(a_.primitives(e.slot_a(), e.lane_a()), line_) - origin_along_line_; });
+    }
+    double reach_of_b(Entry e)
+    {
+        const float toward_a[3] = {-toward_b_[0], -toward_b_[1], -toward_b_[2]};
+        return reach_of(b_, reaches_b_, e.slot_b(), e.lane_b(), toward_a,
+                        [&] { return origin_along_line_ - low_b(b_.primitives(e.slot_b(), e.lane_b()), line_); });
+    }
+    /// A gap of the contents of two boxes: along the line.
+    float line_gap(Entry e) { return static_cast<float>(-reach_of_a(e) - reach_of_b(e)); }
+    /// The direction from the other box towards the parts of this one, and the reach of the other box.
+    BoxLine line_to(Entry e, bool down_a)
+    {
+        BoxLine line;
+        for (int i = 0; i < 3; ++i) line.direction[i] = down_a ? -toward_b_[i] : toward_b_[i];
+        line.other_reach = static_cast<float>(down_a ? reach_of_b(e) : reach_of_a(e));
+        return line;
     }
     /// Sorts the last `count` entries, at most eight, so that the nearest is last.
     void sort_last(unsigned count)
@@ -346,11 +381,13 @@ private:
     std::size_t top_ = 0;
     bool far_ = true;
     std::vector<typename A::Node> starts_;
-    std::vector<Pair> waiting_;    ///< pairs to be tested together
-    std::vector<Entry> from_;      ///< the boxes that contain them
-    alignas(32) float nearest_[8]; ///< least gaps of the rejected boxes
-    Eigen::Vector3d origin_;       ///< of the boxes' coordinates, in A's frame
-    Line line_;                    ///< from A's nearest point found so far to B's
+    std::vector<Pair> waiting_;                  ///< pairs to be tested together
+    std::vector<Entry> from_;                    ///< the boxes that contain them
+    alignas(32) float nearest_[8];               ///< least gaps of the rejected boxes
+    Eigen::Vector3d origin_;                     ///< of the boxes' coordinates, in A's frame
+    Line line_;                                  ///< from A's nearest point found so far to B's
+    std::uint32_t line_number_ = 0;              ///< of all lines so far
+    std::vector<Reaches> reaches_a_, reaches_b_; ///< by slot
     double origin_along_line_;
     float toward_b_[3]; ///< line_ for boxes: a little shorter, so that rounding makes it no longer than 1
     Leaves leaves_;

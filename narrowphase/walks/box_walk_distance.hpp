@@ -74,6 +74,7 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
         });
         if (waiting_.size() >= (best.nearest ? measured : 1)) measure();
     };
+    const bool kept = a_.has_many() || b_.has_many(); // otherwise projections of boxes were compared already
     // Depth first: a heap of all boxes would open half as many, but maintaining it costs more than opening them.
     const auto look = [&](double share_of_nearest) {
         share = share_of_nearest, best.lower = infinity;
@@ -82,10 +83,12 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
             const Entry e = stack_[--top_];
             if (e.gap > cutoff)
                 best.lower = std::min(best.lower, frame.at_least(e.gap));
-            else if (!both_leaves(e))
-                sort_last(open<true>(e, cutoff));
-            else
+            else if (both_leaves(e))
                 take_leaves(e);
+            else if (const float gap = kept ? line_gap(e) : e.gap; gap > cutoff)
+                best.lower = std::min(best.lower, frame.at_least(gap));
+            else
+                sort_last(open<true>(e, cutoff));
         }
         measure();
     };

@@ -36,6 +36,8 @@ template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 template <bool far>
 unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot, float cutoff)
 {
+    BoxLine line;
+    if constexpr (far) line = line_to(e, down_a); // may open nodes
     const OpenBoxes &boxes = down_a ? a_[slot].boxes : b_[slot].boxes,
                     &other = down_a ? b_[e.slot_b()].boxes : a_[e.slot_a()].boxes;
     ++box_rows;
@@ -46,13 +48,10 @@ unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot
     else
         a_.prefetch(e.slot_a(), k);
     unsigned near;
-    if constexpr (far) {
-        BoxLine line;
-        set_line(line, e, down_a);
+    if constexpr (far)
         near = kernel_.compare_far(boxes, other, k, line, cutoff, gaps, nearest_);
-    } else {
+    else
         near = kernel_.compare(boxes, other, k, cutoff, gaps, nearest_);
-    }
     if (!near) return 0;
     const unsigned found = near;
     if (stack_.size() < top_ + 8) stack_.resize(2 * (top_ + 8));

@@ -57,6 +57,12 @@ public:
             if (const Node& above = nodes_[slot]; !above.below[k] && !above.leaf(k))
                 hierarchy_->prefetch_child(above.node, k);
     }
+    /// True for a mesh of many triangles.
+    bool has_many() const
+    {
+        if constexpr (requires { hierarchy_->has_many(); }) return hierarchy_->has_many();
+        return false;
+    }
     /// Prefetches the child nodes of several boxes, one bit each, if the hierarchy is too large for the caches.
     void prefetch_below(std::uint32_t slot, unsigned boxes) const
     {

@@ -58,6 +58,9 @@ public:
         return exact_ == ExactLevel::fcl ? Refiner::fcl : Refiner::exact;
     }
 
+    /// True if the refine level leaves every pair whose trees exist to the exact level.
+    bool leaves_to_exact() const { return obb_ && left_to_exact_; }
+
     /// True if of() would make no tree because all exist.
     bool there(Level level, const ModelStore& models, const Model& a, const Model& b) const
     {

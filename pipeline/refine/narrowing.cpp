@@ -10,6 +10,13 @@ Narrowing::Narrowing(const Settings& settings, ModelStore& models, Level level)
 {
 }
 
+bool Narrowing::is_idle(const RefineContext& context, std::span<const PairTask> tasks) const
+{
+    if (level_ != Level::refine || !dispatch_.leaves_to_exact()) return false;
+    const auto lock = context.walking();
+    return std::ranges::all_of(tasks, [&](const PairTask& t) { return dispatch_.there(level_, models_, *t.a, *t.b); });
+}
+
 /// Queries whose trees exist run concurrently.
 void Narrowing::sort_out(const RefineContext& context, std::span<const PairTask> tasks)
 {
@@ -81,7 +88,8 @@ void Narrowing::run(RefineContext& context, std::span<const PairTask> tasks, Pai
 
 void BothLevels::run(RefineContext& context, std::span<const PairTask> tasks, std::span<Finding> results)
 {
-    if (!settings_.skip.contains(StageId::refine)) refine_.run(context, tasks, nullptr, results);
+    if (!settings_.skip.contains(StageId::refine) && !refine_.is_idle(context, tasks))
+        refine_.run(context, tasks, nullptr, results);
     if (!exact_runs(settings_)) return;
     open_.clear(), tasks_.clear(), results_.clear();
     for (std::uint32_t i = 0; i < tasks.size(); ++i)

@@ -25,6 +25,8 @@ public:
     /// Updates results[i] for tasks[i]. Pairs without a refiner keep their results, except that `within` becomes
     /// `undecided` if a budget has no room for an exact decision.
     void run(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache, std::span<Finding> results);
+    /// True if run() would change nothing: the exact level decides these pairs, and their trees exist.
+    bool is_idle(const RefineContext& context, std::span<const PairTask> tasks) const;
     /// True if the last run() decided task i.
     bool decided(std::size_t i) const { return refiners_[i] > Refiner::no_room; }
 
