@@ -83,7 +83,7 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
             if (e.gap > cutoff)
                 best.lower = std::min(best.lower, frame.at_least(e.gap));
             else if (!both_leaves(e))
-                sort_last(open<true>(e, cutoff));
+                sort_last(open<Gaps::far>(e, cutoff));
             else
                 take_leaves(e);
         }
