@@ -98,8 +98,8 @@ public:
         }
         width_ = widest();
         for (; result_.steps < task_.options.most_steps; ++result_.steps) {
-            if (result_.clear_until >= 1) {
-                result_.clear_until = 1, result_.verdict = Verdict::separate, result_.gap = no_bound;
+            if (result_.clear_until >= task_.until) {
+                result_.verdict = Verdict::separate, result_.normal.setZero();
                 return result_;
             }
             if (step()) return result_;
@@ -209,15 +209,15 @@ private:
         }
         return found_;
     }
-    /// True if the bodies certainly meet, or come within the clearance, at this time. At the ends of the motion, what
-    /// rounding hides from the exact test counts, too.
+    /// True if the bodies certainly meet, or come within the clearance, at this time. At the ends of the motion,
+    /// undecided poses count, too.
     bool meets_at(double time)
     {
         const Finding found = decide(time);
         return found.verdict == Verdict::colliding || found.kind == ContactKind::near ||
                (found.verdict == Verdict::within && (time == 0 || time == 1 || inexact_));
     }
-    /// For a decision that has just been made.
+    /// Sets the contact of the last decision.
     void set_contact(double time)
     {
         result_.verdict = found_.verdict, result_.kind = found_.kind;
@@ -247,7 +247,7 @@ private:
     SweepResult result_;
     PairMemory memory_;
     double tolerance_ = 1, width_ = 1, tried_ = -1;
-    bool inexact_; ///< what is within an error counts as a contact
+    bool inexact_; ///< bodies within an error or the clearance are in contact
     Isometry3d pose_a_, pose_b_;
     PairTask at_{};
     Finding found_;

@@ -19,6 +19,7 @@ struct SweepTask {
     SweepOptions options{};
     double clearance = 0; ///< metres
     bool solid = false;   ///< the inside of a closed mesh belongs to the mesh
+    double until = 1;     ///< the search ends as soon as no earlier contact is possible
 };
 
 /// A body during a window of time.

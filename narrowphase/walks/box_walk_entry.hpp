@@ -22,7 +22,7 @@ void BoxWalk<A, B, Leaves>::set_motion(BoxMotion& motion, Entry e, bool down_a) 
                                       0x1p-20 * (base.norm() + other_turn * centre.norm()) + box_rounding_);
 }
 
-/// The motion of what two boxes hold.
+/// The relative motion of the contents of two boxes.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 SweptParts BoxWalk<A, B, Leaves>::motion_of(Entry e) const
 {

@@ -14,8 +14,8 @@ struct SweptSide {
     Eigen::Vector3d at(const Eigen::Vector3d& x) const { return shift + turn.cross(x); }
 };
 
-/// What a ball around c with radius r holds stays within |turn| r of where the centre moves. Together, both bodies stay
-/// within `slack` more of where these motions take them; it includes the clearance.
+/// The points of a ball with centre c and radius r stay within |turn| r of the motion of c. Together, both bodies stay
+/// within `slack` more of these motions; the slack includes the clearance.
 struct SweptMotion {
     SweptSide a, b;
     double slack = 0;

@@ -40,7 +40,7 @@ protected:
         task.a = &a, task.b = &b, task.motion_a = &motion_a, task.motion_b = &motion_b;
         return tests_for(a.kind(), b.kind()).advance(worker_, task);
     }
-    /// Without witnesses of earlier decisions.
+    /// The verdict at one time, without witnesses of earlier decisions.
     Finding decide(Model& a, const RigidMotion& motion_a, Model& b, const RigidMotion& motion_b, double time)
     {
         const Isometry3d pose_a = motion_a.pose(time), pose_b = motion_b.pose(time);
