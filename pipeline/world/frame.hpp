@@ -71,8 +71,7 @@ struct Frame {
     std::vector<PairRun> kept;                   ///< pairs that keep their last result, ascending; all others are open
     std::vector<std::uint32_t> open;             ///< pairs to be decided
     std::vector<std::uint32_t> retested;         ///< without coherence, pairs at rest: tested, but without their memory
-    std::vector<std::uint32_t> swept;            ///< pairs with a body on a way, ascending: neither kept nor open
-    std::vector<PairSweep> sweeps;               ///< their results
+    std::vector<PairSweep> sweeps;               ///< of the pairs with a body on its way, ascending
     SweepOptions sweep_options;
     KeptCounts kept_counts;    ///< of the pairs in `kept`
     bool keeps = false;        ///< the last frame ended, and no budget lets results depend on other pairs

@@ -4,7 +4,6 @@
 
 #include <oncollide/pipeline/refine/narrowing.hpp>
 #include <oncollide/pipeline/world/stage.hpp>
-#include <oncollide/pipeline/world/sweep_pairs.hpp>
 
 namespace oncollide {
 
@@ -74,8 +73,7 @@ private:
 /// so if predicates decide, this stage passes such pairs on to the exact level.
 class RefineStage final : public Stage {
 public:
-    RefineStage(const Settings& settings, ModelStore& models)
-        : level_(settings, models, Level::refine, StageId::refine), sweeps_(models)
+    RefineStage(const Settings& settings, ModelStore& models) : level_(settings, models, Level::refine, StageId::refine)
     {
     }
     StageId id() const override { return StageId::refine; }
@@ -88,7 +86,6 @@ public:
     void run(Bodies& bodies, Frame& frame, StageStats& stats) override
     {
         begin(bodies, frame);
-        sweeps_.run(bodies, frame, stats);
         level_.run(bodies, frame, stats, [](const PairResult&) { return true; });
         stats.in += frame.kept_counts.pairs, stats.out += frame.kept_counts.left_by_refine;
         for (const Round& round : frame.context.rounds) stats.gpu_ms += round.gpu_ms, stats.wait_ms += round.wait_ms;
@@ -124,12 +121,6 @@ private:
             }
         open_until(static_cast<std::uint32_t>(frame.pairs.size()));
         bound(bodies, frame, frame.open), bound(bodies, frame, frame.retested);
-        if (bodies.any_motion())
-            std::erase_if(frame.open, [&](std::uint32_t i) {
-                const bool moves = bodies.motion(frame.pairs[i].a) || bodies.motion(frame.pairs[i].b);
-                if (moves) frame.swept.push_back(i);
-                return moves;
-            });
         frame.context.trees.kept = frame.kept_counts.pairs;
     }
 
@@ -173,7 +164,6 @@ private:
     }
 
     LevelRun level_;
-    SweepPairs sweeps_;
 };
 
 /// Decides the remaining pairs: by predicates, or by FCL where FCL confirms the result.

@@ -1,11 +1,24 @@
 #include <oncollide/pipeline/world/sweep_pairs.hpp>
 
-#include <array>
 #include <optional>
 
 #include <oncollide/base/threads/parallel.hpp>
 
 namespace oncollide {
+
+namespace {
+
+/// Upper bound on how far any point of the body moves on its way.
+double motion_of(const Bodies& bodies, std::uint32_t slot)
+{
+    const RigidMotion* const motion = bodies.motion(slot);
+    if (!motion) return 0;
+    if (bodies.model(slot).kind() == Kind::half_space) return std::numeric_limits<double>::infinity();
+    const Aabb box = bounds_of(bodies.model(slot).geometry());
+    return motion->travel(0, 1, box.centre(), box.half_extent().norm());
+}
+
+} // namespace
 
 SweepResult sweep_pair(ModelStore& models, PairWorker& worker, const SweepTask& task)
 {
@@ -17,40 +30,32 @@ SweepResult sweep_pair(ModelStore& models, PairWorker& worker, const SweepTask& 
     }
 }
 
-void SweepPairs::run(const Bodies& bodies, Frame& frame, StageStats& stats)
+bool SweepPairs::apart_on_the_way(const Bodies& bodies, const Frame& frame, std::uint32_t pair)
 {
-    if (frame.swept.empty()) return;
-    frame.sweeps.assign(frame.swept.size(), {});
-    std::vector<SweepTask> tasks;
-    const auto task_of = [&](BodyPair pair) {
-        return SweepTask{&bodies.model(pair.a),
-                         &bodies.model(pair.b),
-                         bodies.motion(pair.a),
-                         bodies.motion(pair.b),
-                         frame.sweep_options,
-                         frame.settings.clearance,
-                         frame.settings.mode == Mode::solid};
-    };
-    for (const std::uint32_t i : frame.swept) {
-        SweepTask task = task_of(frame.pairs[i]);
-        for (Model** const model : {&task.a, &task.b})
-            if (!models_.admit_obb_tree(**model, frame.number)) *model = nullptr;
-        tasks.push_back(task);
+    const PairResult& last = frame.results[pair];
+    if (last.verdict != Verdict::separate || last.kind == ContactKind::touching) return false;
+    double moved = 0;
+    for (const std::uint32_t slot : {last.a.slot, last.b.slot}) {
+        if (moved_[slot] < 0) moved_[slot] = motion_of(bodies, slot);
+        moved += moved_[slot];
     }
-    const auto threads = static_cast<std::size_t>(std::max(frame.context.threads, 1));
-    if (workers_.size() < threads) workers_ = std::vector<PairWorker>(threads);
-    parallel_chunks(tasks.size(), 4, frame.context.threads, [&](std::size_t begin, std::size_t end, int thread) {
-        for (std::size_t i = begin; i < end; ++i) {
-            PairSweep& sweep = frame.sweeps[i];
-            SweepTask& task = tasks[i];
-            const BodyPair pair = frame.pairs[sweep.pair = frame.swept[i]];
-            if (!task.a || !task.b || frame.context.stopped()) continue;
-            std::array<std::optional<RigidMotion>, 2> rests;
-            if (!task.motion_a) task.motion_a = &rests[0].emplace(bodies.pose(pair.a));
-            if (!task.motion_b) task.motion_b = &rests[1].emplace(bodies.pose(pair.b));
-            static_cast<SweepResult&>(sweep) = sweep_pair(models_, workers_[static_cast<std::size_t>(thread)], task);
-        }
-    });
+    return last.bound * (1 - 0x1p-18) - moved > frame.settings.clearance * (1 + 0x1p-16);
+}
+
+void SweepPairs::run(const Bodies& bodies, Frame& frame)
+{
+    frame.sweeps.clear(), open_.clear();
+    moved_.assign(bodies.slots(), -1);
+    for (std::uint32_t i = 0; i < frame.pairs.size(); ++i) {
+        if (!bodies.motion(frame.pairs[i].a) && !bodies.motion(frame.pairs[i].b)) continue;
+        PairSweep& sweep = frame.sweeps.emplace_back();
+        sweep.pair = i;
+        if (apart_on_the_way(bodies, frame, i))
+            sweep.verdict = Verdict::separate, sweep.clear_until = 1;
+        else
+            open_.push_back(static_cast<std::uint32_t>(frame.sweeps.size() - 1));
+    }
+    sweep(bodies, frame);
     for (const PairSweep& sweep : frame.sweeps) {
         PairResult& result = frame.results[sweep.pair];
         result.verdict = sweep.verdict, result.kind = sweep.kind;
@@ -58,9 +63,35 @@ void SweepPairs::run(const Bodies& bodies, Frame& frame, StageStats& stats)
         if (sweep.verdict == Verdict::separate) result.bound = 0x1p-1000;
         if (sweep.verdict == Verdict::colliding) result.bound = 0;
         if (sweep.verdict == Verdict::within) result.bound = sweep.gap;
-        ++stats.in, stats.out += sweep.verdict != Verdict::separate;
-        stats.undecided += sweep.verdict == Verdict::undecided;
+        if (sweep.verdict == Verdict::undecided)
+            result.bound = farthest_apart(bodies.boxes()[result.a.slot], bodies.boxes()[result.b.slot]);
     }
+}
+
+void SweepPairs::sweep(const Bodies& bodies, Frame& frame)
+{
+    std::vector<SweepTask> tasks;
+    for (const std::uint32_t i : open_) {
+        const BodyPair pair = frame.pairs[frame.sweeps[i].pair];
+        Model &a = bodies.model(pair.a), &b = bodies.model(pair.b);
+        const bool room = models_.admit_obb_tree(a, frame.number) && models_.admit_obb_tree(b, frame.number);
+        tasks.push_back({room ? &a : nullptr, &b, bodies.motion(pair.a), bodies.motion(pair.b), frame.sweep_options,
+                         frame.settings.clearance, frame.settings.mode == Mode::solid});
+    }
+    const auto threads = static_cast<std::size_t>(std::max(frame.context.threads, 1));
+    if (workers_.size() < threads) workers_ = std::vector<PairWorker>(threads);
+    parallel_chunks(tasks.size(), 4, frame.context.threads, [&](std::size_t begin, std::size_t end, int thread) {
+        for (std::size_t i = begin; i < end; ++i) {
+            PairSweep& sweep = frame.sweeps[open_[i]];
+            SweepTask& task = tasks[i];
+            const BodyPair pair = frame.pairs[sweep.pair];
+            if (!task.a || frame.context.stopped()) continue;
+            std::optional<RigidMotion> rest_a, rest_b;
+            if (!task.motion_a) task.motion_a = &rest_a.emplace(bodies.pose(pair.a));
+            if (!task.motion_b) task.motion_b = &rest_b.emplace(bodies.pose(pair.b));
+            static_cast<SweepResult&>(sweep) = sweep_pair(models_, workers_[static_cast<std::size_t>(thread)], task);
+        }
+    });
 }
 
 } // namespace oncollide

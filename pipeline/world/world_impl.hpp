@@ -5,6 +5,7 @@
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/pipeline/world/motion_forecast.hpp>
 #include <oncollide/pipeline/world/stage.hpp>
+#include <oncollide/pipeline/world/sweep_pairs.hpp>
 
 namespace oncollide {
 
@@ -19,6 +20,7 @@ struct World::Impl {
     std::unique_ptr<BroadPhase> broad;
 
     Frame frame;
+    SweepPairs sweeps{models};
     std::vector<std::unique_ptr<Stage>> stages;
     std::vector<std::uint8_t> skipped;            ///< by stage: skipped by request
     std::vector<StageStats> stats, totals, blank; ///< blank: initial values of a frame

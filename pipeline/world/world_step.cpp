@@ -170,7 +170,7 @@ FrameView World::step()
                                                    frame.number, p.models.lost()));
     frame.context.trees = {}, frame.context.rounds.clear(), frame.context.frame = frame.number;
     p.take_in_changes();
-    frame.swept.clear(), frame.sweeps.clear();
+    frame.sweeps.clear();
     if (p.rests()) {
         p.repeat_stages();
     } else {
@@ -225,6 +225,9 @@ void World::Impl::run_stages()
         s.cpu_ms = milliseconds(to - from);
         from = to;
     }
+    if (!bodies.any_motion()) return;
+    sweeps.run(bodies, frame);
+    stats.back().cpu_ms += milliseconds(Clock::now() - from);
 }
 
 bool World::Impl::rests() const

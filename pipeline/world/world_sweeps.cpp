@@ -64,7 +64,7 @@ void World::sweep(std::span<const PairOfMovingModels> pairs, std::span<SweepResu
     p.each(tasks.size(), 4, [&](auto& worker, std::size_t i) { found[i] = p.sweep(worker, tasks[i]); });
 }
 
-/// Overwrites `hits` with all contacts of a moving model, or only with those that may be the first.
+/// Overwrites `hits` with the contacts of a moving model: with all, or with the contacts that may be the first.
 void World::Impl::find_casts(QueryWorker& w, const MovingModel& model, const QueryFilter& filter,
                              const SweepOptions& options, bool all, std::vector<SweepHit>& hits)
 {
