@@ -90,19 +90,16 @@ public:
 
     SweepResult run()
     {
-        if (meets_at(0)) {
-            set_contact(0);
-            const double soon = tolerance_in(MotionWindow(task_, 0, next_key()));
-            result_.separating = decide(soon).verdict == Verdict::separate;
-            return result_;
-        }
+        if (task_.memory) memory_ = *task_.memory;
+        const bool window_first = task_.begins_apart && !may_hold();
+        if (!window_first && begins_in_contact()) return result_;
         width_ = widest();
         for (; result_.steps < task_.options.most_steps; ++result_.steps) {
             if (result_.clear_until >= task_.until) {
                 result_.verdict = Verdict::separate, result_.normal.setZero();
                 return result_;
             }
-            if (step()) return result_;
+            if (step(window_first && result_.steps == 0)) return result_;
         }
         return result_;
     }
@@ -136,12 +133,29 @@ private:
         return std::min({task_.options.time_tolerance, task_.options.gap_tolerance / speeds, 1.0});
     }
 
+    /// True if one body may enclose the other while their surfaces, which windows compare, are apart.
+    bool may_hold() const
+    {
+        const auto parts = [](Kind kind) { return kind == Kind::mesh || kind == Kind::terrain || kind == Kind::map; };
+        const Kind a = task_.a->kind(), b = task_.b->kind();
+        return task_.solid || (a == Kind::polytope && parts(b)) || (b == Kind::polytope && parts(a));
+    }
+    bool begins_in_contact()
+    {
+        if (!meets_at(0)) return false;
+        set_contact(0);
+        const double soon = tolerance_in(MotionWindow(task_, 0, next_key()));
+        result_.separating = decide(soon).verdict == Verdict::separate;
+        return true;
+    }
     /// Examines the next window. Returns true if the result is final.
-    bool step()
+    /// @param first  the poses at time 0 are not decided yet
+    bool step(bool first)
     {
         const double begin = result_.clear_until, end = std::min(begin + width_, next_key());
         const MotionWindow window(task_, begin, end);
         const PartsEntry entry = entry_(window, memory_);
+        if (first && entry.time <= -1 && begins_in_contact()) return true;
         if (entry.time > 1) {
             result_.clear_until = end;
             width_ = std::min(2 * (end - begin), widest());

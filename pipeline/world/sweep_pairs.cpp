@@ -75,8 +75,16 @@ void SweepPairs::sweep(const Bodies& bodies, Frame& frame)
         const BodyPair pair = frame.pairs[frame.sweeps[i].pair];
         Model &a = bodies.model(pair.a), &b = bodies.model(pair.b);
         const bool room = models_.admit_obb_tree(a, frame.number) && models_.admit_obb_tree(b, frame.number);
-        tasks.push_back({room ? &a : nullptr, &b, bodies.motion(pair.a), bodies.motion(pair.b), frame.sweep_options,
-                         frame.settings.clearance, frame.settings.mode == Mode::solid});
+        const std::uint32_t number = frame.sweeps[i].pair;
+        tasks.push_back({.a = room ? &a : nullptr,
+                         .b = &b,
+                         .motion_a = bodies.motion(pair.a),
+                         .motion_b = bodies.motion(pair.b),
+                         .options = frame.sweep_options,
+                         .clearance = frame.settings.clearance,
+                         .solid = frame.settings.mode == Mode::solid,
+                         .begins_apart = frame.results[number].verdict == Verdict::separate,
+                         .memory = frame.settings.coherence ? &frame.cache[number] : nullptr});
     }
     const auto threads = static_cast<std::size_t>(std::max(frame.context.threads, 1));
     if (workers_.size() < threads) workers_ = std::vector<PairWorker>(threads);
