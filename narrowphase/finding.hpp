@@ -123,4 +123,35 @@ struct Penetration {
     Eigen::Vector3d thin_along = Eigen::Vector3d::Zero(); ///< unit: across these planes
 };
 
+/// How closely a sweep brackets the first contact.
+struct SweepOptions {
+    double time_tolerance = 1e-4; ///< of contact_by - clear_until; at least 1e-12
+    double gap_tolerance = 1e-4;  ///< metres: of the distance at clear_until; at least 1e-12
+    int most_steps = 10000;       ///< windows of time to examine; at least 1. Then the pair stays `undecided`
+};
+
+/// When two moving bodies first meet. Their motions last from time 0 to time 1.
+struct SweepResult {
+    /// separate: they never come within the clearance. colliding, or within with kind `near`: at contact_by they meet,
+    /// or come within the clearance, as decide() finds at these poses; never earlier than at clear_until. within with
+    /// kind `unknown`: at contact_by they are at most `gap` apart, and no pose was found at which they certainly meet,
+    /// or certainly do not; after it nothing is known. undecided: the limit of steps was reached, or a file could not
+    /// be read; after clear_until nothing is known.
+    Verdict verdict = Verdict::undecided;
+    ContactKind kind = ContactKind::unknown;
+    /// Certified: they do not meet, or come within the clearance, at any earlier time. 1 if they never do.
+    double clear_until = 0;
+    double contact_by = std::numeric_limits<double>::infinity(); ///< infinite: there is no contact
+    /// Upper bound on the distance at clear_until, without the clearance; infinite: not known.
+    double gap = std::numeric_limits<double>::infinity();
+    bool separating = false; ///< contact at time 0: they are apart after the time tolerance
+    int steps = 0;           ///< windows of time that were examined
+    /// At contact_by, world frame: two parts that meet, or, where only a clearance or rounding is between them, come
+    /// near; not set for kind `enclosed`.
+    Contact contact{};
+    /// Unit, from a to b, world frame: it separates the bodies just before the contact; 0: not known, as for a contact
+    /// at time 0.
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+};
+
 } // namespace oncollide

@@ -23,6 +23,15 @@ inline void mix(std::uint64_t& hash, const PairResult& pair, bool with_kinds)
     mix(hash, std::bit_cast<std::uint64_t>(pair.bound));
 }
 
+/// Adds the times of a sweep that found a contact, or was not decided.
+inline void mix(std::uint64_t& hash, const PairSweep& sweep)
+{
+    if (sweep.verdict == Verdict::separate) return;
+    mix(hash, sweep.pair);
+    mix(hash, std::bit_cast<std::uint64_t>(sweep.clear_until));
+    mix(hash, std::bit_cast<std::uint64_t>(sweep.contact_by));
+}
+
 /// Hash of the settings that affect results.
 std::uint64_t hash_of(const Settings& settings);
 

@@ -58,6 +58,11 @@ struct PairResult : Finding {
 };
 static_assert(sizeof(PairResult) == 32);
 
+/// When the two bodies of a pair first met in a frame in which one of them moved (World::set_motion).
+struct PairSweep : SweepResult {
+    std::uint32_t pair = 0; ///< index in FrameView::pairs
+};
+
 /// Two bodies.
 struct PairOfBodies {
     BodyId a, b;
@@ -125,7 +130,10 @@ struct FrameView {
     const TreeStats& trees;
     std::span<const Round> rounds; ///< in order
     std::uint64_t hash; ///< of the pairs of this frame that are not separate: slots, verdicts and bounds, and kinds
-                        ///< where requested
+                        ///< where requested; and of the times of `sweeps`
+    /// Pairs with a body that World::set_motion() moved, ascending. If the bodies did not meet on the way, the result
+    /// in `pairs` is separate, with a bound > 0; otherwise it has the verdict and the gap of the sweep.
+    std::span<const PairSweep> sweeps;
 };
 
 // --- Queries.
@@ -134,6 +142,11 @@ struct FrameView {
 struct ContactLists {
     std::vector<Contact> contacts;
     std::vector<std::size_t> offsets; ///< one more than there are pairs; the first is 0
+};
+
+/// The first contact of a moving model with a body.
+struct SweepHit : SweepResult {
+    BodyId body; ///< null: there is no contact
 };
 
 /// The first point of a segment in bodies. The fractions of the segment from its first point, 0, to its last, 1, hold

@@ -18,6 +18,7 @@
 #include <oncollide/scenes/model/occupancy_map.hpp>
 #include <oncollide/scenes/model/shape.hpp>
 #include <oncollide/scenes/model/terrain.hpp>
+#include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {
 
@@ -52,6 +53,17 @@ struct ModelQuery {
     ModelId model{};
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     QueryFilter filter{};
+};
+
+/// A model that moves: a body that the World does not hold.
+struct MovingModel {
+    ModelId model{};
+    RigidMotion motion{};
+};
+
+/// Two models that move.
+struct PairOfMovingModels {
+    MovingModel a, b;
 };
 
 /// A body that a query could not rule out: its verdict is never separate.
@@ -205,6 +217,16 @@ public:
 
     void set_pose(BodyId body, const Eigen::Isometry3d& pose);
     void set_poses(std::span<const BodyId> bodies, std::span<const Eigen::Isometry3d> poses);
+    /// Moves the body as set_pose() does, and lets the next step() report contacts on the way: from its pose so far to
+    /// `to`, over the time from 0 to 1. The motion ends with that step. Until then queries may test a larger box than
+    /// the body's.
+    void set_motion(BodyId body, const Eigen::Isometry3d& to, MotionPath path = MotionPath::linear);
+    void set_motions(std::span<const BodyId> bodies, std::span<const Eigen::Isometry3d> to,
+                     MotionPath path = MotionPath::linear);
+    /// The same along any motion; the body need not be at its first pose.
+    void set_motion(BodyId body, const RigidMotion& motion);
+    /// How closely step() brackets contacts of moving bodies. Throws Error{usage} for tolerances below 1e-12.
+    void set_sweep_options(const SweepOptions& options);
     void set_static(BodyId body, bool is_static);
     /// Puts bodies to sleep. A pair of two bodies that are each asleep or static stays as it is: it is reported with
     /// its last result, begins and ends nothing, and is not tested, not even under a budget, which lets other pairs at
@@ -280,6 +302,13 @@ public:
     void penetration(std::span<const PairOfBodies> pairs, std::span<Penetration> found) const;
     void penetration(std::span<const PairOfModels> pairs, std::span<Penetration> found) const;
 
+    /// When two moving models first meet, with the settings' clearance and mode; exact with all settings. Cost: 10 to
+    /// 100 microseconds for meshes of 5,000 triangles. Throws Error{usage} for tolerances below 1e-12.
+    SweepResult sweep(const MovingModel& a, const MovingModel& b, const SweepOptions& options = {}) const;
+    /// Sets found[i] for pairs[i].
+    void sweep(std::span<const PairOfMovingModels> pairs, std::span<SweepResult> found,
+               const SweepOptions& options = {}) const;
+
     // --- Queries: one thing against all bodies. step() gives the same results for a body of that geometry and pose,
     // except that segments are exact.
     // Cost: of the pairs that boxes cannot rule out. For contacts and penetration, pass a hit's body as the other side
@@ -305,6 +334,16 @@ public:
     void cast(std::span<const Segment> segments, const QueryFilter& filter, std::span<CastHit> hits) const;
     /// The first point in each body that the segment hits, sorted by lower bounds of the fractions, then by slots.
     std::vector<CastHit> cast_all(const Segment& segment, const QueryFilter& filter = {}) const;
+    /// The first contact of a moving model with the bodies at their poses. Without contact the body is null and the
+    /// verdict `separate`. clear_until is certified for all bodies: for a planner, the last valid time of an edge. If a
+    /// pair stays undecided before the first certain contact, its verdict and its body are returned.
+    SweepHit cast(const MovingModel& model, const QueryFilter& filter = {}, const SweepOptions& options = {}) const;
+    /// Sets hits[i] for models[i]. Runs on up to Settings::threads threads.
+    void cast(std::span<const MovingModel> models, const QueryFilter& filter, std::span<SweepHit> hits,
+              const SweepOptions& options = {}) const;
+    /// The first contact with each body, sorted by clear_until, then by slots.
+    std::vector<SweepHit> cast_all(const MovingModel& model, const QueryFilter& filter = {},
+                                   const SweepOptions& options = {}) const;
     /// Bodies that a solid box of the world touches or contains.
     std::vector<QueryHit> query(const Aabb& box, const QueryFilter& filter = {}) const;
     /// Bodies at most `cutoff` (m, finite) away from a model at a pose, as distance() measures them, sorted by slots.

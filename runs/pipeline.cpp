@@ -55,11 +55,16 @@ void Pipeline::add_body(const Scene& scene, std::uint32_t body)
                      .group = scene.groups[body]});
 }
 
+void Pipeline::move_body(BodyId body, const Eigen::Isometry3d& pose)
+{
+    continuous_ ? world_.set_motion(body, pose) : world_.set_pose(body, pose);
+}
+
 /// The World ignores values that have not changed.
 void Pipeline::change_body(const Scene& scene, std::uint32_t body)
 {
     const BodyId id = world_.body_at(body);
-    world_.set_pose(id, scene.poses[body]);
+    move_body(id, scene.poses[body]);
     if (const ModelId of = model(scene.geometry[body]); world_.model(id) != of) world_.set_model(id, of);
     world_.set_static(id, scene.is_static[body] != 0);
     world_.set_layers(id, scene.layers[body], scene.masks[body]);
@@ -78,7 +83,7 @@ void Pipeline::play(const Scene& scene)
         if (scene.changes.reaches(p.changes)) {
             for (const ChangeLog::Change change : scene.changes.since(p.changes)) {
                 if (body = change.body; body >= p.bodies) continue;
-                change.only_pose ? world_.set_pose(world_.body_at(body), scene.poses[body]) : change_body(scene, body);
+                change.only_pose ? move_body(world_.body_at(body), scene.poses[body]) : change_body(scene, body);
             }
         } else {
             for (body = 0; body < p.bodies; ++body) change_body(scene, body);

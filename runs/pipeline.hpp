@@ -29,6 +29,10 @@ public:
     /// copy, one comparison per body.
     FrameView step(const Scene& scene);
 
+    /// From now on, step() moves bodies from their poses to the new ones by World::set_motion(), so contacts on the way
+    /// are reported. Default: off.
+    void set_continuous(bool continuous) { continuous_ = continuous; }
+
     World& world() { return world_; }
     const World& world() const { return world_; }
 
@@ -46,9 +50,11 @@ private:
     void play_geometries(const Scene& scene);
     void add_body(const Scene& scene, std::uint32_t body);
     void change_body(const Scene& scene, std::uint32_t body);
+    void move_body(BodyId body, const Eigen::Isometry3d& pose);
 
     World world_;
     std::unique_ptr<Played> played_;
+    bool continuous_ = false;
 };
 
 } // namespace oncollide

@@ -157,6 +157,40 @@ bool PoseBounds::expect(const std::shared_ptr<const CookedMesh>& mesh, const Eig
     return true;
 }
 
+Aabb PoseBounds::box(const RigidMotion& motion, bool tight) const
+{
+    constexpr double most_turn = 0.125; // rad
+    const auto* shape = std::get_if<Shape>(&geometry_);
+    const bool half_space = shape && std::holds_alternative<HalfSpace>(*shape);
+    const auto at = [&](double time) { return tight ? box(motion.pose(time)) : sphere_box(motion.pose(time)); };
+    Aabb all = at(0);
+    for (double begin = 0, end; begin < 1; begin = end) {
+        const RigidMotion::State state = motion.at(begin);
+        end = state.key;
+        const double spin = state.angular.norm(), angle = spin * (end - begin);
+        if (half_space && angle > 0) {
+            all.min.setConstant(-half_space_end), all.max.setConstant(half_space_end);
+            return all;
+        }
+        const int parts = std::max(1, static_cast<int>(std::ceil(angle / most_turn)));
+        Aabb of_piece = at(begin);
+        for (int k = 1; k <= parts; ++k) {
+            const Aabb next = at(k == parts ? end : begin + (end - begin) * k / parts);
+            of_piece.min = of_piece.min.cwiseMin(next.min), of_piece.max = of_piece.max.cwiseMax(next.max);
+        }
+        // A point leaves the straight line between two poses by at most a^2 r / 8.
+        const double off_axis =
+            spin > 0 ? state.angular.cross(state.pose * centre_ - state.pivot).norm() / spin + radius_ : 0;
+        const double part = angle / parts;
+        const double bulge = (0.125 * part * part * off_axis + 2 * state.position_error +
+                              2 * state.rotation_error * (centre_.norm() + radius_)) *
+                             (1 + 0x1p-18);
+        of_piece.min.array() -= bulge, of_piece.max.array() += bulge;
+        all.min = all.min.cwiseMin(of_piece.min), all.max = all.max.cwiseMax(of_piece.max);
+    }
+    return all;
+}
+
 double PoseBounds::motion(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) const
 {
     const Eigen::Matrix3d turn = to.linear() - from.linear();

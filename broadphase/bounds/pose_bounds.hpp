@@ -3,6 +3,7 @@
 #include <memory>
 
 #include <oncollide/broadphase/bounds/cooked_support.hpp>
+#include <oncollide/scenes/motion.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {
@@ -29,6 +30,10 @@ public:
     Aabb box(const Eigen::Isometry3d& pose) const;
     /// The loose AABB: around the bounding sphere of the geometry's own box, at any rotation.
     Aabb sphere_box(const Eigen::Isometry3d& pose) const;
+
+    /// Encloses the geometry at all poses of a motion: the boxes of poses an eighth of a radian apart, and the bulge of
+    /// arcs between them. @param tight  of box() at each pose; else of sphere_box()
+    Aabb box(const RigidMotion& motion, bool tight = true) const;
 
     /// Upper bound on the straight-line distance that a point of the geometry moves between two poses, including
     /// deformation by poses that are not exactly rigid. For a rotated half-space, this includes its far end, 2^52 m

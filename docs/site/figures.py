@@ -488,6 +488,16 @@ def planner():
     return table(["meshes", "poses that collide", "query", "threads", "first call, s", "queries per second", "ratio"], out)
 
 
+def continuous():
+    titles = {"oncollide": "oncollide, `World::sweep`", "fcl-advancement": "FCL, conservative advancement, linear motion",
+              "fcl-sampled": "FCL, its default: ten poses of a translation"}
+    rows = rows_of("continuous")
+    ours = float(rows[0]["median_us"])
+    return table(["", "median, microseconds", "ratio", "contacts found", "missed", "invented", "too early", "too late"],
+                 [[titles[r["contender"]], three(r["median_us"]), f"{float(r['median_us']) / ours:,.1f}",
+                   *(number(r[what]) for what in ("contacts", "missed", "invented", "early", "late"))] for r in rows])
+
+
 def rays():
     titles = {"oncollide": "oncollide, one call each", "oncollide-batch": "oncollide, one call for all",
               "oncollide-cast": "oncollide, first point, one call each",
@@ -559,7 +569,7 @@ def mutants():
                   for r in rows_of("mutants")])
 
 
-TABLES = {f.__name__: f for f in (headline, many, many_pairs, exact_cost, narrow, narrow_large, study, study_peers, octants, octants_missed, paper, comparators, gpu, planner, rays,
+TABLES = {f.__name__: f for f in (headline, many, many_pairs, exact_cost, narrow, narrow_large, continuous, study, study_peers, octants, octants_missed, paper, comparators, gpu, planner, rays,
                                   world, broad, hard, spheres, sphere_levels, occlusion_losses, delimitation,
                                   environments, worlds, distances, shape_distances, shapes, reading, clash,
                                   python, view, mutants)}

@@ -303,6 +303,76 @@ float reach(const OpenBoxes& boxes, const float (&direction)[3])
     return most[0];
 }
 
+/// The times, between `first` and `last`, at which eight boxes may overlap another one along all axes so far.
+class Overlap {
+public:
+    Overlap(float until, F32x8 slack) : first_(splat(-1)), last_(splat(until)), slack_(slack) {}
+    /// @param at, speed  of the distance of the centres along an axis of length 1 at most @param radii  of both boxes
+    void cut(F32x8 at, F32x8 speed, F32x8 radii)
+    {
+        // The slack exceeds the rounding of `at`, so no quotient is 0 / 0 for boxes that overlap all the time.
+        constexpr float least = 1e-37f;
+        const F32x8 wide = radii + slack_, toward = speed < splat(0) ? -at : at, by = 1 / max(abs(speed), splat(least));
+        first_ = max(first_, (-wide - toward) * by), last_ = min(last_, (wide - toward) * by);
+    }
+    F32x8 first() const { return first_; }
+    I32x8 some() const { return first_ <= last_; }
+
+private:
+    F32x8 first_, last_, slack_;
+};
+
+unsigned meet_in_time(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxMotion& m, float until,
+                      float (&entries)[8])
+{
+    const Vec centre = load(boxes.c);
+    const Vec d{centre.x - other.c[0][k], centre.y - other.c[1][k], centre.z - other.c[2][k]};
+    const Vec base{splat(m.base[0]), splat(m.base[1]), splat(m.base[2])},
+        turn{splat(m.turn[0]), splat(m.turn[1]), splat(m.turn[2])};
+    const Vec turned = cross(turn, centre), v{base.x + turned.x, base.y + turned.y, base.z + turned.z};
+    // Far along the motion, rounding is larger than the margins of boxes that touch at time 0.
+    const F32x8 speeds =
+        abs(base.x) + abs(base.y) + abs(base.z) + m.turn_length * (abs(centre.x) + abs(centre.y) + abs(centre.z));
+    const F32x8 slack =
+        m.slack + boxes.margin + other.margin + m.turn_length * 1.0001f * sqrt(load(boxes.size)) + 0x1p-16f * speeds;
+    const F32x8 h[3] = {load(boxes.h[0]), load(boxes.h[1]), load(boxes.h[2])};
+    const float oh[3] = {other.h[0][k], other.h[1][k], other.h[2][k]};
+    Vec axis[3];
+    F32x8 c[3][3], a[3][3], t[3], u[3]; // as in compare(); t, u: the distance of the centres and its change
+    Overlap times(until, slack);
+#pragma GCC unroll 3
+    for (int j = 0; j < 3; ++j) axis[j] = load(boxes.axis[j]);
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+        const float x = other.axis[i][0][k], y = other.axis[i][1][k], z = other.axis[i][2][k];
+        t[i] = x * d.x + y * d.y + z * d.z, u[i] = x * v.x + y * v.y + z * v.z;
+#pragma GCC unroll 3
+        for (int j = 0; j < 3; ++j) {
+            c[i][j] = x * axis[j].x + y * axis[j].y + z * axis[j].z;
+            a[i][j] = abs(c[i][j]);
+        }
+        times.cut(t[i], u[i], oh[i] + (h[0] * a[i][0] + h[1] * a[i][1] + h[2] * a[i][2]));
+    }
+#pragma GCC unroll 3
+    for (int j = 0; j < 3; ++j)
+        times.cut(dot(axis[j], d), dot(axis[j], v), h[j] + (oh[0] * a[0][j] + oh[1] * a[1][j] + oh[2] * a[2][j]));
+    const I32x8 used = centre.x < splat(0.5f * far_away);
+    if (bits(times.some() & used)) {
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) {
+            const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+#pragma GCC unroll 3
+            for (int j = 0; j < 3; ++j) {
+                const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+                times.cut(t[i2] * c[i1][j] - t[i1] * c[i2][j], u[i2] * c[i1][j] - u[i1] * c[i2][j],
+                          oh[i1] * a[i2][j] + oh[i2] * a[i1][j] + h[j1] * a[i][j2] + h[j2] * a[i][j1]);
+            }
+        }
+    }
+    store(entries, times.first());
+    return bits(times.some() & used);
+}
+
 /// As OrientedBoxKernel::on_segment().
 /// @param to         the centres relative to the segment's middle
 /// @param direction  the segment's
@@ -369,7 +439,8 @@ unsigned node_on_segment(const BoxNode& node, const SegmentLine& s, float (&entr
 
 OrientedBoxKernel oriented_box_kernel()
 {
-    return {open, open_triangles, open_octants, compare_near, compare_far, reach, on_segment, node_on_segment};
+    return {open,  open_triangles, open_octants, compare_near,   compare_far,
+            reach, meet_in_time,   on_segment,   node_on_segment};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

@@ -15,6 +15,15 @@ struct BoxLine {
     float other_reach;
 };
 
+/// Linear motion of eight boxes relative to another box, over the times -1 to 1. Boxes are at their places of time 0. A
+/// box around c moves by base + turn x c for each unit of time; its contents stay within slack + turn_length times its
+/// radius of the place after this motion. The slack must include the error of the boxes' gaps.
+struct BoxMotion {
+    float base[3], turn[3];
+    float turn_length;
+    float slack;
+};
+
 struct OrientedBoxKernel {
     /// @param placement  null: the boxes are not moved
     /// Lanes past the node's last box get centres at 1e30: far from everything.
@@ -41,6 +50,10 @@ struct OrientedBoxKernel {
     CompareFar* compare_far;
     /// The largest projection of the boxes onto a direction of length 1 at most.
     float (*reach)(const OpenBoxes& boxes, const float (&direction)[3]);
+    /// Returns one bit for each box that box `k` of `other` may touch at a time up to `until` <= 1.
+    /// @param entries  out: lower bounds of the first such times, at least -1
+    unsigned (*meet_in_time)(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxMotion& motion,
+                             float until, float (&entries)[8]);
     /// Returns one bit for each box that the segment may meet. The boxes must not be moved: see SegmentLine.
     /// @param entry  out: lower bounds of the parameters, -1 to 1, of the segment's points in the box
     unsigned (*on_segment)(const OpenBoxes& boxes, const SegmentLine& segment, float (&entry)[8]);

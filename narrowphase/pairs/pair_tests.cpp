@@ -6,6 +6,7 @@
 #include <oncollide/narrowphase/pairs/depth_bounds.hpp>
 #include <oncollide/narrowphase/pairs/direct_tests.hpp>
 #include <oncollide/narrowphase/pairs/surface_tests.hpp>
+#include <oncollide/narrowphase/pairs/sweep_tests.hpp>
 #include <oncollide/narrowphase/pairs/walk_tests.hpp>
 
 namespace oncollide {
@@ -34,7 +35,8 @@ constexpr PairTests surfaces()
                 },
             .direct_distance = nullptr,
             .contacts = surface_tests::contacts<A, B>,
-            .penetration = nullptr};
+            .penetration = nullptr,
+            .advance = sweep_tests::surfaces<A, B>};
 }
 
 /// Two bodies whose hierarchies have a walk.
@@ -59,7 +61,8 @@ constexpr PairTests walked()
             .direct_distance = nullptr,
             .contacts = [](PairWorker& worker, const PairTask& task,
                            Contacts& found) { walk_tests::contacts(WalkPair<A, B>(worker, task, swapped), found); },
-            .penetration = nullptr};
+            .penetration = nullptr,
+            .advance = sweep_tests::walked<A, B, swapped>};
 }
 
 /// The distance of a shape from a mesh or a terrain, B: of the shape as a solid, unless it has too many points.
@@ -132,7 +135,8 @@ constexpr PairTests direct(TreesNeeded trees)
                           const EnoughDistance& enough) { return direct_tests::distance(Test(task, swapped), enough); },
             .contacts = [](PairWorker&, const PairTask& task,
                            Contacts& found) { direct_tests::contacts(Test(task, swapped), found); },
-            .penetration = nullptr};
+            .penetration = nullptr,
+            .advance = sweep_tests::direct<Test, swapped>};
 }
 
 constexpr PairTests two_planes()

@@ -3,6 +3,7 @@
 
 #include <oncollide/narrowphase/pairs/pair_memory.hpp>
 #include <oncollide/narrowphase/pairs/pair_worker.hpp>
+#include <oncollide/narrowphase/pairs/sweep.hpp>
 
 namespace oncollide {
 
@@ -42,6 +43,9 @@ struct PairTests {
 
     /// As World::penetration(). Null: unsupported.
     Penetration (*penetration)(PairWorker&, const PairTask&);
+
+    /// When the two first meet during their motions.
+    SweepResult (*advance)(PairWorker&, const SweepTask&);
 };
 
 /// The tests of models of these kinds, in this order.

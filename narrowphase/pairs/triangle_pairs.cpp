@@ -82,6 +82,19 @@ Distance triangle_distance(TraversalOf<A, B>& walk, A& a, const Eigen::Isometry3
     return d;
 }
 
+template <class A, class B>
+Contact contact_of(const A& a, const Eigen::Isometry3d& pose_a, const B& b, const Eigen::Isometry3d& pose_b,
+                   TrianglePair pair)
+{
+    const RelativePose b_to_a(pose_a, pose_b);
+    TriangleTestsOf<A, B> triangles;
+    triangles.start(a, b, b_to_a);
+    Contact contact;
+    contact.a = source_of(a, pair.a), contact.b = source_of(b, pair.b);
+    set(contact, triangles.points_a(pair.a), triangles.points_b(pair.b), pose_a);
+    return contact;
+}
+
 using Pose = Eigen::Isometry3d;
 using Pairs = std::vector<TrianglePair>;
 using Contacts = std::vector<Contact>;
@@ -101,5 +114,10 @@ template void triangle_contacts(TraversalOf<TerrainTree, TerrainTree>&, TerrainT
                                 const Pose&, Pairs&, Contacts&);
 template Distance triangle_distance(TraversalOf<TerrainTree, TerrainTree>&, TerrainTree&, const Pose&, TerrainTree&,
                                     const Pose&, double, double);
+
+template Contact contact_of(const ObbTree&, const Pose&, const ObbTree&, const Pose&, TrianglePair);
+template Contact contact_of(const ObbTree&, const Pose&, const TerrainTree&, const Pose&, TrianglePair);
+template Contact contact_of(const TerrainTree&, const Pose&, const ObbTree&, const Pose&, TrianglePair);
+template Contact contact_of(const TerrainTree&, const Pose&, const TerrainTree&, const Pose&, TrianglePair);
 
 } // namespace oncollide

@@ -25,4 +25,9 @@ template <class A, class B>
 Distance triangle_distance(TraversalOf<A, B>& walk, A& a, const Eigen::Isometry3d& pose_a, B& b,
                            const Eigen::Isometry3d& pose_b, double tolerance, double farthest);
 
+/// The contact of two triangles that meet.
+template <class A, class B>
+Contact contact_of(const A& a, const Eigen::Isometry3d& pose_a, const B& b, const Eigen::Isometry3d& pose_b,
+                   TrianglePair pair);
+
 } // namespace oncollide

@@ -1,6 +1,7 @@
 // Traversal of two hierarchies of oriented boxes: the larger box first, the deepest overlap first. All queries on boxes
 // are built from these steps. Code that instantiates it, or calls a query with a visitor, includes the header that
-// defines the query: box_walk_queries.hpp, box_walk_distance.hpp or box_walk_all.hpp.
+// defines the query: box_walk_queries.hpp, box_walk_distance.hpp,
+// box_walk_entry.hpp or box_walk_all.hpp.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -51,6 +52,10 @@ public:
     /// Bounds of the distance, at most `tolerance` plus rounding apart. Depth first, the nearest boxes first. Beyond
     /// the cutoff `farthest`: lower > cutoff, upper = inf. Otherwise both are finite.
     DistanceBounds<Pair> distance(A& a, B& b, const RelativePose& b_to_a, double tolerance, double farthest);
+
+    /// A lower bound of the time at which primitives first meet during a motion. Cost: of the boxes that may meet
+    /// before that.
+    FirstEntry<Pair> first_entry(A& a, B& b, const RelativePose& b_to_a, const SweptMotion& motion);
 
     Leaves& leaves() { return leaves_; }
     const Leaves& leaves() const { return leaves_; }
@@ -136,7 +141,7 @@ private:
             }
             const float far = frame.gap_within(cutoff);
             gap = std::min(gap, a.starts(box, root.size[0], starts_));
-            for (const typename A::Node& node : starts_) compare<false>({}, true, a_.open(node), far);
+            for (const typename A::Node& node : starts_) compare<Gaps::near>({}, true, a_.open(node), far);
         } else {
             const auto of_a = entry(a, [&] { return around(b_to_a(b.centre()), b.radius()); });
             a_.open(of_a.node.value_or(A::root));
@@ -222,10 +227,13 @@ private:
                 a_[e.slot_a()].size(e.lane_a()) >= b_[e.slot_b()].size(e.lane_b()));
     }
     bool each_pair(Entry e, auto visit) const;
-    template <bool far>
+    enum class Gaps : std::uint8_t { near, far, in_time }; ///< the kernel's functions
+    template <Gaps gaps>
     unsigned open(Entry e, float cutoff);
-    template <bool far>
+    template <Gaps gaps>
     unsigned compare(Entry e, bool down_a, std::uint32_t slot, float cutoff);
+    void set_motion(BoxMotion& motion, Entry e, bool down_a) const;
+    SweptParts motion_of(Entry e) const;
     /// A direction in A's frame and in B's, of length 1 at most. The projection of a point of B in A's frame is its
     /// projection in B's frame plus `shift`.
     struct Line {
@@ -389,6 +397,8 @@ private:
     std::uint32_t line_number_ = 0;              ///< of all lines so far
     std::vector<Reaches> reaches_a_, reaches_b_; ///< by slot
     double origin_along_line_;
+    SweptMotion swept_; ///< of points in the boxes' coordinates
+    double box_rounding_ = 0;
     float toward_b_[3]; ///< line_ for boxes: a little shorter, so that rounding makes it no longer than 1
     Leaves leaves_;
 };

@@ -88,7 +88,7 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
             else if (const float gap = kept ? line_gap(e) : e.gap; gap > cutoff)
                 best.lower = std::min(best.lower, frame.at_least(gap));
             else
-                sort_last(open<true>(e, cutoff));
+                sort_last(open<Gaps::far>(e, cutoff));
         }
         measure();
     };

@@ -22,22 +22,22 @@ bool BoxWalk<A, B, Leaves>::each_pair(Entry e, auto visit) const
 
 /// Opens the larger box, and compares its parts with the other box.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
-template <bool far>
+template <typename BoxWalk<A, B, Leaves>::Gaps gaps>
 unsigned BoxWalk<A, B, Leaves>::open(Entry e, float cutoff)
 {
     const bool down_a = opens_a(e);
-    return compare<far>(e, down_a, down_a ? a_.descend(e.slot_a(), e.lane_a()) : b_.descend(e.slot_b(), e.lane_b()),
-                        cutoff);
+    return compare<gaps>(e, down_a, down_a ? a_.descend(e.slot_a(), e.lane_a()) : b_.descend(e.slot_b(), e.lane_b()),
+                         cutoff);
 }
 
-/// Pushes the boxes of the node in the slot, of A or of B, that are within `cutoff` of the other box, the nearest last.
-/// Returns how many.
+/// Pushes the boxes of the node in the slot, of A or of B, that are within `cutoff` of the other box, the nearest last;
+/// in time, boxes that may meet it by then, and the first last. Returns how many.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
-template <bool far>
+template <typename BoxWalk<A, B, Leaves>::Gaps how>
 unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot, float cutoff)
 {
-    BoxLine line;
-    if constexpr (far) line = line_to(e, down_a); // may open nodes
+    [[maybe_unused]] BoxLine line;
+    if constexpr (how == Gaps::far) line = line_to(e, down_a); // may open nodes
     const OpenBoxes &boxes = down_a ? a_[slot].boxes : b_[slot].boxes,
                     &other = down_a ? b_[e.slot_b()].boxes : a_[e.slot_a()].boxes;
     ++box_rows;
@@ -48,7 +48,11 @@ unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot
     else
         a_.prefetch(e.slot_a(), k);
     unsigned near;
-    if constexpr (far)
+    if constexpr (how == Gaps::in_time) {
+        BoxMotion motion;
+        set_motion(motion, e, down_a);
+        near = kernel_.meet_in_time(boxes, other, k, motion, cutoff, gaps);
+    } else if constexpr (how == Gaps::far)
         near = kernel_.compare_far(boxes, other, k, line, cutoff, gaps, nearest_);
     else
         near = kernel_.compare(boxes, other, k, cutoff, gaps, nearest_);
@@ -85,7 +89,7 @@ void BoxWalk<A, B, Leaves>::walk(float cutoff, auto take_leaves)
     while (top_) {
         const Entry e = stack_[--top_];
         if (!both_leaves(e))
-            open<false>(e, cutoff);
+            open<Gaps::near>(e, cutoff);
         else if (!take_leaves(e))
             return;
     }

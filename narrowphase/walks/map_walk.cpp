@@ -1,6 +1,7 @@
 #include <oncollide/narrowphase/walks/map_walk.hpp>
 
 #include <oncollide/narrowphase/walks/box_walk_distance.hpp>
+#include <oncollide/narrowphase/walks/box_walk_entry.hpp>
 
 namespace oncollide {
 

@@ -1,6 +1,7 @@
 #include <oncollide/narrowphase/walks/shape_walk.hpp>
 
 #include <oncollide/narrowphase/walks/box_walk_distance.hpp>
+#include <oncollide/narrowphase/walks/box_walk_entry.hpp>
 
 namespace oncollide {
 

@@ -7,6 +7,7 @@
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/walks/box_walk_all.hpp>
 #include <oncollide/narrowphase/walks/box_walk_distance.hpp>
+#include <oncollide/narrowphase/walks/box_walk_entry.hpp>
 
 namespace oncollide {
 

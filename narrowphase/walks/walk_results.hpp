@@ -3,6 +3,7 @@
 #include <optional>
 
 #include <oncollide/narrowphase/obb/hierarchy.hpp>
+#include <oncollide/narrowphase/walks/swept_motion.hpp>
 
 namespace oncollide {
 
@@ -29,6 +30,12 @@ struct NearBounds {
     double bound; ///< near: upper bound of the distance, clearance + tolerance (or + rounding, if that is more); else
                   ///< lower bound, at least the clearance; > 0 unless doubles cannot express it
     std::optional<Pair> witness; ///< near: two primitives within `bound`
+};
+
+/// When two primitives first meet; see swept_motion.hpp.
+template <class Pair>
+struct FirstEntry : PartsEntry {
+    std::optional<Pair> pair; ///< the first to meet, if any may meet in the window
 };
 
 /// Two boxes around the primitives that met last, some levels above them: box `lane` of a node on each side.

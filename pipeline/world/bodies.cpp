@@ -77,6 +77,7 @@ std::uint32_t Bodies::add(const Init& body)
 void Bodies::remove(std::uint32_t slot)
 {
     --size_, dynamic_ -= !is_static(slot);
+    if (motion(slot)) motion_of_[slot] = 0;
     state_[slot] = static_cast<std::uint8_t>(state_[slot] & ~(alive_bit | static_bit));
     if (removed_.size() <= slot) removed_.resize(slots());
     if (const auto found = partners_.find(slot); found != partners_.end()) {
@@ -87,8 +88,28 @@ void Bodies::remove(std::uint32_t slot)
     mark(slot, fresh_bit);
 }
 
+void Bodies::set_motion(std::uint32_t slot, RigidMotion motion)
+{
+    set_pose(slot, motion.pose(1));
+    if (motion.rests()) return;
+    if (motion_of_.size() <= slot) motion_of_.resize(slots());
+    motions_.push_back(std::move(motion)), moving_.push_back(slot);
+    motion_of_[slot] = static_cast<std::uint32_t>(motions_.size());
+    mark(slot, moved_bit);
+}
+
+void Bodies::end_motions()
+{
+    for (const std::uint32_t slot : moving_) {
+        motion_of_[slot] = 0;
+        if (alive(slot)) mark(slot, moved_bit);
+    }
+    motions_.clear(), moving_.clear();
+}
+
 void Bodies::set_pose(std::uint32_t slot, const Eigen::Isometry3d& pose)
 {
+    if (motion(slot)) motion_of_[slot] = 0, mark(slot, moved_bit);
     if (poses_[slot].matrix() == pose.matrix()) return; // so resting bodies cost no work later
     // Rounded up, so that a difference of two travels is never less than the motion between them.
     travel_[slot] = (travel_[slot] + model(slot).bounds().motion(poses_[slot], pose)) * (1 + 0x1p-52);
@@ -177,7 +198,10 @@ void update_boxes(Bodies& bodies, const BodyChanges& changes, bool tight, int th
                 const std::uint32_t slot = (*list)[i];
                 prefetch(i);
                 const PoseBounds& bounds = bodies.model(slot).bounds();
-                bodies.boxes()[slot] = tight ? bounds.box(bodies.pose(slot)) : bounds.sphere_box(bodies.pose(slot));
+                if (const RigidMotion* const motion = bodies.motion(slot))
+                    bodies.boxes()[slot] = bounds.box(*motion, tight);
+                else
+                    bodies.boxes()[slot] = tight ? bounds.box(bodies.pose(slot)) : bounds.sphere_box(bodies.pose(slot));
             }
         });
     }

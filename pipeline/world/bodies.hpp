@@ -14,6 +14,7 @@
 #include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/narrowphase/model.hpp>
 #include <oncollide/pipeline/results.hpp>
+#include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {
 
@@ -45,6 +46,15 @@ public:
     std::uint32_t add(const Init& body); ///< returns the slot
     void remove(std::uint32_t slot);
     void set_pose(std::uint32_t slot, const Eigen::Isometry3d& pose);
+    /// Moves the body to the end of the motion, which it keeps until end_motions().
+    void set_motion(std::uint32_t slot, RigidMotion motion);
+    void end_motions(); ///< the bodies count as moved once more: their boxes shrink
+    /// The way of the body in this frame; null: none.
+    const RigidMotion* motion(std::uint32_t slot) const
+    {
+        return slot < motion_of_.size() && motion_of_[slot] ? &motions_[motion_of_[slot] - 1] : nullptr;
+    }
+    bool any_motion() const { return !motions_.empty(); }
     void set_filter(std::uint32_t slot, std::uint32_t layer, std::uint32_t mask, std::uint32_t group);
     void set_static(std::uint32_t slot, bool is_static);
     void set_asleep(std::uint32_t slot, bool asleep);
@@ -149,6 +159,10 @@ private:
                                                                              ///< excluded from
     std::uint32_t size_ = 0, dynamic_ = 0;
     const std::uint16_t world_;
+    std::vector<std::uint32_t>
+        motion_of_;                     ///< by slot: one more than the index of its motion; 0, or beyond its end: none
+    std::vector<RigidMotion> motions_;  ///< of this frame
+    std::vector<std::uint32_t> moving_; ///< their slots
     bool any_group_ = false;
     std::uint64_t filters_version_ = 1; ///< grows when a layer, a mask or a group changes
     std::uint64_t exclusions_version_ = 0;

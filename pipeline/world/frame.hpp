@@ -71,7 +71,9 @@ struct Frame {
     std::vector<PairRun> kept;                   ///< pairs that keep their last result, ascending; all others are open
     std::vector<std::uint32_t> open;             ///< pairs to be decided
     std::vector<std::uint32_t> retested;         ///< without coherence, pairs at rest: tested, but without their memory
-    KeptCounts kept_counts;                      ///< of the pairs in `kept`
+    std::vector<PairSweep> sweeps;               ///< of the pairs with a body on its way, ascending
+    SweepOptions sweep_options;
+    KeptCounts kept_counts;    ///< of the pairs in `kept`
     bool keeps = false;        ///< the last frame ended, and no budget lets results depend on other pairs
     bool ended = true;         ///< `results` are of a frame that ended
     std::size_t undecided = 0; ///< pairs of the last frame

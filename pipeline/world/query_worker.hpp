@@ -20,6 +20,7 @@ struct World::Impl::QueryWorker {
     std::vector<AabbHit> hits;
     std::vector<std::pair<double, std::uint32_t>> entries; ///< of a segment into AABBs: fraction, slot
     std::vector<CastHit> casts;
+    std::vector<SweepHit> sweeps;
     std::vector<Eigen::Isometry3d> poses; ///< of pairs given as columns
     std::vector<PairTask> tasks;
     std::vector<Finding> refined;

@@ -79,6 +79,30 @@ void World::set_poses(std::span<const BodyId> bodies, std::span<const Eigen::Iso
     p.changed();
     for (std::size_t i = 0; i < bodies.size(); ++i) p.bodies.set_pose(bodies[i].slot, poses[i]);
 }
+void World::set_motion(BodyId body, const Eigen::Isometry3d& to, MotionPath path)
+{
+    set_motions({&body, 1}, {&to, 1}, path);
+}
+void World::set_motions(std::span<const BodyId> bodies, std::span<const Eigen::Isometry3d> to, MotionPath path)
+{
+    Impl& p = impl();
+    same_length("set_motions", bodies.size(), to.size());
+    for (std::size_t i = 0; i < bodies.size(); ++i) p.check_pose(p.slot_of(bodies[i]), to[i]);
+    p.changed();
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+        p.bodies.set_motion(bodies[i].slot, {p.bodies.pose(bodies[i].slot), to[i], path});
+}
+void World::set_motion(BodyId body, const RigidMotion& motion)
+{
+    const std::uint32_t slot = impl().slot_of(body);
+    impl_->changed();
+    impl_->bodies.set_motion(slot, motion);
+}
+void World::set_sweep_options(const SweepOptions& options)
+{
+    Impl::check_sweep("set_sweep_options", options);
+    impl().frame.sweep_options = options;
+}
 void World::set_static(BodyId body, bool is_static)
 {
     const std::uint32_t slot = impl().slot_of(body);

@@ -5,11 +5,12 @@
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/pipeline/world/motion_forecast.hpp>
 #include <oncollide/pipeline/world/stage.hpp>
+#include <oncollide/pipeline/world/sweep_pairs.hpp>
 
 namespace oncollide {
 
 /// The data of a World. Implemented in world.cpp (models), world_bodies.cpp, world_step.cpp (frames), world_pairs.cpp,
-/// world_queries.cpp and world_casts.cpp (const queries).
+/// world_queries.cpp, world_casts.cpp and world_sweeps.cpp (const queries).
 struct World::Impl {
     Settings settings;
     const std::uint16_t tag; ///< in the ids that this World issues
@@ -19,6 +20,7 @@ struct World::Impl {
     std::unique_ptr<BroadPhase> broad;
 
     Frame frame;
+    SweepPairs sweeps{models};
     std::vector<std::unique_ptr<Stage>> stages;
     std::vector<std::uint8_t> skipped;            ///< by stage: skipped by request
     std::vector<StageStats> stats, totals, blank; ///< blank: initial values of a frame
@@ -41,6 +43,7 @@ struct World::Impl {
     std::uint32_t slot_of(BodyId id) const;
     Model& model_of(ModelId id);
     static void check_pose(const char* whose, const Eigen::Isometry3d& pose);
+    static void check_sweep(const char* call, const SweepOptions& options);
     static void check_pose(std::uint32_t slot, const Eigen::Isometry3d& pose);
     Model& check_model(ModelId id); ///< for a query: reads all of a cooked mesh if the settings need all
     void check_body(const BodySpec& body);
@@ -67,6 +70,13 @@ struct World::Impl {
     Distance distance(QueryWorker& worker, const PairTask& task, double tolerance, double cutoff);
     void contacts(QueryWorker& worker, const PairTask& task, std::vector<Contact>& found);
     Penetration penetration(QueryWorker& worker, const PairTask& task);
+    /// The trees must be there.
+    SweepResult sweep(QueryWorker& worker, const SweepTask& task);
+    SweepTask task_of(const MovingModel& a, const MovingModel& b, const SweepOptions& options);
+    void find_casts(QueryWorker& worker, const MovingModel& model, const QueryFilter& filter,
+                    const SweepOptions& options, bool all, std::vector<SweepHit>& hits);
+    SweepHit first_cast(QueryWorker& worker, const MovingModel& model, const QueryFilter& filter,
+                        const SweepOptions& options);
     struct Probe; // a model at a pose against all bodies: world_queries.cpp
     void find_near(QueryWorker& worker, const Probe& probe, double margin);
     void refine_hits(QueryWorker& worker, const Probe& probe, std::vector<QueryHit>& hits);

@@ -170,6 +170,7 @@ FrameView World::step()
                                                    frame.number, p.models.lost()));
     frame.context.trees = {}, frame.context.rounds.clear(), frame.context.frame = frame.number;
     p.take_in_changes();
+    frame.sweeps.clear();
     if (p.rests()) {
         p.repeat_stages();
     } else {
@@ -179,6 +180,7 @@ FrameView World::step()
             p.find_events();
             p.look_ahead();
             p.frame_hash = hash_of(frame.results, wants_kinds(p.settings), frame.undecided);
+            for (const PairSweep& sweep : frame.sweeps) mix(p.frame_hash, sweep);
         } catch (...) {
             frame.keeps = false; // some results may be of this frame
             throw;
@@ -190,6 +192,7 @@ FrameView World::step()
     for (std::size_t i = 0; i < p.stages.size(); ++i) add_to(p.totals[i], p.stats[i]);
     frame.fresh.clear(), frame.changed.clear(), frame.moved = 0, frame.same_bodies = true;
 
+    if (p.bodies.any_motion()) p.bodies.end_motions(), p.changed();
     TreeStats& trees = frame.context.trees;
     trees.collapsed = p.models.age(frame.number);
     trees.nodes = p.models.nodes();
@@ -200,7 +203,7 @@ FrameView World::step()
             p.ended,        p.stats,
             p.totals,       frame.delimitation,
             trees,          frame.context.rounds,
-            p.frame_hash};
+            p.frame_hash,   frame.sweeps};
 }
 
 void World::Impl::run_stages()
@@ -222,6 +225,9 @@ void World::Impl::run_stages()
         s.cpu_ms = milliseconds(to - from);
         from = to;
     }
+    if (!bodies.any_motion()) return;
+    sweeps.run(bodies, frame);
+    stats.back().cpu_ms += milliseconds(Clock::now() - from);
 }
 
 bool World::Impl::rests() const

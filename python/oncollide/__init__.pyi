@@ -54,6 +54,8 @@ class Frame:
     @property
     def ended(self) -> NDArray[np.void]: ...
     @property
+    def sweeps(self) -> NDArray[np.void]: ...
+    @property
     def stages(self) -> list[dict[str, Any]]: ...
     @property
     def trees(self) -> dict[str, int]: ...
@@ -112,6 +114,9 @@ class World:
     def remove_bodies(self, bodies: ArrayLike) -> None: ...
     def set_pose(self, body: int, pose: ArrayLike) -> None: ...
     def set_poses(self, bodies: ArrayLike, poses: ArrayLike) -> None: ...
+    def set_motions(
+        self, bodies: ArrayLike, poses: ArrayLike, path: Literal["linear", "screw"] = "linear"
+    ) -> None: ...
     def set_static(self, body: int, static: bool) -> None: ...
     def set_fixed(self, body: int, static: bool) -> None: ...
     def sleep(self, bodies: ArrayLike) -> None: ...
@@ -153,6 +158,32 @@ class World:
     ) -> NDArray[np.void]: ...
     def cast_all(
         self, start: ArrayLike, end: ArrayLike, layer: int = 1, mask: int = 4294967295, group: int = 0
+    ) -> NDArray[np.void]: ...
+    def sweep(
+        self,
+        a: Model,
+        a_from: ArrayLike,
+        a_to: ArrayLike,
+        b: Model,
+        b_from: ArrayLike,
+        b_to: ArrayLike,
+        path: Literal["linear", "screw"] = "linear",
+        time_tolerance: float = 0.0001,
+        gap_tolerance: float = 0.0001,
+        most_steps: int = 10000,
+    ) -> NDArray[np.void]: ...
+    def cast_model(
+        self,
+        model: Model,
+        starts: ArrayLike,
+        ends: ArrayLike,
+        layer: int = 1,
+        mask: int = 4294967295,
+        group: int = 0,
+        path: Literal["linear", "screw"] = "linear",
+        time_tolerance: float = 0.0001,
+        gap_tolerance: float = 0.0001,
+        most_steps: int = 10000,
     ) -> NDArray[np.void]: ...
     def query_box(
         self, low: ArrayLike, high: ArrayLike, layer: int = 1, mask: int = 4294967295, group: int = 0

@@ -34,6 +34,9 @@ struct ResultTypes {
     py::dtype distance;    ///< Distance
     py::dtype finding;     ///< Finding
     py::dtype penetration; ///< Penetration
+    py::dtype sweep;       ///< SweepResult
+    py::dtype sweep_hit;   ///< SweepHit
+    py::dtype pair_sweep;  ///< PairSweep
 };
 /// Called at import, before threads can wait for each other: making the types runs Python code, which may hand the
 /// interpreter's lock to a thread that needs them.

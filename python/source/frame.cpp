@@ -13,13 +13,15 @@ struct FrameResult {
     double ms;
     std::vector<PairResult> pairs;
     std::vector<PairOfBodies> began, ended;
+    std::vector<PairSweep> sweeps;
     std::vector<StageStats> stages;
     TreeStats trees;
 
     explicit FrameResult(const FrameView& view)
         : frame(view.frame), hash(view.hash), ms(view.ms), pairs(view.pairs.begin(), view.pairs.end()),
           began(view.began.begin(), view.began.end()), ended(view.ended.begin(), view.ended.end()),
-          stages(view.stages.begin(), view.stages.end()), trees(view.trees)
+          sweeps(view.sweeps.begin(), view.sweeps.end()), stages(view.stages.begin(), view.stages.end()),
+          trees(view.trees)
     {
     }
 };
@@ -81,6 +83,10 @@ certified upper bound; colliding: 0).)")
             "(uint64).")
         .def_property_readonly("ended", &column<&FrameResult::ended, &ResultTypes::bodies>,
                                "The reverse, including pairs of removed bodies: structured (N,), a, b (uint64).")
+        .def_property_readonly("sweeps", &column<&FrameResult::sweeps, &ResultTypes::pair_sweep>,
+                               R"(When the pairs in which a body moved by set_motions() first met, ascending by pair.
+
+Structured (N,): pair (uint32, index into pairs), and the fields of World.sweep().)")
         .def_property_readonly(
             "stages", [](const FrameResult& f) { return stage_list(f.stages); },
             "Counts of each stage: dicts with stage, unit, in, out, culled, undecided, cpu_ms and others.")

@@ -43,6 +43,8 @@ struct Looking : Users::Beside {
 /// The model's id in this World. ValueError if the model belongs to another World.
 ModelId model_of(const HeldWorld& held, py::handle value, const Place& place);
 std::uint32_t bits(py::handle value, const Place& place);
+QueryFilter filter_of(py::handle layer, py::handle mask, py::handle group, const char* call);
+MotionPath motion_path(py::handle value, const Place& place); ///< "linear" or "screw"
 Aabb box_of(py::handle low, py::handle high, const char* call);
 
 /// A property or a method that is a const call.
@@ -61,6 +63,7 @@ void bind_bodies(WorldClass& world);
 void bind_frames(py::module_& module, WorldClass& world);
 void bind_world_queries(WorldClass& world);
 void bind_world_pairs(WorldClass& world);
+void bind_world_sweeps(WorldClass& world);
 void bind_maps(WorldClass& world);
 
 } // namespace oncollide::python

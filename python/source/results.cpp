@@ -1,5 +1,6 @@
 // Structured arrays over the library's results, and Distance.
 #include <cstddef>
+#include <vector>
 
 #include <oncollide/pipeline/results.hpp>
 #include <oncollide/pipeline/world.hpp>
@@ -17,7 +18,7 @@ struct Field {
     std::size_t at;
 };
 
-py::dtype structure(std::size_t size, std::initializer_list<Field> fields)
+py::dtype structure(std::size_t size, const std::vector<Field>& fields)
 {
     py::list names, formats, offsets;
     for (const Field& field : fields) {
@@ -34,6 +35,27 @@ constexpr std::size_t cell_in_part = offsetof(BodyPart, cell);
 
 // PairResult and QueryHit have their verdict in a base, where offsetof is GCC's and Clang's extension.
 #pragma GCC diagnostic ignored "-Winvalid-offsetof"
+
+/// A SweepResult with other fields before it.
+template <class Sweep>
+py::dtype sweep_structure(std::vector<Field> fields)
+{
+    constexpr std::size_t contact = offsetof(Sweep, contact);
+    fields.insert(fields.end(), {{"verdict", "u1", offsetof(Sweep, verdict)},
+                                 {"kind", "u1", offsetof(Sweep, kind)},
+                                 {"clear_until", "f8", offsetof(Sweep, clear_until)},
+                                 {"contact_by", "f8", offsetof(Sweep, contact_by)},
+                                 {"gap", "f8", offsetof(Sweep, gap)},
+                                 {"separating", "?", offsetof(Sweep, separating)},
+                                 {"steps", "i4", offsetof(Sweep, steps)},
+                                 {"triangle_a", "u4", contact + offsetof(Contact, a)},
+                                 {"cell_a", "4i4", contact + offsetof(Contact, a) + cell_in_part},
+                                 {"triangle_b", "u4", contact + offsetof(Contact, b)},
+                                 {"cell_b", "4i4", contact + offsetof(Contact, b) + cell_in_part},
+                                 {"ends", "(2,3)f8", contact + offsetof(Contact, ends)},
+                                 {"normal", "3f8", offsetof(Sweep, normal)}});
+    return structure(sizeof(Sweep), fields);
+}
 
 /// Never freed: the interpreter may end before static objects are destroyed.
 const ResultTypes* types = nullptr;
@@ -91,7 +113,10 @@ void make_result_types()
                                                        {"overlap", "(2,3)f8", offsetof(Penetration, overlap)},
                                                        {"vertex", "u4", offsetof(Penetration, vertex)},
                                                        {"thickness", "f8", offsetof(Penetration, thickness)},
-                                                       {"thin_along", "3f8", offsetof(Penetration, thin_along)}})};
+                                                       {"thin_along", "3f8", offsetof(Penetration, thin_along)}}),
+        .sweep = sweep_structure<SweepResult>({}),
+        .sweep_hit = sweep_structure<SweepHit>({{"body", "u8", offsetof(SweepHit, body)}}),
+        .pair_sweep = sweep_structure<PairSweep>({{"pair", "u4", offsetof(PairSweep, pair)}})};
 }
 
 const ResultTypes& result_types()

@@ -133,6 +133,7 @@ Removes a model. Raises Error while a body uses it.)");
     bind_frames(m, world);
     bind_world_queries(world);
     bind_world_pairs(world);
+    bind_world_sweeps(world);
     bind_maps(world);
     world.def(
         "inspect",

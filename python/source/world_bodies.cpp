@@ -65,6 +65,19 @@ void set_poses(HeldWorld& held, py::handle which, py::handle at)
     held.world.set_poses(ids, made);
 }
 
+void set_motions(HeldWorld& held, py::handle which, py::handle at, py::handle path)
+{
+    const char* const call = "World.set_motions";
+    const std::vector<BodyId> ids = bodies(which, {call, "bodies"});
+    const Poses poses(at, {call, "poses"});
+    check_length(poses, ids.size(), {call, "poses"});
+    const MotionPath along = motion_path(path, {call, "path"});
+    std::vector<Eigen::Isometry3d> made(ids.size());
+    for (std::size_t i = 0; i < ids.size(); ++i) made[i] = poses[i];
+    const Inside inside(held, call);
+    held.world.set_motions(ids, made, along);
+}
+
 py::array pose_of(HeldWorld& held, py::handle which)
 {
     const BodyId id = body(which, {"World.pose", "body"});
@@ -143,6 +156,12 @@ Moves a body. pose: (4, 4) or (7,), metres; rigid to 1e-6.)");
 --
 
 Moves many. bodies: (N,) ids. poses: (N, 4, 4) or (N, 7), metres, or one pose for all. If one is invalid, none moves.)");
+    world.def("set_motions", &set_motions, "bodies"_a, "poses"_a, "path"_a = "linear",
+              R"(set_motions(self, bodies, poses, path="linear")
+--
+
+Moves many as set_poses() does, and lets the next step() report contacts on the way, in Frame.sweeps: from their poses
+so far to `poses`, over the time from 0 to 1. path: "linear" or "screw".)");
     world.def(
         "set_static",
         [](HeldWorld& held, py::handle which, py::handle is_static) {

@@ -3,12 +3,12 @@
 
 namespace oncollide::python {
 
-namespace {
-
 QueryFilter filter_of(py::handle layer, py::handle mask, py::handle group, const char* call)
 {
     return {bits(layer, {call, "layer"}), bits(mask, {call, "mask"}), bits(group, {call, "group"})};
 }
+
+namespace {
 
 template <class... Query>
 py::array hits_of(HeldWorld& held, const char* call, const Query&... query)

@@ -1,12 +1,17 @@
 // Every instruction set must give the same bits: the result hash depends on it.
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <cmath>
 #include <cstring>
 #include <numeric>
+
+#include <Eigen/Geometry>
 
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/broadphase/aabb_kernel.hpp>
+#include <oncollide/narrowphase/obb/oriented_box_kernel.hpp>
 #include <oncollide/narrowphase/spheres/octant_kernel.hpp>
 #include <oncollide/narrowphase/spheres/surface.hpp>
 #include <oncollide/samples/generators.hpp>
@@ -107,6 +112,68 @@ TEST(Kernels, BoundPointsAlikeOnEveryInstructionSet)
             EXPECT_EQ(std::memcmp(expected, got, sizeof got), 0);
         }
     }
+}
+
+/// Eight boxes of any rotation around points in a cube of side 1; the last lane is unused.
+OpenBoxes random_boxes(std::uint64_t seed)
+{
+    OpenBoxes boxes{};
+    for (unsigned k = 0; k < 8; ++k) {
+        Eigen::Vector4f q;
+        for (std::uint64_t i = 0; i < 4; ++i) q[int(i)] = random_float(8 * seed + k, 20 + i);
+        const Eigen::Matrix3f r = Eigen::Quaternionf(q.normalized()).toRotationMatrix();
+        for (int i = 0; i < 3; ++i) {
+            boxes.c[i][k] = k == 7 ? 1e30f : random_float(8 * seed + k, std::uint64_t(i));
+            boxes.h[i][k] = 0.2f * std::abs(random_float(8 * seed + k, 10 + std::uint64_t(i)));
+            for (int j = 0; j < 3; ++j) boxes.axis[j][i][k] = r(i, j);
+            boxes.size[k] += boxes.h[i][k] * boxes.h[i][k];
+        }
+    }
+    return boxes;
+}
+
+TEST(Kernels, FindWhenMovingBoxesMeetOnEveryInstructionSet)
+{
+    int meet = 0, never = 0;
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+        const OpenBoxes boxes = random_boxes(2 * seed), other = random_boxes(2 * seed + 1);
+        BoxMotion motion{.base = {}, .turn = {}, .turn_length = 0, .slack = 1e-6f};
+        for (std::uint64_t i = 0; i < 3; ++i)
+            motion.base[i] = 2 * random_float(seed, 40 + i), motion.turn[i] = 0.4f * random_float(seed, 50 + i);
+        motion.turn_length = Eigen::Map<const Eigen::Vector3f>(motion.turn).norm() * 1.00001f;
+        float expected[8], got[8];
+        const unsigned k = seed % 7;
+        const unsigned found = baseline::oriented_box_kernel().meet_in_time(boxes, other, k, motion, 1, expected);
+        EXPECT_FALSE(found >> 7 & 1) << "the unused lane";
+        for (const auto& [set, kernel] : {std::pair(InstructionSet::avx2, &avx2::oriented_box_kernel),
+                                          std::pair(InstructionSet::avx512, &avx512::oriented_box_kernel)}) {
+            if (instruction_set() < set) continue;
+            EXPECT_EQ(kernel().meet_in_time(boxes, other, k, motion, 1, got), found);
+            EXPECT_EQ(std::memcmp(expected, got, sizeof(float) * 7), 0);
+        }
+        // Boxes that overlap at a time, as moved by then, meet no later.
+        unsigned overlapped = 0;
+        for (int n = 0; n <= 64; ++n) {
+            const float time = float(n) / 32 - 1;
+            OpenBoxes moved = boxes;
+            for (unsigned lane = 0; lane < 7; ++lane) {
+                const Eigen::Vector3f c(boxes.c[0][lane], boxes.c[1][lane], boxes.c[2][lane]),
+                    v = Eigen::Map<const Eigen::Vector3f>(motion.base) +
+                        Eigen::Map<const Eigen::Vector3f>(motion.turn).cross(c);
+                for (int i = 0; i < 3; ++i) moved.c[i][lane] = c[i] + time * v[i];
+            }
+            float gaps[8], nearest[8] = {};
+            const unsigned near = baseline::oriented_box_kernel().compare(moved, other, k, 0, gaps, nearest);
+            overlapped |= near;
+            for (unsigned lane = 0; lane < 7; ++lane)
+                if (near >> lane & 1) {
+                    EXPECT_TRUE(found >> lane & 1 && expected[lane] <= time + 1e-6f) << seed << " " << lane;
+                }
+        }
+        meet += std::popcount(overlapped), never += 7 - std::popcount(found);
+    }
+    EXPECT_GT(meet, 50);
+    EXPECT_GT(never, 300);
 }
 
 } // namespace

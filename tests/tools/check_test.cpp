@@ -192,6 +192,24 @@ TEST_F(Check, BadPosesAreUsageErrors)
         expect_error(64, {"check", "a.off", "b.off", "--pose-b", pose}, {"--pose-b", "x y z qx qy qz qw"});
 }
 
+TEST_F(Check, FindsTheFirstContactOnTheWay)
+{
+    const Outcome passes = check("3 0.25 0 0 0 0 1", {"--to-pose-b", "-5 0.25 0 0 0 0 1"});
+    EXPECT_EQ(passes.code, 1) << passes.err;
+    EXPECT_NE(passes.out.find("first meet from time 0.249"), std::string::npos) << passes.out;
+    EXPECT_NE(passes.out.find(" to 0.250"), std::string::npos) << passes.out;
+    const Outcome misses = check("3 1.001 0 0 0 0 1", {"--to-pose-b", "-5 1.001 0 0 0 0 1"});
+    EXPECT_EQ(misses.code, 0) << misses.err;
+    EXPECT_NE(misses.out.find("never meet on the way"), std::string::npos) << misses.out;
+    const Outcome both =
+        check("3 0 0 0 0 0 1", {"--to-pose-a", "4 0 0 0 0 0 1", "--to-pose-b", "0 0 0 0 0 0 1", "--json", "-"});
+    EXPECT_EQ(both.code, 1);
+    EXPECT_EQ(nlohmann::json::parse(both.out).at("frames").at(0).at("pairs").at(0).at(2), "colliding");
+    expect_error(64, {"check", "a.off", "b.off", "--to-pose-b", "1 2 3"}, {"--to-pose-b", "x y z qx qy qz qw"});
+    expect_error(64, {"check", "a.off", "b.off", "--to-pose-b", "9 0 0 0 0 0 1", "--distance", "0"},
+                 {"--to-pose-b", "--distance"});
+}
+
 TEST_F(Check, NeverWritesOverItsInputs)
 {
     expect_error(64, {"check", "a.off", "b.off", "--json", "b.off"}, {"overwrite the input"});

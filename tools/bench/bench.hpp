@@ -9,6 +9,7 @@ void add_broad(Arguments bench);
 void add_narrow(Arguments bench);
 void add_poses(Arguments bench);
 void add_planner(Arguments bench);
+void add_continuous(Arguments bench);
 void add_shapes(Arguments bench);
 void add_rays(Arguments bench);
 void add_world(Arguments bench);

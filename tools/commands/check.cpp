@@ -28,7 +28,7 @@ namespace oncollide::tools {
 namespace {
 
 struct CheckOptions {
-    std::string a, b, pose_a, pose_b;
+    std::string a, b, pose_a, pose_b, to_pose_a, to_pose_b;
     SettingsOptions settings;
     CacheOptions cache;
     std::string json, contacts;
@@ -154,6 +154,37 @@ void write_contacts(const World& world, OutputFile& file)
     file.commit();
 }
 
+/// Lets the bodies move in the next step.
+void set_motions(World& world, const CheckOptions& options)
+{
+    std::vector<std::string> warnings;
+    if (!options.to_pose_a.empty())
+        world.set_motion(world.body_at(0), parse_pose("--to-pose-a", options.to_pose_a, warnings));
+    if (!options.to_pose_b.empty())
+        world.set_motion(world.body_at(1), parse_pose("--to-pose-b", options.to_pose_b, warnings));
+    for (const std::string& warning : warnings) log(LogLevel::warning, warning);
+}
+
+std::string describe(const Scene& scene, const PairSweep& sweep)
+{
+    const std::string both =
+        fmt::format("'{}' and '{}'", printable(scene.label(SceneBodyId{0})), printable(scene.label(SceneBodyId{1})));
+    const auto& at = sweep.contact.ends[0];
+    const std::string time = fmt::format("from time {:.9g} to {:.9g}", sweep.clear_until, sweep.contact_by);
+    switch (sweep.verdict) {
+    case Verdict::separate:
+        return fmt::format("separate: {} never meet on the way (certified).", both);
+    case Verdict::undecided:
+        return fmt::format("undecided: {} do not meet before time {:.9g} (certified).", both, sweep.clear_until);
+    default:
+        break;
+    }
+    const std::string_view word = name_of(sweep.verdict);
+    if (sweep.contact_by == 0) return fmt::format("{}: {} are in contact at time 0.", word, both);
+    return fmt::format("{}: {} first meet {} (certified), at ({:.6g}, {:.6g}, {:.6g}).", word, both, time, at.x(),
+                       at.y(), at.z());
+}
+
 std::string describe_distance(const Scene& scene, const World& world, double tolerance)
 {
     const Distance d = world.distance(world.body_at(0), world.body_at(1), tolerance);
@@ -175,6 +206,9 @@ int check_pair(const CheckOptions& options)
     if (!options.contacts.empty() && exact_level(settings) != ExactLevel::predicates)
         throw Error(ErrorKind::usage,
                     "--contacts: needs the exact level: leave out --max-error and --depth, or give --exact on");
+    const bool moves = !options.to_pose_a.empty() || !options.to_pose_b.empty();
+    if (moves && (options.distance || !options.contacts.empty()))
+        usage("--to-pose-a, --to-pose-b: not together with --distance or --contacts, which are of one pose");
     settings.contact_kinds = exact_level(settings) == ExactLevel::predicates;
     // Both stages cull without a bound on the distance, and a single pair needs neither.
     for (const StageId stage : {StageId::delimitation, StageId::broad}) settings.skip.insert(stage);
@@ -186,6 +220,7 @@ int check_pair(const CheckOptions& options)
     const Scene scene = load_pair(options);
     if (!options.quiet) print_warnings(scene);
     Pipeline pipeline(scene, settings);
+    set_motions(pipeline.world(), options);
     Report report(scene, pipeline, {.csv = false, .trace = false, .separate = true});
     const FrameView frame = pipeline.step(scene);
     report.add(frame);
@@ -195,7 +230,10 @@ int check_pair(const CheckOptions& options)
             : frame.pairs.front();
     std::ostream& said = options.json == "-" ? std::cerr : std::cout;
     if (!options.quiet)
-        said << tinted_verdict(describe(scene, settings, pair), pair.verdict, options.json == "-") << "\n";
+        said << tinted_verdict(frame.sweeps.empty() ? describe(scene, settings, pair)
+                                                    : describe(scene, frame.sweeps.front()),
+                               pair.verdict, options.json == "-")
+             << "\n";
     if (!options.quiet && options.distance)
         said << describe_distance(scene, pipeline.world(), *options.distance) << "\n";
     if (!options.json.empty()) report.write_json(options.json);
@@ -221,6 +259,11 @@ void add_check(Arguments app)
     sub.add_option("--pose-a", options->pose_a, "pose of A, metres and unit quaternion (default: identity)")
         .type_name("\"x y z qx qy qz qw\"");
     sub.add_option("--pose-b", options->pose_b, "pose of B").type_name("\"x y z qx qy qz qw\"");
+    sub.add_option("--to-pose-a", options->to_pose_a,
+                   "A moves to this pose, over the time from 0 to 1: in a straight line, rotating along the shorter "
+                   "arc; the result is the first contact on the way")
+        .type_name("\"x y z qx qy qz qw\"");
+    sub.add_option("--to-pose-b", options->to_pose_b, "the same for B").type_name("\"x y z qx qy qz qw\"");
     add_accuracy_options(sub, options->settings);
     add_cache_options(sub, options->cache);
     sub.add_option("--json", options->json, "write the result as JSON; '-' is standard output").type_name("FILE");
@@ -240,6 +283,7 @@ void add_check(Arguments app)
                "certified bound instead: a pair that may touch is then 'within' that bound, and never 'colliding'.\n"
                "Examples:\n"
                "  oncollide check bunny.obj cow.obj --pose-b \"0.4 0 0 0 0 0 1\"\n"
+               "  oncollide check bunny.obj cow.obj --pose-b \"2 0 0 0 0 0 1\" --to-pose-b \"-2 0 0 0 0 1 0\"\n"
                "  oncollide check part.stl fixture.stl --clearance 0.002 --json -\n"
                "  oncollide check arm.stl bench.stl --pose-b \"0 0 0.5 0 0 0 1\" --distance 0.001");
     sub.action([options] { return check_pair(*options); });

@@ -32,6 +32,7 @@ struct RunOptions {
     RankOptions ranks;
     std::string shard;
     bool exit_code = false;
+    bool continuous = false;
 };
 
 /// The page of --view; null: not requested.
@@ -58,6 +59,8 @@ int run(const RunOptions& options)
     const Shard shard = shard_from(options.shard);
     if (!shard.whole() && wants_ranks(options.ranks))
         usage("--shard is for independent processes: not under mpirun, and without checkpoints");
+    if (options.continuous && wants_ranks(options.ranks))
+        usage("--continuous: not under mpirun, and without checkpoints");
     if (wants_ranks(options.ranks))
         return play_on_ranks(options.scene, options.settings, options.outputs, options.ranks);
     if (!shard.whole() && options.from_frame)
@@ -77,6 +80,7 @@ int run(const RunOptions& options)
     const auto [begin, end] = shard.range(std::size_t(scene.frames));
     const int first = shard.whole() ? options.from_frame : int(begin);
     Pipeline pipeline(scene, settings);
+    pipeline.set_continuous(options.continuous);
     if (first) pipeline.world().continue_from(std::uint32_t(first), 0);
     std::optional<PairsFile> pairs;
     if (!options.outputs.pairs.empty())
@@ -120,6 +124,9 @@ void add_run(Arguments app)
         "--exit-code", options->exit_code,
         "exit with 1 if a pair collides in any frame, else with 2 if a pair is within or undecided (default: 0 for "
         "every run that succeeds)");
+    sub.add_flag("--continuous", options->continuous,
+                 "also find contacts on the way from frame to frame: each body moves in a straight line, and rotates "
+                 "along the shorter arc");
     const Option view =
         sub.add_option("--view", options->view,
                        "write one HTML page that shows the run in 3D, frame by frame; needs Debian's libjs-three")

@@ -1,5 +1,6 @@
 #include "peers/narrow/fcl_pair.hpp"
 
+#include <fcl/narrowphase/continuous_collision.h>
 #include <fcl/narrowphase/detail/traversal/collision/intersect.h>
 
 #include <oncollide/narrowphase/fcl/fcl_geometry.hpp>
@@ -61,6 +62,19 @@ double fcl_distance(const FclBody& a, const FclBody& b)
     const fcl::DistanceRequestd request;
     fcl::DistanceResultd result;
     return std::max(0.0, fcl::distance(a.geometry.get(), a.pose, b.geometry.get(), b.pose, request, result));
+}
+
+double fcl_time_of_contact(const FclBody& a, const Eigen::Isometry3d& to_a, const FclBody& b,
+                           const Eigen::Isometry3d& to_b, FclSweep how, double tolerance)
+{
+    fcl::ContinuousCollisionRequestd request;
+    if (how == FclSweep::advancement) {
+        request.toc_err = tolerance;
+        request.ccd_motion_type = fcl::CCDM_LINEAR, request.ccd_solver_type = fcl::CCDC_CONSERVATIVE_ADVANCEMENT;
+    }
+    fcl::ContinuousCollisionResultd result;
+    fcl::continuousCollide(a.geometry.get(), a.pose, to_a, b.geometry.get(), b.pose, to_b, request, result);
+    return result.is_collide ? result.time_of_contact : std::numeric_limits<double>::infinity();
 }
 
 bool fcl_triangles_meet(const std::array<Eigen::Vector3d, 3>& a, const std::array<Eigen::Vector3d, 3>& b)

@@ -35,6 +35,12 @@ struct FclBody {
 std::size_t fcl_contacts(const FclBody& a, const FclBody& b, std::size_t most = 1, bool details = false);
 /// Distance of the surfaces, 0 if they touch; unreliable if one is deep inside the other. Meshes need OBBRSS.
 double fcl_distance(const FclBody& a, const FclBody& b);
+/// FCL's continuous queries: its defaults (sampled poses of a translation), or conservative advancement on linear
+/// motions. Meshes need OBBRSS.
+enum class FclSweep { sampled, advancement };
+/// The time of contact of two bodies that move from their poses to the others; infinite: FCL finds none.
+double fcl_time_of_contact(const FclBody& a, const Eigen::Isometry3d& to_a, const FclBody& b,
+                           const Eigen::Isometry3d& to_b, FclSweep how, double tolerance);
 /// FCL's own test of two triangles.
 bool fcl_triangles_meet(const std::array<Eigen::Vector3d, 3>& a, const std::array<Eigen::Vector3d, 3>& b);
 /// Bytes of a mesh's tree if it had nodes of that kind; 0 if the geometry is not a mesh.

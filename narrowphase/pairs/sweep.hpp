@@ -1,0 +1,65 @@
+#pragma once
+#include <optional>
+
+#include <oncollide/base/function_ref.hpp>
+#include <oncollide/narrowphase/finding.hpp>
+#include <oncollide/narrowphase/pairs/pair_memory.hpp>
+#include <oncollide/narrowphase/pairs/pair_task.hpp>
+#include <oncollide/narrowphase/walks/swept_motion.hpp>
+#include <oncollide/scenes/motion.hpp>
+
+namespace oncollide {
+
+class PairWorker;
+
+/// Two moving bodies.
+struct SweepTask {
+    Model *a, *b;
+    const RigidMotion *motion_a, *motion_b;
+    SweepOptions options{};
+    double clearance = 0; ///< metres
+    bool solid = false;   ///< the inside of a closed mesh belongs to the mesh
+    double until = 1;     ///< the search ends as soon as no earlier contact is possible
+    // Hints: results do not depend on them.
+    bool begins_apart = false;          ///< probably: examine a window before the poses at time 0
+    const PairMemory* memory = nullptr; ///< witnesses of a pose that is probably near
+};
+
+/// A body during a window of time.
+struct MovingBody {
+    Model& model;
+    RigidMotion::State state; ///< in the middle
+    Eigen::Vector3d centre;   ///< of a ball around it, in the middle of the window, world frame; not of a half-space
+    double radius;            ///< of the ball; 0 for a half-space
+};
+
+/// Both bodies from `begin` to `end`, between keys of their motions.
+class MotionWindow {
+public:
+    MotionWindow(const SweepTask& task, double begin, double end);
+    double begin() const { return begin_; }
+    double end() const { return end_; }
+    /// The time at a share from -1 to 1.
+    double time(double share) const { return begin_ + 0.5 * (1 + share) * (end_ - begin_); }
+    const MovingBody& body(bool a) const { return a ? a_ : b_; }
+    /// The motions in the frame of the first body, in the middle of the window.
+    /// @param swap  the first body is the task's b
+    SweptMotion motion(bool swap) const;
+
+private:
+    const SweepTask& task_;
+    double begin_, end_;
+    MovingBody a_, b_;
+};
+
+/// When two bodies first meet in a window; times as in swept_motion.hpp. Directions are in the world frame, from the
+/// task's a to b. Witnesses are left in a PairMemory.
+using FindEntry = FunctionRef<PartsEntry(const MotionWindow&, PairMemory&)>;
+/// The contact of two parts that a decision left in a PairMemory; nothing: it left none.
+using FindContact = FunctionRef<std::optional<Contact>(const PairTask&, const PairMemory&)>;
+
+/// Advances through the motion window by window: the next one begins at the bound that the last one gave, and is the
+/// smaller the nearer the contact is. The exact test decides at the poses of single times.
+SweepResult sweep(PairWorker& worker, const SweepTask& task, FindEntry entry, FindContact contact);
+
+} // namespace oncollide

@@ -1,0 +1,87 @@
+// The traversal that finds when two hierarchies first meet during a motion.
+#pragma once
+#include <oncollide/narrowphase/walks/box_walk_queries.hpp>
+#include <oncollide/narrowphase/walks/swept_motion.hpp>
+
+namespace oncollide {
+
+/// Sets the motion of the parts of one box relative to the other box.
+template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
+void BoxWalk<A, B, Leaves>::set_motion(BoxMotion& motion, Entry e, bool down_a) const
+{
+    const SweptSide &mine = down_a ? swept_.a : swept_.b, &others = down_a ? swept_.b : swept_.a;
+    const OpenBoxes& other = down_a ? b_[e.slot_b()].boxes : a_[e.slot_a()].boxes;
+    const unsigned k = down_a ? e.lane_b() : e.lane_a();
+    const Eigen::Vector3d centre(other.c[0][k], other.c[1][k], other.c[2][k]), base = mine.shift - others.at(centre);
+    for (int i = 0; i < 3; ++i)
+        motion.base[i] = static_cast<float>(base[i]), motion.turn[i] = static_cast<float>(mine.turn[i]);
+    const double turn = mine.turn.norm(), other_turn = others.turn.norm();
+    motion.turn_length = static_cast<float>(turn * (1 + 0x1p-20));
+    motion.slack = static_cast<float>((swept_.slack + other_turn * std::sqrt(double(other.size[k])) * (1 + 0x1p-10)) *
+                                          (1 + 0x1p-20) +
+                                      0x1p-20 * (base.norm() + other_turn * centre.norm()) + box_rounding_);
+}
+
+/// The relative motion of the contents of two boxes.
+template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
+SweptParts BoxWalk<A, B, Leaves>::motion_of(Entry e) const
+{
+    const auto side = [](const SweptSide& motion, const OpenBoxes& boxes, unsigned k, Eigen::Vector3d& speed) {
+        speed = motion.at({boxes.c[0][k], boxes.c[1][k], boxes.c[2][k]});
+        return motion.turn.norm() * (std::sqrt(double(boxes.size[k])) * (1 + 0x1p-10) + boxes.margin);
+    };
+    Eigen::Vector3d of_a, of_b;
+    const double slack_a = side(swept_.a, a_[e.slot_a()].boxes, e.lane_a(), of_a);
+    const double slack_b = side(swept_.b, b_[e.slot_b()].boxes, e.lane_b(), of_b);
+    return {of_b - of_a, swept_.slack + slack_a + slack_b + 0x1p-40 * (of_a.norm() + of_b.norm())};
+}
+
+template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
+FirstEntry<typename Leaves::Pair> BoxWalk<A, B, Leaves>::first_entry(A& a, B& b, const RelativePose& b_to_a,
+                                                                     const SweptMotion& motion)
+{
+    const WalkFrame frame(a, b, b_to_a);
+    origin_ = frame.origin;
+    const auto moved = [&](const SweptSide& side) { return SweptSide{side.at(origin_), side.turn}; };
+    swept_ = {moved(motion.a), moved(motion.b), motion.slack}, box_rounding_ = frame.box_rounding;
+    FirstEntry<Pair> best;
+    const SweptParts all{motion.b.at(b_to_a(b.centre())) - motion.a.at(a.centre()), 0};
+    const double reach = all.speed.norm() * (1 + 0x1p-20) + motion.slack + motion.a.turn.norm() * a.radius() * 1.01 +
+                         motion.b.turn.norm() * b.radius() * 1.01;
+    if (frame.apart > reach) return best;
+    start(a, b, b_to_a, frame);
+    stack_[top_ - 1].gap = -1;
+    take_line(Line(b_to_a(b.centre()) - a.centre(), b_to_a));
+    RelativePose there = b_to_a; // the leaf tests keep a reference
+    const auto take_pair = [&](const Pair& pair, const SweptParts& parts, double from) {
+        const auto apart = [&](const Eigen::Vector3d& direction) {
+            Line line(direction, b_to_a);
+            return low_b(std::array{pair.b}, line) - high_a(std::array{pair.a}, line) - frame.leaf_rounding;
+        };
+        const auto between = [&](double time) {
+            there.translation = b_to_a.translation + time * parts.speed;
+            leaves_.start(a, b, there);
+            return nearest(pair, frame).between;
+        };
+        const PartsEntry entry = oncollide::first_entry(parts, from, best.time, line_.in_a, apart, between);
+        if (entry.time >= best.time) return;
+        best.time = entry.time, best.likely = entry.likely, best.direction = entry.direction, best.pair = pair;
+        if (!entry.direction.isZero(0)) take_line(Line(entry.direction, b_to_a));
+    };
+    while (top_ && best.time > -1) {
+        const Entry e = stack_[--top_];
+        if (e.gap >= best.time) continue;
+        if (!both_leaves(e)) {
+            sort_last(open<Gaps::in_time>(e, static_cast<float>(std::min(best.time, 1.0))));
+            continue;
+        }
+        const SweptParts parts = motion_of(e);
+        each_pair(e, [&](const Pair& pair) {
+            take_pair(pair, parts, std::max(-1.0, double(e.gap)));
+            return best.time > -1;
+        });
+    }
+    return best;
+}
+
+} // namespace oncollide

@@ -1,0 +1,143 @@
+// World: when moving models first meet, safe from many threads at once.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/pipeline/world/query_worker.hpp>
+#include <oncollide/pipeline/world/sweep_pairs.hpp>
+
+namespace oncollide {
+
+void World::Impl::check_sweep(const char* call, const SweepOptions& options)
+{
+    constexpr double least = 1e-12;
+    const auto check = [&](const char* name, double value) {
+        if (!(value >= least))
+            throw Error(ErrorKind::usage, fmt::format("{}: {} {}: must be at least {:g}", call, name, value, least));
+    };
+    check("time_tolerance", options.time_tolerance), check("gap_tolerance", options.gap_tolerance);
+    if (options.most_steps < 1)
+        throw Error(ErrorKind::usage, fmt::format("{}: most_steps {}: must be at least 1", call, options.most_steps));
+}
+
+SweepTask World::Impl::task_of(const MovingModel& a, const MovingModel& b, const SweepOptions& options)
+{
+    return {&check_model(a.model), &check_model(b.model),       &a.motion, &b.motion, options,
+            settings.clearance,    settings.mode == Mode::solid};
+}
+
+SweepResult World::Impl::sweep(QueryWorker& worker, const SweepTask& task)
+{
+    if (worker.context.stopped()) return {};
+    return sweep_pair(models, worker.pairs, task);
+}
+
+SweepResult World::sweep(const MovingModel& a, const MovingModel& b, const SweepOptions& options) const
+{
+    Impl& p = impl();
+    p.check_sweep("sweep", options);
+    const SweepTask task = p.task_of(a, b, options);
+    const PairTask of_trees{0, task.a, task.b, nullptr, nullptr};
+    p.need_trees({&of_trees, 1});
+    Impl::Lease worker(p);
+    return p.sweep(*worker, task);
+}
+
+void World::sweep(std::span<const PairOfMovingModels> pairs, std::span<SweepResult> found,
+                  const SweepOptions& options) const
+{
+    Impl& p = impl();
+    if (pairs.size() != found.size())
+        throw Error(ErrorKind::usage, fmt::format("sweep: {} pairs, room for {} results; must be of one length",
+                                                  pairs.size(), found.size()));
+    p.check_sweep("sweep", options);
+    std::vector<SweepTask> tasks;
+    std::vector<PairTask> of_trees;
+    for (std::size_t i = 0; i < pairs.size(); ++i) try {
+            tasks.push_back(p.task_of(pairs[i].a, pairs[i].b, options));
+            of_trees.push_back({0, tasks.back().a, tasks.back().b, nullptr, nullptr});
+        } catch (const Error& error) {
+            throw Error(error.kind(), fmt::format("pair {}: {}", i, error.what()));
+        }
+    p.need_trees(of_trees);
+    p.each(tasks.size(), 4, [&](auto& worker, std::size_t i) { found[i] = p.sweep(worker, tasks[i]); });
+}
+
+/// Overwrites `hits` with the contacts of a moving model: with all, or with the contacts that may be the first.
+void World::Impl::find_casts(QueryWorker& w, const MovingModel& model, const QueryFilter& filter,
+                             const SweepOptions& options, bool all, std::vector<SweepHit>& hits)
+{
+    Model& mine = check_model(model.model);
+    w.boxes.assign(1, grown(mine.bounds().box(model.motion), settings.clearance));
+    broad->query(bodies.columns(), w.boxes, w.hits);
+    w.tasks.clear(), hits.clear();
+    for (const AabbHit& hit : w.hits)
+        if (allows(filter, hit.body)) w.tasks.push_back({hit.body, &mine, &bodies.model(hit.body), nullptr, nullptr});
+    need_trees(w.tasks);
+    double until = 1;
+    for (const PairTask& pair : w.tasks) {
+        const RigidMotion rest(bodies.pose(pair.number));
+        const SweepResult found = sweep(
+            w, {&mine, pair.b, &model.motion, &rest, options, settings.clearance, settings.mode == Mode::solid, until});
+        if (found.verdict == Verdict::separate) continue;
+        hits.push_back({found, bodies.id(pair.number)});
+        if (!all) until = std::min(until, found.contact_by);
+    }
+    std::ranges::sort(hits, {}, [](const SweepHit& hit) { return std::pair(hit.clear_until, hit.body.slot); });
+}
+
+SweepHit World::Impl::first_cast(QueryWorker& w, const MovingModel& model, const QueryFilter& filter,
+                                 const SweepOptions& options)
+{
+    find_casts(w, model, filter, options, false, w.sweeps);
+    SweepHit first;
+    first.verdict = Verdict::separate, first.clear_until = 1;
+    if (w.sweeps.empty()) return first;
+    // The first certain contact, unless an undecided pair may have met before.
+    first = *std::ranges::min_element(w.sweeps, {}, &SweepHit::contact_by);
+    const SweepHit& earliest = w.sweeps.front();
+    if (earliest.verdict == Verdict::undecided && earliest.clear_until < first.clear_until) first = earliest;
+    first.clear_until = earliest.clear_until;
+    return first;
+}
+
+SweepHit World::cast(const MovingModel& model, const QueryFilter& filter, const SweepOptions& options) const
+{
+    SweepHit hit;
+    cast(std::span(&model, 1), filter, std::span(&hit, 1), options);
+    return hit;
+}
+
+void World::cast(std::span<const MovingModel> models, const QueryFilter& filter, std::span<SweepHit> hits,
+                 const SweepOptions& options) const
+{
+    Impl& p = impl();
+    if (models.size() != hits.size())
+        throw Error(ErrorKind::usage, fmt::format("cast: {} models, room for {} hits; must be of one length",
+                                                  models.size(), hits.size()));
+    p.check_sweep("cast", options);
+    for (std::size_t i = 0; i < models.size(); ++i) try {
+            p.check_model(models[i].model);
+        } catch (const Error& error) {
+            throw Error(error.kind(), fmt::format("cast {}: {}", i, error.what()));
+        }
+    p.bring_up_to_date();
+    p.each(models.size(), 4,
+           [&](auto& worker, std::size_t i) { hits[i] = p.first_cast(worker, models[i], filter, options); });
+}
+
+std::vector<SweepHit> World::cast_all(const MovingModel& model, const QueryFilter& filter,
+                                      const SweepOptions& options) const
+{
+    Impl& p = impl();
+    p.check_sweep("cast_all", options);
+    p.check_model(model.model);
+    p.bring_up_to_date();
+    std::vector<SweepHit> hits;
+    Impl::Lease worker(p);
+    p.find_casts(*worker, model, filter, options, true, hits);
+    return hits;
+}
+
+} // namespace oncollide

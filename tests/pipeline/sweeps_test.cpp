@@ -1,0 +1,209 @@
+// Moving models and bodies in a World: sweeps, casts of models, and frames with motions.
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <oncollide/pipeline/world.hpp>
+#include <oncollide/samples/generators.hpp>
+
+#include "random_pose.hpp"
+
+namespace oncollide {
+namespace sweeps_test {
+namespace {
+
+using Eigen::Isometry3d, Eigen::Vector3d;
+
+Isometry3d at(double x, double y, double z)
+{
+    return Isometry3d(Eigen::Translation3d(x, y, z));
+}
+
+TEST(WorldSweep, OneAndManyAgree)
+{
+    World world({.threads = 2});
+    const ModelId box = world.add(make_box_mesh({1, 1, 1})), ball = world.add(Shape(Sphere{0.5}));
+    std::vector<PairOfMovingModels> pairs;
+    for (std::uint64_t seed = 0; seed < 40; ++seed)
+        pairs.push_back({{box, {random_pose(4 * seed, 1), random_pose(4 * seed + 1, 1)}},
+                         {ball, {random_pose(4 * seed + 2, 4), random_pose(4 * seed + 3, 4), MotionPath::screw}}});
+    std::vector<SweepResult> found(pairs.size());
+    world.sweep(pairs, found);
+    std::size_t contacts = 0;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const SweepResult one = world.sweep(pairs[i].a, pairs[i].b);
+        EXPECT_EQ(one.verdict, found[i].verdict);
+        EXPECT_EQ(one.clear_until, found[i].clear_until);
+        EXPECT_EQ(one.contact_by, found[i].contact_by);
+        contacts += one.verdict == Verdict::colliding;
+    }
+    EXPECT_GT(contacts, 5u);
+    EXPECT_LT(contacts, 35u);
+}
+
+TEST(WorldSweep, ACastOfAModelFindsTheFirstBody)
+{
+    World world;
+    const ModelId box = world.add(make_box_mesh({1, 1, 1})), ball = world.add(Shape(Sphere{0.5}));
+    std::vector<BodyId> boxes;
+    for (const double x : {12.0, 4.0, 8.0}) boxes.push_back(world.add_body({.model = box, .pose = at(x, 0, 0)}));
+    const MovingModel way{ball, {at(0, 0, 0), at(20, 0, 0)}};
+    const SweepHit first = world.cast(way);
+    EXPECT_EQ(first.body, boxes[1]);
+    EXPECT_LE(first.clear_until, 2.5 / 20);
+    EXPECT_GE(first.contact_by, 2.5 / 20);
+    EXPECT_LE(first.contact_by - first.clear_until, 1e-4);
+    const std::vector<SweepHit> all = world.cast_all(way);
+    ASSERT_EQ(all.size(), 3u);
+    EXPECT_EQ(all[0].body, boxes[1]);
+    EXPECT_EQ(all[1].body, boxes[2]);
+    EXPECT_EQ(all[2].body, boxes[0]);
+    EXPECT_NEAR(all[2].contact_by, 10.5 / 20, 1e-4);
+    const SweepHit beside = world.cast({ball, {at(0, 1.6, 0), at(20, 1.6, 0)}});
+    EXPECT_FALSE(beside.body);
+    EXPECT_EQ(beside.verdict, Verdict::separate);
+    EXPECT_EQ(beside.clear_until, 1);
+    EXPECT_FALSE(world.cast(way, {.mask = 2}).body);
+}
+
+TEST(WorldSweep, RefusesToleranceZeroAndNamesTheLeast)
+{
+    World world;
+    const ModelId ball = world.add(Shape(Sphere{0.5}));
+    const MovingModel way{ball, {at(0, 0, 0), at(20, 0, 0)}};
+    const auto message = [&](const SweepOptions& options) -> std::string {
+        try {
+            world.sweep(way, way, options);
+        } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), ErrorKind::usage);
+            return error.what();
+        }
+        return "";
+    };
+    EXPECT_EQ(message({.time_tolerance = 0}), "sweep: time_tolerance 0: must be at least 1e-12");
+    EXPECT_EQ(message({.gap_tolerance = std::nan("")}), "sweep: gap_tolerance nan: must be at least 1e-12");
+    EXPECT_EQ(message({.most_steps = 0}), "sweep: most_steps 0: must be at least 1");
+}
+
+/// A wall, and small fast bodies that fly through it.
+struct Range {
+    explicit Range(const Settings& settings = {}) : world(settings)
+    {
+        const ModelId plate = world.add(make_box_mesh({0.001, 5, 5})), bullet = world.add(make_sphere_mesh(0.005, 32));
+        wall = world.add_body({.model = plate, .is_static = true});
+        for (int i = 0; i < 20; ++i)
+            bullets.push_back(world.add_body({.model = bullet, .pose = at(-3, 0.6 * i - 6, 0.1)}));
+    }
+    World world;
+    BodyId wall;
+    std::vector<BodyId> bullets;
+};
+
+TEST(WorldMotion, FastBodiesDoNotPassAWallUnseen)
+{
+    Range range;
+    range.world.step();
+    for (std::size_t i = 0; i < range.bullets.size(); ++i)
+        range.world.set_motion(range.bullets[i], at(997, 0.6 * double(i) - 6, 0.1));
+    const FrameView frame = range.world.step();
+    std::size_t hits = 0;
+    for (const PairSweep& sweep : frame.sweeps) {
+        const PairResult& pair = frame.pairs[sweep.pair];
+        EXPECT_EQ(pair.a, range.wall);
+        EXPECT_EQ(pair.verdict, sweep.verdict);
+        if (sweep.verdict != Verdict::colliding) continue;
+        ++hits;
+        EXPECT_NEAR(sweep.contact_by, (3 - 0.006) / 1000, 1e-6);
+        EXPECT_LE(sweep.clear_until, (3 - 0.006 + 1e-4) / 1000);
+    }
+    EXPECT_EQ(hits, 17u); // the others fly beside it
+    EXPECT_EQ(frame.began.size(), 17u);
+    // The bodies are at the ends of their ways, and the next frame is discrete.
+    EXPECT_EQ(range.world.pose(range.bullets[3]).translation().x(), 997);
+    const FrameView next = range.world.step();
+    EXPECT_TRUE(next.sweeps.empty());
+    EXPECT_TRUE(next.pairs.empty());
+    EXPECT_EQ(next.ended.size(), 17u);
+    EXPECT_EQ(range.world.step().pairs.size(), 0u);
+}
+
+TEST(WorldMotion, ResultsDoNotDependOnThreadsOrCoherence)
+{
+    const auto play = [](const Settings& settings) {
+        World world(settings);
+        const ModelId ring = world.add(make_torus_mesh(1, 0.3, 500)), ball = world.add(Shape(Sphere{0.5}));
+        std::vector<BodyId> bodies;
+        for (std::uint64_t i = 0; i < 40; ++i)
+            bodies.push_back(world.add_body({.model = i % 2 ? ring : ball, .pose = random_pose(i, 6)}));
+        for (std::uint64_t frame = 0; frame < 6; ++frame) {
+            for (std::uint64_t i = 0; i < 40; ++i)
+                if ((i + frame) % 3) world.set_motion(bodies[i], random_pose(100 * frame + i, 6));
+            world.step();
+        }
+        return world.hash();
+    };
+    const std::uint64_t hash = play({});
+    EXPECT_EQ(play({.threads = 3}), hash);
+    EXPECT_EQ(play({.coherence = false}), hash);
+    EXPECT_EQ(play({.broad_phase = BroadPhaseKind::brute_force}), hash);
+}
+
+TEST(WorldMotion, FindsAllContactsOfSampledPoses)
+{
+    World world, sampled;
+    const auto fill = [](World& w) {
+        const ModelId ring = w.add(make_torus_mesh(1, 0.3, 200)), ball = w.add(Shape(Sphere{0.5}));
+        for (std::uint64_t i = 0; i < 24; ++i) w.add_body({.model = i % 2 ? ring : ball, .pose = random_pose(i, 4)});
+    };
+    fill(world), fill(sampled);
+    std::vector<RigidMotion> ways;
+    for (std::uint32_t i = 0; i < 24; ++i) {
+        ways.emplace_back(world.pose(world.body_at(i)), random_pose(500 + i, 4), MotionPath::screw);
+        world.set_motion(world.body_at(i), ways.back());
+    }
+    const FrameView frame = world.step();
+    const auto sweep_of = [&](const PairOfBodies& pair) -> const PairSweep* {
+        for (const PairSweep& sweep : frame.sweeps)
+            if (frame.pairs[sweep.pair].a.slot == pair.a.slot && frame.pairs[sweep.pair].b.slot == pair.b.slot)
+                return &sweep;
+        return nullptr;
+    };
+    std::size_t checked = 0;
+    for (int k = 0; k <= 200; ++k) {
+        const double time = k / 200.0;
+        for (std::uint32_t i = 0; i < 24; ++i) sampled.set_pose(sampled.body_at(i), ways[i].pose(time));
+        for (const PairResult& pair : sampled.step().pairs) {
+            if (pair.verdict != Verdict::colliding) continue;
+            const PairSweep* const sweep = sweep_of({pair.a, pair.b});
+            ASSERT_TRUE(sweep) << "the broad phase found the pair";
+            EXPECT_NE(sweep->verdict, Verdict::separate);
+            EXPECT_LE(sweep->clear_until, time);
+            ++checked;
+        }
+    }
+    EXPECT_GT(checked, 100u);
+}
+
+TEST(WorldMotion, WhatHasNoMotionIsDecidedAsBefore)
+{
+    World world, still;
+    for (World* const w : {&world, &still}) {
+        const ModelId ball = w->add(Shape(Sphere{0.5}));
+        for (const double x : {0.0, 0.9, 5.0}) w->add_body({.model = ball, .pose = at(x, 0, 0)});
+        w->step();
+    }
+    world.set_motion(world.body_at(2), at(5, 0, 0)); // rests
+    EXPECT_EQ(world.step().hash, still.step().hash);
+    world.set_motion(world.body_at(2), at(7, 0, 0));
+    const FrameView frame = world.step();
+    EXPECT_EQ(frame.pairs.size(), 1u);
+    EXPECT_TRUE(frame.sweeps.empty());
+    world.set_motion(world.body_at(2), at(1.5, 0, 0));
+    world.set_pose(world.body_at(2), at(9, 0, 0)); // replaces the motion
+    EXPECT_TRUE(world.step().sweeps.empty());
+}
+
+} // namespace
+} // namespace sweeps_test
+} // namespace oncollide

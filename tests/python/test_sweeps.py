@@ -1,0 +1,57 @@
+"""Moving models and bodies: World.sweep, World.cast_model and World.set_motions."""
+
+import numpy as np
+import pytest
+
+import oncollide
+from conftest import at
+from oncollide import Verdict
+
+
+def test_two_spheres_meet_where_their_centres_are_the_radii_apart():
+    world = oncollide.World()
+    ball, small = world.add(oncollide.sphere(1.0)), world.add(oncollide.sphere(0.5))
+    ends = np.stack([at(4, y, 0) for y in (0.9, 1.4, 1.6)])
+    starts = np.stack([at(-4, y, 0) for y in (0.9, 1.4, 1.6)])
+    found = world.sweep(ball, np.eye(4), np.eye(4), small, starts, ends)
+    assert found["verdict"].tolist() == [Verdict.COLLIDING, Verdict.COLLIDING, Verdict.SEPARATE]
+    for sweep, y in zip(found[:2], (0.9, 1.4)):
+        time = (4 - np.sqrt(1.5**2 - y**2)) / 8
+        assert sweep["clear_until"] <= time <= sweep["contact_by"] <= sweep["clear_until"] + 1e-4
+    assert (found[2]["clear_until"], found[2]["contact_by"]) == (1, np.inf)
+
+
+def test_a_cast_of_a_model_gives_the_first_body_and_the_last_valid_time():
+    world = oncollide.World()
+    box, ball = world.add(oncollide.box([1, 1, 1])), world.add(oncollide.sphere(0.5))
+    far, near = world.add_body(box, at(8, 0, 0)), world.add_body(box, at(4, 0, 0))
+    hits = world.cast_model(ball, at(0, 0, 0), np.stack([at(20, 0, 0), at(0, 20, 0)]))
+    assert hits["body"].tolist() == [near, 0]
+    assert hits[0]["clear_until"] <= 2.5 / 20 <= hits[0]["contact_by"]
+    assert far in world
+
+
+def test_frames_report_contacts_on_the_way():
+    world = oncollide.World()
+    world.add_body(world.add(oncollide.box([0.01, 5, 5])), static=True)
+    bullet = world.add_body(world.add(oncollide.sphere(0.005)), at(-3, 0, 0))
+    world.step()
+    world.set_motions([bullet], at(997, 0, 0))
+    frame = world.step()
+    assert frame.pairs["verdict"].tolist() == [Verdict.COLLIDING]
+    assert frame.sweeps["pair"].tolist() == [0]
+    assert frame.sweeps["contact_by"][0] == pytest.approx((3 - 0.015) / 1000, abs=1e-6)
+    assert len(world.step().sweeps) == 0
+
+
+def test_wrong_arguments_are_named():
+    world = oncollide.World()
+    ball = world.add(oncollide.sphere(1.0))
+    with pytest.raises(ValueError, match='World.sweep: path: expected "linear" or "screw", got "arc"'):
+        world.sweep(ball, None, None, ball, None, None, path="arc")
+    with pytest.raises(ValueError, match="World.cast_model: ends: expected 3 poses, or one, got 2"):
+        world.cast_model(ball, np.tile(np.eye(4), (3, 1, 1)), np.tile(np.eye(4), (2, 1, 1)))
+    with pytest.raises(oncollide.Error, match="time_tolerance 0: must be at least 1e-12"):
+        world.sweep(ball, np.eye(4), np.eye(4), ball, np.eye(4), np.eye(4), time_tolerance=0)
+    with pytest.raises(oncollide.Error, match="motion: last pose: the pose is not finite"):
+        world.cast_model(ball, np.eye(4), np.full((4, 4), np.nan))
