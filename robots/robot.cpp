@@ -15,16 +15,20 @@ namespace oncollide {
 namespace {
 
 constexpr std::size_t spheres_each = 16; // per geometry, to rule out pairs
+constexpr std::size_t many_parts = 4;    // of a link: from here on, a query of their bounding sphere pays
 
 [[noreturn]] void fail(const std::string& what)
 {
     throw Error(ErrorKind::usage, "robot: " + what);
 }
 
-/// Spheres that contain all that tests of the geometry count: the surface of a mesh, else the solid.
+/// Spheres that contain the geometry: the surface of a mesh, or a solid.
 std::vector<CoverSphere> cover(const Geometry& geometry, bool solid)
 {
     const Mesh* const mesh = std::get_if<Mesh>(&geometry.data);
+    const Shape* const shape = std::get_if<Shape>(&geometry.data);
+    if (const Sphere* const sphere = shape ? std::get_if<Sphere>(shape) : nullptr)
+        return {{Eigen::Vector3d::Zero(), sphere->radius * (1 + 1e-12)}};
     return mesh && !solid ? cover_triangles(*mesh, spheres_each) : cover_box(bounds_of(geometry), spheres_each);
 }
 
@@ -40,12 +44,18 @@ Robot::Impl::Impl(World& world, RobotDescription given, const Eigen::Isometry3d&
 {
     const bool solid = world.settings().mode == Mode::solid;
     std::map<const Geometry*, ModelId> models;
-    for (std::uint32_t i = 0; i < description.links.size(); ++i)
+    for (std::uint32_t i = 0; i < description.links.size(); ++i) {
+        const auto first = static_cast<std::uint32_t>(parts.size());
         for (const LinkGeometry& collision : description.links[i].collision) {
             ModelId& model = models[collision.geometry.get()];
             if (!model) model = world.add(collision.geometry);
             add_part(i, model, collision.pose, cover(*collision.geometry, solid), {});
         }
+        if (first == parts.size()) continue;
+        add_group(first);
+        if (parts.size() - first >= many_parts)
+            groups.back().model = world.add(Sphere{groups.back().whole.radius * (1 + 1e-9)}); // for rounding
+    }
     attached_from = parts.size(), spheres_of_links = spheres.size();
     if (parts.empty()) refuse(fmt::format("robot '{}'", printable(description.name)), "no link has collision geometry");
     any_model = parts.front().model;
@@ -70,19 +80,44 @@ void Robot::Impl::add_part(std::uint32_t link, ModelId model, const Eigen::Isome
     parts.push_back(std::move(part));
 }
 
+void Robot::Impl::add_group(std::uint32_t first)
+{
+    Group group{first, static_cast<std::uint32_t>(parts.size()), parts[first].link, parts[first].cover.whole};
+    if (group.end - first > 1) {
+        Aabb box;
+        for (std::uint32_t i = first; i < group.end; ++i) box.add(parts[i].cover.whole.centre);
+        group.whole = {box.centre(), 0};
+        for (std::uint32_t i = first; i < group.end; ++i) {
+            const CoverSphere& one = parts[i].cover.whole;
+            group.whole.radius = std::max(group.whole.radius, (one.centre - box.centre()).norm() + one.radius);
+        }
+    }
+    groups.push_back(group);
+}
+
 void Robot::Impl::find_pairs()
 {
-    pairs.clear();
+    pairs.clear(), group_pairs.clear();
     const auto tested = [&](const Part& a, const Part& b) {
         if (a.link == b.link || std::ranges::count(a.touching, b.link) || std::ranges::count(b.touching, a.link))
             return false;
         const std::pair<std::uint32_t, std::uint32_t> links = std::minmax(a.link, b.link);
         return !std::ranges::binary_search(description.excluded, links);
     };
-    for (std::uint32_t b = 0; b < parts.size(); ++b)
-        for (std::uint32_t a = 0; a < b; ++a)
-            if (tested(parts[a], parts[b])) pairs.push_back({a, b});
-    // Random configurations show which pairs come close. Any order gives the same verdicts.
+    for (std::uint32_t b = 0; b < groups.size(); ++b)
+        for (std::uint32_t a = 0; a < b; ++a) {
+            const auto first = static_cast<std::uint32_t>(pairs.size());
+            for (std::uint32_t i = groups[a].first; i < groups[a].end; ++i)
+                for (std::uint32_t k = groups[b].first; k < groups[b].end; ++k)
+                    if (tested(parts[i], parts[k])) pairs.push_back({i, k});
+            if (pairs.size() > first) group_pairs.push_back({a, b, first, static_cast<std::uint32_t>(pairs.size())});
+        }
+    sort_pairs();
+}
+
+/// Random configurations show which pairs come close. Any order gives the same verdicts.
+void Robot::Impl::sort_pairs()
+{
     constexpr std::uint64_t samples = 100, seed = 1;
     std::vector<double> numbers(tree.width());
     std::vector<Eigen::Isometry3d> poses(description.links.size(), Eigen::Isometry3d::Identity());
@@ -97,9 +132,14 @@ void Robot::Impl::find_pairs()
             }
         tree.link_poses(numbers.data(), base, poses.data());
         cull.place(poses.data());
-        for (PartPair& pair : pairs) pair.near += cull.near(pair.a, pair.b);
+        for (GroupPair& pair : group_pairs) {
+            bool near = false;
+            if (cull.groups_near(pair.a, pair.b))
+                for (std::uint32_t p = pair.first; p < pair.end && !near; ++p) near = cull.near(pairs[p].a, pairs[p].b);
+            pair.near += near;
+        }
     }
-    std::ranges::stable_sort(pairs, std::greater{}, &PartPair::near);
+    std::ranges::stable_sort(group_pairs, std::greater{}, &GroupPair::near);
 }
 
 void Robot::Impl::check_world(const World& world) const

@@ -73,7 +73,7 @@ struct RobotDescription {
     std::vector<RobotState> states;
 };
 
-/// What load_robot reads beside the URDF file.
+/// Files besides the URDF file.
 struct RobotReading {
     /// An SRDF file: excluded pairs, groups and states. Without one, the pairs of links that a joint connects are
     /// excluded.
@@ -101,7 +101,7 @@ struct RobotFinding {
     BodyId body{};
 };
 
-/// What Robot::check() tests.
+/// The tests of Robot::check().
 struct RobotCheck {
     bool self = true, environment = true;
     QueryFilter filter{}; ///< of the links, against the World's bodies
@@ -132,8 +132,8 @@ public:
 
     const RobotDescription& description() const;
     std::size_t width() const; ///< numbers of a configuration, in the order of the joints in the description
-    /// A name for each number: that of the joint; for planar and floating joints JOINT/x, JOINT/y, JOINT/angle,
-    /// JOINT/qx and so on, as in a multi-DOF joint.
+    /// The name of each number: the joint, or for planar and floating joints JOINT/x, JOINT/y, JOINT/angle, JOINT/qx
+    /// and so on.
     const std::vector<std::string>& names() const;
     /// All numbers 0, or the nearest limit; floating joints at the identity.
     std::vector<double> neutral() const;
@@ -154,7 +154,7 @@ public:
     /// Removes all attached objects; the models stay. Not while the robot has bodies.
     void detach_all();
 
-    // --- As bodies of the World.
+    // --- Bodies of the World.
     /// Adds a body for each geometry, at neutral(), and excludes the pairs that are not tested. model and pose of
     /// `spec` are not used.
     void add_bodies(World& world, const BodySpec& spec = {});

@@ -13,8 +13,8 @@
 namespace oncollide {
 
 SphereCull::SphereCull(const Robot::Impl& robot, double clearance)
-    : robot_(robot), clearance_(clearance), whole_(robot.parts.size()), spheres_(robot.spheres.size()),
-      placed_(robot.parts.size())
+    : robot_(robot), clearance_(clearance), groups_(robot.groups.size()),
+      spheres_(robot.spheres.size() + robot.parts.size()), placed_(robot.parts.size())
 {
 }
 
@@ -30,19 +30,17 @@ void SphereCull::place(const Eigen::Isometry3d* links)
 {
     links_ = links;
     std::ranges::fill(placed_, std::uint8_t{0});
-    for (std::size_t i = 0; i < whole_.size(); ++i) {
-        const Robot::Impl::Part& part = robot_.parts[i];
-        whole_[i] = placed(part.cover.whole, part.link);
-    }
+    for (std::size_t i = 0; i < groups_.size(); ++i) groups_[i] = placed(robot_.groups[i].whole, robot_.groups[i].link);
 }
 
 const SphereCull::Placed* SphereCull::spheres_of(std::uint32_t i)
 {
     const Robot::Impl::Part& part = robot_.parts[i];
-    Placed* const first = &spheres_[part.cover.first];
+    Placed* const first = &spheres_[part.cover.first + i];
     if (!placed_[i]) {
+        first[0] = placed(part.cover.whole, part.link);
         for (std::uint32_t k = 0; k < part.cover.count; ++k)
-            first[k] = placed(robot_.spheres[part.cover.first + k], part.link);
+            first[k + 1] = placed(robot_.spheres[part.cover.first + k], part.link);
         placed_[i] = 1;
     }
     return first;
@@ -57,12 +55,12 @@ bool SphereCull::meet(const Placed& a, const Placed& b) const
 
 bool SphereCull::near(std::uint32_t a, std::uint32_t b)
 {
-    if (!meet(whole_[a], whole_[b])) return false;
     const Placed *const of_a = spheres_of(a), *const of_b = spheres_of(b);
+    if (!meet(of_a[0], of_b[0])) return false;
     const std::uint32_t count_a = robot_.parts[a].cover.count, count_b = robot_.parts[b].cover.count;
-    for (std::uint32_t i = 0; i < count_a; ++i) {
-        if (!meet(of_a[i], whole_[b])) continue;
-        for (std::uint32_t k = 0; k < count_b; ++k)
+    for (std::uint32_t i = 1; i <= count_a; ++i) {
+        if (!meet(of_a[i], of_b[0])) continue;
+        for (std::uint32_t k = 1; k <= count_b; ++k)
             if (meet(of_a[i], of_b[k])) return true;
     }
     return false;
@@ -84,7 +82,8 @@ int severity(Verdict verdict)
 class Robot::Checker {
 public:
     Checker(const Robot::Impl& robot, const World& world, const RobotCheck& what)
-        : robot_(robot), world_(world), what_(what), cull_(robot, world.settings().clearance), near_(robot.pairs.size())
+        : robot_(robot), world_(world), what_(what), cull_(robot, world.settings().clearance),
+          near_(robot.group_pairs.size())
     {
         for (const BodyId body : robot.bodies) own_.push_back(body.slot);
         std::ranges::sort(own_);
@@ -101,7 +100,7 @@ public:
             findings[i].bound = world_.settings().clearance;
         }
         if (what_.self) check_self();
-        if (what_.environment) check_environment();
+        if (what_.environment && world_.size() > own_.size()) check_environment();
     }
 
 private:
@@ -120,45 +119,87 @@ private:
             worst = {found.bound, found.verdict, link, other, body};
     }
 
-    void check_self()
+    /// In each configuration, the pairs of parts that bounding spheres cannot rule out.
+    void find_near()
     {
         for (auto& list : near_) list.clear();
         for (std::uint32_t i = 0; i < findings_.size(); ++i) {
             cull_.place(links(i));
-            for (std::size_t p = 0; p < near_.size(); ++p)
-                if (cull_.near(robot_.pairs[p].a, robot_.pairs[p].b)) near_[p].push_back(i);
+            for (std::size_t g = 0; g < near_.size(); ++g) {
+                const Robot::Impl::GroupPair& groups = robot_.group_pairs[g];
+                if (!cull_.groups_near(groups.a, groups.b)) continue;
+                for (std::uint32_t p = groups.first; p < groups.end; ++p)
+                    if (cull_.near(robot_.pairs[p].a, robot_.pairs[p].b)) near_[g].push_back({i, p});
+            }
         }
-        for (std::size_t p = 0; p < near_.size(); ++p) {
-            const auto [a, b, unused] = robot_.pairs[p];
-            pairs_.clear(), of_.clear();
-            for (const std::uint32_t i : near_[p])
-                if (is_open(i)) pairs_.push_back({placed(a, i), placed(b, i)}), of_.push_back(i);
-            if (of_.empty()) continue;
-            found_.resize(of_.size());
-            world_.decide(pairs_, found_);
-            for (std::size_t k = 0; k < of_.size(); ++k)
-                take(of_[k], found_[k], robot_.parts[a].link, robot_.parts[b].link, {});
+    }
+
+    void check_self()
+    {
+        find_near();
+        for (const auto& list : near_) {
+            pairs_.clear(), near_open_.clear();
+            for (const Near& near : list)
+                if (is_open(near.configuration)) {
+                    const auto [a, b] = robot_.pairs[near.pair];
+                    pairs_.push_back({placed(a, near.configuration), placed(b, near.configuration)});
+                    near_open_.push_back(near);
+                }
+            found_.resize(pairs_.size());
+            if (!pairs_.empty()) world_.decide(pairs_, found_);
+            for (std::size_t k = 0; k < near_open_.size(); ++k) {
+                const auto [a, b] = robot_.pairs[near_open_[k].pair];
+                take(near_open_[k].configuration, found_[k], robot_.parts[a].link, robot_.parts[b].link, {});
+            }
         }
+    }
+
+    /// Queries a model for the configurations in of_; calls take(configuration, hit) for each hit of another body.
+    template <class Take>
+    void query(ModelId model, std::uint32_t link, const Eigen::Isometry3d& pose, Take take)
+    {
+        queries_.clear();
+        for (const std::uint32_t i : of_) queries_.push_back({model, links(i)[link] * pose, what_.filter});
+        if (!of_.empty()) world_.query(queries_, hits_);
+        for (std::size_t k = 0; k < of_.size(); ++k)
+            for (std::size_t h = hits_.offsets[k]; h < hits_.offsets[k + 1]; ++h)
+                if (const QueryHit& hit = hits_.hits[h]; !std::ranges::binary_search(own_, hit.body.slot))
+                    take(of_[k], hit);
     }
 
     /// The last parts first: they reach farthest.
     void check_environment()
     {
-        for (auto part = static_cast<std::uint32_t>(robot_.parts.size()); part-- > 0;) {
-            queries_.clear(), of_.clear();
+        std::vector<std::uint32_t>& candidates = candidates_;
+        for (std::size_t g = robot_.groups.size(); g-- > 0;) {
+            const Robot::Impl::Group& group = robot_.groups[g];
+            candidates.clear();
             for (std::uint32_t i = 0; i < findings_.size(); ++i)
-                if (is_open(i)) {
-                    const PlacedModel at = placed(part, i);
-                    queries_.push_back({at.model, at.pose, what_.filter}), of_.push_back(i);
-                }
-            if (of_.empty()) return;
-            world_.query(queries_, hits_);
-            for (std::size_t k = 0; k < of_.size(); ++k)
-                for (std::size_t h = hits_.offsets[k]; h < hits_.offsets[k + 1]; ++h)
-                    if (const QueryHit& hit = hits_.hits[h]; !std::ranges::binary_search(own_, hit.body.slot))
-                        take(of_[k], hit, robot_.parts[part].link, RobotFinding::no_link, hit.body);
+                if (is_open(i)) candidates.push_back(i);
+            if (group.model) { // is there anything around the group?
+                of_.swap(candidates), candidates.clear();
+                Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+                pose.translation() = group.whole.centre;
+                query(group.model, group.link, pose, [&](std::uint32_t i, const QueryHit&) {
+                    if (candidates.empty() || candidates.back() != i) candidates.push_back(i);
+                });
+            }
+            for (std::uint32_t part = group.end; part-- > group.first;) {
+                of_.clear();
+                for (const std::uint32_t i : candidates)
+                    if (is_open(i)) of_.push_back(i);
+                query(robot_.parts[part].model, group.link, robot_.parts[part].pose,
+                      [&](std::uint32_t i, const QueryHit& hit) {
+                          take(i, hit, group.link, RobotFinding::no_link, hit.body);
+                      });
+            }
         }
     }
+
+    /// A pair of parts that are near each other in a configuration.
+    struct Near {
+        std::uint32_t configuration, pair;
+    };
 
     const Robot::Impl& robot_;
     const World& world_;
@@ -166,9 +207,10 @@ private:
     SphereCull cull_;
     std::vector<std::uint32_t> own_; ///< slots of the robot's bodies
     std::span<RobotFinding> findings_;
-    std::vector<Eigen::Isometry3d> poses_;         ///< by configuration and link
-    std::vector<std::vector<std::uint32_t>> near_; ///< by pair: configurations
-    std::vector<std::uint32_t> of_;                ///< the configurations of a batch
+    std::vector<Eigen::Isometry3d> poses_;       ///< by configuration and link
+    std::vector<std::vector<Near>> near_;        ///< by pair of groups
+    std::vector<Near> near_open_;                ///< of a batch
+    std::vector<std::uint32_t> of_, candidates_; ///< the configurations of a batch, and of a group
     std::vector<PairOfModels> pairs_;
     std::vector<Finding> found_;
     std::vector<ModelQuery> queries_;

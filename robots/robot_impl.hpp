@@ -1,9 +1,9 @@
 #pragma once
 #include <vector>
 
+#include <oncollide/robots/cover.hpp>
 #include <oncollide/robots/kinematics.hpp>
 #include <oncollide/robots/robot.hpp>
-#include <oncollide/robots/spheres/cover.hpp>
 
 namespace oncollide {
 
@@ -24,15 +24,28 @@ struct Robot::Impl {
     };
     struct PartPair {
         std::uint32_t a, b;
-        std::uint32_t near = 0; ///< of the sampled configurations, those in which bounding spheres overlap
+    };
+    /// The parts of a link, or one attached object: one bounding sphere can rule them out together.
+    struct Group {
+        std::uint32_t first, end, link;
+        CoverSphere whole;
+        ModelId model{}; ///< that sphere, if there are many parts; else null
+    };
+    struct GroupPair {
+        std::uint32_t a, b;
+        std::uint32_t first, end; ///< in pairs
+        std::uint32_t near = 0;   ///< sampled configurations in which bounding spheres overlap
     };
 
     Impl(World& world, RobotDescription given, const Eigen::Isometry3d& base_pose);
 
     void add_part(std::uint32_t link, ModelId model, const Eigen::Isometry3d& pose, std::vector<CoverSphere> spheres,
                   std::span<const std::uint32_t> touching);
-    /// Lists the pairs of parts that are tested, those most often near each other first.
+    /// Adds a group of the parts from `first` on.
+    void add_group(std::uint32_t first);
+    /// Lists the pairs of parts that are tested.
     void find_pairs();
+    void sort_pairs();
     /// Throws Error{usage} if the World is not this robot's.
     void check_world(const World& world) const;
     void check_width(std::size_t numbers) const;
@@ -48,9 +61,11 @@ struct Robot::Impl {
     std::vector<CoverSphere> spheres; ///< of all parts, in the frames of their links
     std::size_t attached_from = 0;
     std::size_t spheres_of_links = 0;
+    std::vector<Group> groups; ///< of all parts, in order
     std::vector<PartPair> pairs;
+    std::vector<GroupPair> group_pairs; ///< those most often near each other first
     std::vector<BodyId> bodies;
-    ModelId any_model{}; ///< tells the World
+    ModelId any_model{}; ///< identifies the World
 };
 
 /// Whether bounding spheres of two parts come closer than the clearance.
@@ -59,7 +74,9 @@ public:
     SphereCull(const Robot::Impl& robot, double clearance);
     /// Places the spheres at a configuration.
     void place(const Eigen::Isometry3d* links);
-    /// False: the parts are certainly farther apart than the clearance.
+    /// False: the groups are certainly farther apart than the clearance.
+    bool groups_near(std::uint32_t a, std::uint32_t b) const { return meet(groups_[a], groups_[b]); }
+    /// The same of two parts.
     bool near(std::uint32_t a, std::uint32_t b);
 
 private:
@@ -67,14 +84,14 @@ private:
         double x, y, z, radius;
     };
     bool meet(const Placed& a, const Placed& b) const;
-    const Placed* spheres_of(std::uint32_t part);
+    const Placed* spheres_of(std::uint32_t part); ///< the first is the whole one
     Placed placed(const CoverSphere& sphere, std::uint32_t link) const;
 
     const Robot::Impl& robot_;
     const double clearance_;
     const Eigen::Isometry3d* links_ = nullptr;
-    std::vector<Placed> whole_, spheres_;
-    std::vector<std::uint8_t> placed_;
+    std::vector<Placed> groups_, spheres_; ///< spheres_: of each part the whole one, then the others
+    std::vector<std::uint8_t> placed_;     ///< by part
 };
 
 } // namespace oncollide

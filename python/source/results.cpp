@@ -3,6 +3,7 @@
 
 #include <oncollide/pipeline/results.hpp>
 #include <oncollide/pipeline/world.hpp>
+#include <oncollide/robots/robot.hpp>
 
 #include "bindings.hpp"
 
@@ -91,7 +92,12 @@ void make_result_types()
                                                        {"overlap", "(2,3)f8", offsetof(Penetration, overlap)},
                                                        {"vertex", "u4", offsetof(Penetration, vertex)},
                                                        {"thickness", "f8", offsetof(Penetration, thickness)},
-                                                       {"thin_along", "3f8", offsetof(Penetration, thin_along)}})};
+                                                       {"thin_along", "3f8", offsetof(Penetration, thin_along)}}),
+        .robot = structure(sizeof(RobotFinding), {{"verdict", "u1", offsetof(RobotFinding, verdict)},
+                                                  {"bound", "f8", offsetof(RobotFinding, bound)},
+                                                  {"link", "i4", offsetof(RobotFinding, link)}, // no_link: -1
+                                                  {"other", "i4", offsetof(RobotFinding, other)},
+                                                  {"body", "u8", offsetof(RobotFinding, body)}})};
 }
 
 const ResultTypes& result_types()

@@ -12,8 +12,8 @@ namespace oncollide {
 
 /// A file whose faults name a line and an element.
 struct RobotSource : MeshSource {
-    /// "FILE: line N: joint 'a': WHAT".
-    [[noreturn]] void fail_at(const XmlElement& element, const std::string& what) const;
+    /// Throws Error{bad_data} with the message "FILE: line N: joint 'a': TEXT".
+    [[noreturn]] void fail_at(const XmlElement& element, const std::string& text) const;
     /// An attribute that must be there, and must not be empty.
     const std::string& required(const XmlElement& element, std::string_view key) const;
     /// The finite numbers of an attribute; nothing if it is absent. Throws unless there are `count`.

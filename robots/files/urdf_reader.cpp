@@ -20,7 +20,7 @@ constexpr std::array<std::string_view, 6> kinds = {"fixed",     "revolute", "con
 constexpr std::array<std::string_view, 7> xacro_words = {"macro", "property", "include",     "arg",
                                                          "if",    "unless",   "insert_block"};
 
-/// What the tree needs of the file.
+/// Whether the reader uses an element.
 bool keep(std::string_view name, int level)
 {
     constexpr std::array<std::string_view, 4> unused = {"visual", "inertial", "material", "gazebo"};

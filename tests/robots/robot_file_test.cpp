@@ -48,7 +48,7 @@ TEST_F(RobotFile, HasTheTreeAndTheShapesOfTheFile)
               Eigen::Vector3d(0.15, 0.15, 0.25));
     EXPECT_EQ(robot.links[1].collision.at(0).pose.translation(), Eigen::Vector3d(0, 0, 0.25));
     EXPECT_TRUE(robot.links[5].collision.empty());
-    // Without an SRDF the ends of each joint are excluded.
+    // Without an SRDF file, the two links of each joint are an excluded pair.
     EXPECT_EQ(robot.excluded.size(), 5u);
 }
 

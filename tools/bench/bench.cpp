@@ -11,7 +11,7 @@ void add_bench(Arguments app)
                                  "alternation");
     bench.at_most_one_command();
     bench.action([]() -> int {
-        usage("bench: choose a benchmark: broad, narrow, planner, rays, world, environment, distances, shapes, clash, "
+        usage("bench: choose a benchmark: broad, narrow, planner, rays, robot, world, environment, distances, shapes, clash, "
               "read, "
               "scale, many, octants, paper, poses or scene (oncollide bench --help)");
     });
@@ -19,6 +19,7 @@ void add_bench(Arguments app)
     add_narrow(bench);
     add_planner(bench);
     add_rays(bench);
+    add_robot_bench(bench);
     add_world(bench);
     add_environment(bench);
     add_distances(bench);

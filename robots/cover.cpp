@@ -1,4 +1,4 @@
-#include <oncollide/robots/spheres/cover.hpp>
+#include <oncollide/robots/cover.hpp>
 
 #include <algorithm>
 #include <cmath>
