@@ -7,7 +7,7 @@ install(FILES ${include_all}/oncollide/oncollide.hpp DESTINATION ${CMAKE_INSTALL
 
 # Static.
 add_library(oncollide INTERFACE)
-target_link_libraries(oncollide INTERFACE oncollide_runs oncollide_files)
+target_link_libraries(oncollide INTERFACE oncollide_runs oncollide_robots oncollide_files)
 target_include_directories(oncollide INTERFACE $<BUILD_INTERFACE:${include_all}>)
 # Generated geometry and scenes, for examples and tests.
 add_library(oncollide_samples INTERFACE)

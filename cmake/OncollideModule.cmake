@@ -14,7 +14,7 @@
 
 set(ONCOLLIDE_SAMPLES_INCLUDE ${CMAKE_INSTALL_INCLUDEDIR}/oncollide-samples)
 # Bottom first. Only catalogue depends on files.
-set(ONCOLLIDE_LAYERS base scenes generators files catalogue broadphase narrowphase pipeline runs)
+set(ONCOLLIDE_LAYERS base scenes generators files catalogue broadphase narrowphase pipeline robots runs)
 
 # Eigen aligns its types for the processor's widest registers, so a program compiled with -march=native would use other
 # structure layouts. All users of the library get the baseline's alignment.

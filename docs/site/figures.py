@@ -561,6 +561,34 @@ def python():
                   for r in rows_of("python")])
 
 
+ROBOT_MODELS = {"panda_vamp": "Panda, of VAMP", "panda_curobo": "Panda, of cuRobo", "ur5_vamp": "UR5, of VAMP",
+                "panda_59": "Panda, `--count 59`", "ur5_40": "UR5, `--count 40`",
+                "panda_20mm": "Panda, `--max-error 20mm`", "panda_5mm": "Panda, `--max-error 5mm`"}
+
+
+def robot_models():
+    out = []
+    for name, title in ROBOT_MODELS.items():
+        rows = rows_of(f"robots/{name}")
+        area, least, most = (sum(float(r[c]) for r in rows) for c in ("area", "uncovered", "uncovered_most"))
+        gaps = [float(r["gap"]) for r in rows if r["spheres"] != "0"]
+        out.append([title, str(sum(int(r["spheres"]) for r in rows)),
+                    "0" if most == 0 else f"{100 * least / area:.1f} to {100 * most / area:.1f}", f"{1000 * max(gaps):.1f}",
+                    f"{1000 * max(float(r['over_reach']) for r in rows if r['spheres'] != '0'):.1f}"])
+    return table(["model", "spheres", "surface in no sphere, %", "worst gap, mm", "over-reach, mm"], out)
+
+
+def robot_checks():
+    out = []
+    for robot in ("panda", "ur5"):
+        for r in rows_of(f"robots/bench_{robot}"):
+            out.append([{"panda": "Panda", "ur5": "UR5"}[robot], r["who"], number(float(r["per_second"])),
+                        number(float(r["self_per_second"])), number(r["missed"]), number(r["refused"]), r["self_missed"],
+                        number(r["self_refused"])])
+    return table(["robot", "checks by", "configurations per second", "self alone", "missed", "refused", "missed, self",
+                  "refused, self"], out)
+
+
 def mutants():
     code = lambda text: f"`{text}`" if text else "nothing"
     return table(["fault", "file", "code", "becomes", "tests that fail"],
@@ -572,7 +600,7 @@ def mutants():
 TABLES = {f.__name__: f for f in (headline, many, many_pairs, exact_cost, narrow, narrow_large, continuous, study, study_peers, octants, octants_missed, paper, comparators, gpu, planner, rays,
                                   world, broad, hard, spheres, sphere_levels, occlusion_losses, delimitation,
                                   environments, worlds, distances, shape_distances, shapes, reading, clash,
-                                  python, view, mutants)}
+                                  python, view, robot_models, robot_checks, mutants)}
 # Ranges of ratios. many, environments: how many times as fast as FCL in Release, on tumbling meshes (1,000 and 10,000) and in large
 # environments.
 PHRASES = {

@@ -19,6 +19,7 @@ from ._core import (
     Geometry,
     Model,
     Queries,
+    Robot,
     World,
     box,
     box_mesh,

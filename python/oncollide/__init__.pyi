@@ -274,6 +274,26 @@ class Queries:
 
 MeshQueries = Queries
 
+class Robot:
+    def __init__(
+        self,
+        world: World,
+        urdf: _Path,
+        srdf: _Path | None = None,
+        packages: dict[str, _Path] | None = None,
+        base: ArrayLike | None = None,
+    ) -> None: ...
+    def check(
+        self, configurations: ArrayLike, self_collision: bool = True, environment: bool = True
+    ) -> NDArray[np.void]: ...
+    def state(self, name: str, group: str | None = None) -> NDArray[np.float64]: ...
+    def neutral(self) -> NDArray[np.float64]: ...
+    def link_poses(self, configuration: ArrayLike) -> NDArray[np.float64]: ...
+    @property
+    def joints(self) -> list[str]: ...
+    @property
+    def links(self) -> list[str]: ...
+
 def collide(a: Geometry, pose_a: ArrayLike | None, b: Geometry, pose_b: ArrayLike | None) -> np.void: ...
 def distance(
     a: Geometry,

@@ -23,6 +23,7 @@ void bind_shapes(py::module_& module);
 void bind_grids(py::module_& module);
 void bind_world(py::module_& module);
 void bind_queries(py::module_& module);
+void bind_robot(py::module_& module);
 
 /// NumPy types with the layout of the library's results.
 struct ResultTypes {
@@ -37,6 +38,7 @@ struct ResultTypes {
     py::dtype sweep;       ///< SweepResult
     py::dtype sweep_hit;   ///< SweepHit
     py::dtype pair_sweep;  ///< PairSweep
+    py::dtype robot;       ///< RobotFinding
 };
 /// Called at import, before threads can wait for each other: making the types runs Python code, which may hand the
 /// interpreter's lock to a thread that needs them.

@@ -4,6 +4,7 @@
 
 #include <oncollide/pipeline/results.hpp>
 #include <oncollide/pipeline/world.hpp>
+#include <oncollide/robots/robot.hpp>
 
 #include "bindings.hpp"
 
@@ -116,7 +117,12 @@ void make_result_types()
                                                        {"thin_along", "3f8", offsetof(Penetration, thin_along)}}),
         .sweep = sweep_structure<SweepResult>({}),
         .sweep_hit = sweep_structure<SweepHit>({{"body", "u8", offsetof(SweepHit, body)}}),
-        .pair_sweep = sweep_structure<PairSweep>({{"pair", "u4", offsetof(PairSweep, pair)}})};
+        .pair_sweep = sweep_structure<PairSweep>({{"pair", "u4", offsetof(PairSweep, pair)}}),
+        .robot = structure(sizeof(RobotFinding), {{"verdict", "u1", offsetof(RobotFinding, verdict)},
+                                                  {"bound", "f8", offsetof(RobotFinding, bound)},
+                                                  {"link", "i4", offsetof(RobotFinding, link)}, // no_link: -1
+                                                  {"other", "i4", offsetof(RobotFinding, other)},
+                                                  {"body", "u8", offsetof(RobotFinding, body)}})};
 }
 
 const ResultTypes& result_types()

@@ -8,7 +8,7 @@ import pathlib
 import re
 import sys
 
-MODULES = ["base", "scenes", "samples", "broadphase", "narrowphase", "pipeline", "runs", "tools"]
+MODULES = ["base", "scenes", "samples", "broadphase", "narrowphase", "pipeline", "robots", "runs", "tools"]
 
 # The folders that each folder may include, within its module; CMake's include trees keep modules apart. Folders that are
 # not listed may include any folder, as long as that makes no circle.
@@ -33,6 +33,9 @@ LAYERS = {
     "pipeline": [],
     "pipeline/models": [""],
     "pipeline/refine": ["", "models"],
+    "robots": [],
+    "robots/files": [""],
+    "robots/spheres": [""],
     "runs": [],
     "runs/ranks": [""],
     "scenes/model": [],

@@ -17,6 +17,7 @@
 #include "seeds.hpp"
 #include "tools/run_command.hpp"
 #include <oncollide/base/error.hpp>
+#include <oncollide/robots/robot.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
@@ -40,6 +41,8 @@ constexpr Format all_formats[] = {
 #ifdef ONCOLLIDE_XML
     {"dae", "input.dae", dae_seeds},
     {"3mf", "input.3mf", threemf_seeds},
+    {"urdf", "input.urdf", urdf_seeds},
+    {"srdf", "input.srdf", srdf_seeds},
 #endif
     {"bt", "input.bt", bt_seeds},
     {"ot", "input.ot", ot_seeds},
@@ -84,6 +87,29 @@ void check(const Scene& scene)
         if (!why_not_rigid(pose).empty()) fault("a pose that is not rigid");
 }
 
+/// A tree, as Robot requires it.
+void check(const RobotDescription& robot)
+{
+    for (const RobotJoint& joint : robot.joints)
+        if (joint.parent >= robot.links.size() || joint.child >= robot.links.size()) fault("a joint without its link");
+    for (const RobotLink& link : robot.links)
+        for (const LinkGeometry& collision : link.collision) {
+            if (!why_not_rigid(collision.pose).empty()) fault("a pose that is not rigid");
+            if (const auto* mesh = std::get_if<Mesh>(&collision.geometry->data)) check(*mesh);
+        }
+    for (const auto& [a, b] : robot.excluded)
+        if (a >= b || b >= robot.links.size()) fault("an excluded pair out of range");
+    for (const RobotState& state : robot.states)
+        for (const RobotState::Value& value : state.values)
+            if (value.joint >= robot.joints.size()) fault("a state of no joint");
+    if (std::ranges::any_of(robot.links, [](const RobotLink& link) { return !link.collision.empty(); })) {
+        World world;
+        const Robot made(world, robot);
+        std::vector<Eigen::Isometry3d> poses(robot.links.size());
+        made.link_poses(made.neutral(), poses);
+    }
+}
+
 /// Opens each tile that exists, as an approaching body would.
 void load_tiles(const fs::path& file)
 {
@@ -114,6 +140,10 @@ void load(const fs::path& file)
     } else if (ending == ".h5") {
         read_hdf5(file, [](const Error& error, const fs::path& of) { check(error, of); });
 #endif
+    } else if (ending == ".urdf") {
+        check(load_robot(file));
+    } else if (ending == ".srdf") {
+        check(load_robot(file.parent_path() / "arm.urdf", {.srdf = file}));
     } else if (ending == ".csv") {
         check(test::load_with_samples(file.parent_path() / "table.json"));
     } else if (file.filename() == "recorded.npy") {

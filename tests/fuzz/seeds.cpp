@@ -1,4 +1,5 @@
 #include "seeds.hpp"
+#include "robots/small_robot.hpp"
 
 #include <cmath>
 #include <sstream>
@@ -118,6 +119,24 @@ std::vector<std::string> dae_seeds()
                       corner + "<p>0 1 2 3 4</p></trifans><polygons count=\"1\">" + corner +
                       "<p>0 1 3 2</p></polygons>");
     return {as_dae(box()), as_dae(soup(), nodes, "<up_axis>X_UP</up_axis>", libraries), faces};
+}
+
+std::vector<std::string> urdf_seeds()
+{
+    std::string text = SmallRobot::text;
+    text.replace(text.find("package://robot/"), 16, ""); // beside the file
+    return {
+        text,
+        R"(<robot name="r"><link name="a"/><joint name="j" type="planar"><parent link="a"/><child link="b"/></joint>)"
+        R"(<joint name="k" type="floating"><parent link="b"/><child link="c"/></joint><link name="b"/>)"
+        R"(<link name="c"><collision><geometry><capsule radius="1" length="2"/></geometry></collision></link></robot>)"};
+}
+
+std::vector<std::string> srdf_seeds()
+{
+    return {SmallRobot::semantic,
+            R"(<robot name="arm"><group name="g"><link name="base"/><passive_joint name="slide"/></group>)"
+            R"(<disable_default_collisions link="left"/><enable_collisions link1="left" link2="base"/></robot>)"};
 }
 
 std::vector<std::string> threemf_seeds()
@@ -337,6 +356,8 @@ std::vector<std::string> tiles_seeds()
 
 void add_companions(const TemporaryFolder& folder)
 {
+    folder.write("arm.urdf", urdf_seeds().front());
+    folder.write("wedge.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
     cook_mesh(box(), folder / "tile.cooked");
     folder.write("buffer.bin", gltf_buffer(soup()));
     folder.write("thing.off", as_off(box()));

@@ -15,6 +15,8 @@ std::vector<std::string> gltf_seeds();
 std::vector<std::string> glb_seeds();
 std::vector<std::string> dae_seeds();
 std::vector<std::string> threemf_seeds(); ///< archives, and bare models
+std::vector<std::string> urdf_seeds();
+std::vector<std::string> srdf_seeds(); ///< for arm.urdf
 std::vector<std::string> bt_seeds();
 std::vector<std::string> ot_seeds();
 std::vector<std::string> pgm_seeds();

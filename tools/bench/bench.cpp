@@ -11,7 +11,8 @@ void add_bench(Arguments app)
                                  "alternation");
     bench.at_most_one_command();
     bench.action([]() -> int {
-        usage("bench: choose a benchmark: broad, narrow, planner, continuous, rays, world, environment, distances, "
+        usage("bench: choose a benchmark: broad, narrow, planner, continuous, rays, robot, world, environment, "
+              "distances, "
               "shapes, clash, read, "
               "scale, many, octants, paper, gpu, poses or scene (oncollide bench --help)");
     });
@@ -20,6 +21,7 @@ void add_bench(Arguments app)
     add_planner(bench);
     add_continuous(bench);
     add_rays(bench);
+    add_robot_bench(bench);
     add_world(bench);
     add_environment(bench);
     add_distances(bench);

@@ -15,6 +15,7 @@ void add_render(Arguments app);
 void add_check(Arguments app);
 void add_clash(Arguments app);
 void add_cook(Arguments app);
+void add_robot(Arguments app);
 void add_scene(Arguments app);
 void add_spheres(Arguments app);
 void add_bench(Arguments app);

@@ -13,6 +13,7 @@ void add_commands(Arguments app)
     add_check(app);
     add_clash(app);
     add_cook(app);
+    add_robot(app);
     add_scene(app);
     add_spheres(app);
     add_bench(app);

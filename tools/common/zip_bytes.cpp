@@ -17,7 +17,7 @@ namespace {
 }
 
 /// Owns a source beside the archive, which also owns it.
-using Source = std::unique_ptr<zip_source_t, decltype(&zip_source_free)>;
+using ZipSource = std::unique_ptr<zip_source_t, decltype(&zip_source_free)>;
 
 std::string bytes_of(zip_source_t* source)
 {
@@ -36,7 +36,7 @@ std::string zip_bytes(const std::vector<std::pair<std::string, std::string>>& fi
 {
     zip_error_t error;
     zip_error_init(&error);
-    const Source source(zip_source_buffer_create(nullptr, 0, 0, &error), zip_source_free);
+    const ZipSource source(zip_source_buffer_create(nullptr, 0, 0, &error), zip_source_free);
     if (!source) fail(zip_error_strerror(&error));
     zip_source_keep(source.get());
     zip_t* const archive = zip_open_from_source(source.get(), ZIP_TRUNCATE, &error);

@@ -1,6 +1,7 @@
 // oncollide spheres: the spheres and OBBs of a mesh's trees, and how closely they fit the mesh.
 #include "cli/command.hpp"
 #include "cli/options.hpp"
+#include "robot/robot_spheres.hpp"
 #include "verify/trees/box_levels.hpp"
 #include "verify/trees/grown_tree.hpp"
 #include "verify/trees/level_quality.hpp"
@@ -13,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/text/csv_writer.hpp>
 #include <oncollide/base/text/json_writer.hpp>
@@ -28,6 +30,7 @@ struct SpheresOptions {
     std::optional<double> max_error;
     int directions = QualityOptions{}.directions, threads = 1;
     bool quiet = false;
+    RobotSpheresOptions robot; ///< further options of robots
 };
 
 /// A level of one of the trees.
@@ -257,6 +260,16 @@ int spheres(const SpheresOptions& options)
     return 0;
 }
 
+/// All options of a robot.
+RobotSpheresOptions for_robot(const SpheresOptions& options)
+{
+    if (options.depth) usage("--depth: is for meshes; a robot has --max-error and --count");
+    RobotSpheresOptions robot = options.robot;
+    robot.urdf = options.mesh, robot.csv = options.csv, robot.json = options.json, robot.levels = options.levels;
+    robot.max_error = options.max_error, robot.threads = options.threads, robot.quiet = options.quiet;
+    return robot;
+}
+
 } // namespace
 
 void add_spheres(Arguments app)
@@ -264,7 +277,9 @@ void add_spheres(Arguments app)
     Arguments sub = app.add_command(
         "spheres", "List the bounding volumes of a mesh's trees, spheres or OBBs, and how closely they fit");
     auto options = std::make_shared<SpheresOptions>();
-    sub.add_option("mesh", options->mesh, "mesh (OBJ, STL, PLY, OFF, glTF, COLLADA, 3MF)").required().type_name("MESH");
+    sub.add_option("mesh", options->mesh, "mesh (OBJ, STL, PLY, OFF, glTF, COLLADA, 3MF), or a robot (URDF)")
+        .required()
+        .type_name("MESH|URDF");
     sub.add_option("--depth", options->depth,
                    "depth of the sphere-tree, 1 to 16 (default 6); boxes go down to single triangles")
         .type_name("D");
@@ -286,11 +301,33 @@ void add_spheres(Arguments app)
     sub.add_option("--threads", options->threads, "number of threads; 0: all. Does not change the result (default 1)")
         .type_name("N");
     sub.add_flag("--quiet", options->quiet, "print only errors");
-    sub.footer("Exit code 70: a part of the surface is not covered, or a volume extends farther than certified.\n"
-               "Examples:\n"
-               "  oncollide spheres bunny.obj --depth 5\n"
-               "  oncollide spheres part.stl --max-error 0.002 --bounding-volume obb --csv boxes.csv");
-    sub.action([options] { return spheres(*options); });
+    RobotSpheresOptions& robot = options->robot;
+    sub.group("Robots");
+    sub.add_option("--judge", robot.judge,
+                   "model of spheres (cuRobo's .yml, a .urdf of spheres, or .csv): how much of each link do they leave "
+                   "uncovered?")
+        .type_name("MODEL");
+    sub.add_option("--count", robot.count, "make a model of at most N spheres, with the least over-reach found")
+        .type_name("N");
+    sub.add_option("--yaml", robot.yaml, "write the model as cuRobo's YAML").type_name("FILE");
+    sub.add_option("--urdf", robot.out, "write the model as a URDF whose collision geometry is spheres")
+        .type_name("FILE");
+    sub.add_option("--package", robot.packages, "folder of the meshes named package://NAME/...")
+        .type_name("NAME=FOLDER")
+        .repeatable();
+    sub.footer(
+        "For a robot, --max-error or --count makes spheres that cover all collision geometry; --csv, --levels and\n"
+        "--json write the spheres and their coverage. Exit codes: 0 everything is covered, 1 not.\n"
+        "For a mesh, exit code 70: a part of the surface is not covered, or a volume extends farther than certified.\n"
+        "Examples:\n"
+        "  oncollide spheres bunny.obj --depth 5\n"
+        "  oncollide spheres part.stl --max-error 0.002 --bounding-volume obb --csv boxes.csv\n"
+        "  oncollide spheres panda.urdf --max-error 5mm --yaml panda_spheres.yml\n"
+        "  oncollide spheres panda.urdf --judge panda_spherized.urdf");
+    sub.action([options] {
+        const bool robot_given = lower_extension(options->mesh) == ".urdf";
+        return robot_given ? robot_spheres(for_robot(*options)) : spheres(*options);
+    });
 }
 
 } // namespace oncollide::tools

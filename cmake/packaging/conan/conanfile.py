@@ -18,7 +18,7 @@ class Oncollide(ConanFile):
 
     def export_sources(self):
         source = os.path.join(self.recipe_folder, "..", "..", "..")
-        for folder in ("base", "scenes", "samples", "broadphase", "narrowphase", "pipeline", "runs", "cmake"):
+        for folder in ("base", "scenes", "samples", "broadphase", "narrowphase", "pipeline", "robots", "runs", "cmake"):
             copy(self, f"{folder}/*", source, self.export_sources_folder)
         copy(self, "CMakeLists.txt", source, self.export_sources_folder)
         copy(self, "LICENSE", source, self.export_sources_folder)

@@ -3,6 +3,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/scenes/files/tables/body_table.hpp>
+#include <oncollide/scenes/files/tables/number_table.hpp>
 #include <oncollide/scenes/files/tables/recording_file.hpp>
 #include <oncollide/scenes/files/tables/results_file.hpp>
 
@@ -26,6 +27,11 @@ void read_hdf5_bodies(BodyRows&, const std::filesystem::path& path, const std::s
 }
 
 std::unique_ptr<PoseSource> open_hdf5_poses(const std::filesystem::path& path, const std::string&)
+{
+    fail(path);
+}
+
+NumberTable read_hdf5_table(const std::filesystem::path& path, const std::string&)
 {
     fail(path);
 }

@@ -7,7 +7,7 @@
 
 namespace oncollide {
 
-/// An element of an XML text with its contents. Private to scenes.
+/// An element of an XML text with its contents. Private to scenes and robots.
 struct XmlElement {
     std::string name; ///< without the namespace
     std::size_t line = 0;

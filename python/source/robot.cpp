@@ -1,0 +1,151 @@
+// Robot: configurations of a robot against itself and the bodies of a World.
+#include <fmt/format.h>
+
+#include <oncollide/robots/robot.hpp>
+
+#include "held_world.hpp"
+
+namespace oncollide::python {
+
+namespace {
+
+struct HeldRobot {
+    HeldWorld* held; ///< kept alive by pybind11
+    std::unique_ptr<Robot> robot;
+};
+
+std::unique_ptr<HeldRobot> make(HeldWorld& held, py::handle urdf, py::handle srdf, py::handle packages, py::handle base)
+{
+    const char* const call = "Robot";
+    RobotReading reading;
+    if (!srdf.is_none()) reading.srdf = path(srdf, {call, "srdf"});
+    if (!packages.is_none()) {
+        if (!py::isinstance<py::dict>(packages)) refuse_type({call, "packages"}, "a dict of folders by name", packages);
+        for (const auto& [name, folder] : py::reinterpret_borrow<py::dict>(packages))
+            reading.packages[text(name, {call, "packages"})] = path(folder, {call, "packages"});
+    }
+    const std::string file = path(urdf, {call, "urdf"});
+    const Eigen::Isometry3d at = pose(base, {call, "base"});
+    const Inside inside(held, call);
+    return std::make_unique<HeldRobot>(
+        HeldRobot{&held, std::make_unique<Robot>(held.world, load_robot(file, reading), at)});
+}
+
+/// Rows of a configuration's width, or one.
+py::array rows_of(const HeldRobot& robot, py::handle value, const Place& place)
+{
+    py::array array = doubles(value, place);
+    const auto width = static_cast<py::ssize_t>(robot.robot->width());
+    if (!has_shape(array, {-1, width}) && !has_shape(array, {width}))
+        refuse_value(place, fmt::format("expected shape (N, {}), got {}", width, shape_of(array)));
+    return array;
+}
+
+std::span<const double> span_of(const py::array& array)
+{
+    return {static_cast<const double*>(array.data()), static_cast<std::size_t>(array.size())};
+}
+
+py::array check(HeldRobot& robot, py::handle configurations, py::handle self, py::handle environment)
+{
+    const char* const call = "Robot.check";
+    const py::array rows = rows_of(robot, configurations, {call, "configurations"});
+    const RobotCheck what{.self = truth(self, {call, "self_collision"}),
+                          .environment = truth(environment, {call, "environment"})};
+    std::vector<RobotFinding> found(rows.ndim() == 1 ? 1 : static_cast<std::size_t>(rows.shape(0)));
+    {
+        const Looking looking(*robot.held, call);
+        const Released released;
+        robot.robot->check(robot.held->world, span_of(rows), found, what);
+    }
+    return array_of(result_types().robot, std::move(found));
+}
+
+py::array array_of_numbers(const std::vector<double>& numbers)
+{
+    return py::array_t<double>(static_cast<py::ssize_t>(numbers.size()), numbers.data());
+}
+
+py::array state(HeldRobot& robot, py::handle name, py::handle group)
+{
+    std::vector<double> numbers = robot.robot->neutral();
+    robot.robot->apply_state(text(name, {"Robot.state", "name"}),
+                             group.is_none() ? "" : text(group, {"Robot.state", "group"}), numbers);
+    return array_of_numbers(numbers);
+}
+
+py::array link_poses(HeldRobot& robot, py::handle configuration)
+{
+    const Place place{"Robot.link_poses", "configuration"};
+    const py::array row = rows_of(robot, configuration, place);
+    if (row.ndim() != 1) refuse_value(place, "expected one configuration, got " + shape_of(row));
+    std::vector<Eigen::Isometry3d> poses(robot.robot->description().links.size());
+    robot.robot->link_poses(span_of(row), poses);
+    py::array_t<double> out({static_cast<py::ssize_t>(poses.size()), py::ssize_t{4}, py::ssize_t{4}});
+    for (std::size_t i = 0; i < poses.size(); ++i)
+        for (int r = 0; r < 4; ++r)
+            for (int c = 0; c < 4; ++c) out.mutable_at(static_cast<py::ssize_t>(i), r, c) = poses[i].matrix()(r, c);
+    return out;
+}
+
+} // namespace
+
+void bind_robot(py::module_& m)
+{
+    using namespace py::literals;
+    py::class_<HeldRobot>(m, "Robot", R"(Robot(world, urdf, srdf=None, packages=None, base=None)
+--
+
+A robot from a URDF file, whose links become models of the World; an SRDF file gives excluded pairs and states.
+
+    world = oncollide.World(threads=0)
+    robot = oncollide.Robot(world, "panda.urdf", srdf="panda.srdf")
+    free = robot.check(samples)["verdict"] == oncollide.Verdict.SEPARATE
+
+packages: folders by name, for meshes named package://NAME/...; by default they are found beside the file or above it.
+base: pose of the root link. Raises Error that names the file and the line.)")
+        .def(py::init(&make), "world"_a, "urdf"_a, "srdf"_a = py::none(), "packages"_a = py::none(),
+             "base"_a = py::none(), py::keep_alive<1, 2>())
+        .def("check", &check, "configurations"_a, "self_collision"_a = true, "environment"_a = true,
+             R"(check(self, configurations, self_collision=True, environment=True)
+--
+
+Tests configurations, float64 (N, width) or (width,), with the World's accuracy and threads.
+
+Returns a structured array (N,): verdict (a Verdict), bound (metres), link, other (indices of `links`; -1: none) and body
+(an id, if other is -1). The pair is the first that collides, or the one with the least bound. Not copied if
+C-contiguous and float64. Other Python threads can run meanwhile. Raises ValueError for other shapes, Error naming the
+configuration that is not finite.)")
+        .def("state", &state, "name"_a, "group"_a = py::none(), R"(state(self, name, group=None)
+--
+
+A configuration, float64 (width,): the numbers of a state of the SRDF file, and those of neutral() for other joints.)")
+        .def(
+            "neutral", [](const HeldRobot& robot) { return array_of_numbers(robot.robot->neutral()); },
+            R"(neutral(self)
+--
+
+The configuration with all numbers 0, or the nearest limit; float64 (width,).)")
+        .def("link_poses", &link_poses, "configuration"_a, R"(link_poses(self, configuration)
+--
+
+The poses of all links in the world, float64 (links, 4, 4).)")
+        .def_property_readonly(
+            "joints",
+            [](const HeldRobot& robot) {
+                py::list names;
+                for (const std::string& name : robot.robot->names()) names.append(name);
+                return names;
+            },
+            "The name of each number of a configuration (list of str).")
+        .def_property_readonly(
+            "links",
+            [](const HeldRobot& robot) {
+                py::list names;
+                for (const RobotLink& link : robot.robot->description().links) names.append(link.name);
+                return names;
+            },
+            "The names of the links (list of str).");
+}
+
+} // namespace oncollide::python

@@ -1,0 +1,114 @@
+#include <oncollide/robots/files/robot_reader.hpp>
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/files/file_bytes.hpp>
+#include <oncollide/base/text/near_word.hpp>
+#include <oncollide/base/text/printable.hpp>
+
+namespace oncollide {
+
+namespace {
+
+constexpr std::uintmax_t most_bytes = std::uintmax_t{64} << 20;
+
+} // namespace
+
+void RobotSource::fail_at(const XmlElement& element, const std::string& what) const
+{
+    const std::string& own = element.attribute("name");
+    fail(fmt::format("{}{}: {}", printable(element.name), own.empty() ? "" : " " + oncollide::quoted(own), what),
+         element.line);
+}
+
+const std::string& RobotSource::required(const XmlElement& element, std::string_view key) const
+{
+    const std::string& text = element.attribute(key);
+    if (text.empty()) fail_at(element, fmt::format("has no attribute '{}'", key));
+    return text;
+}
+
+std::optional<std::vector<double>> RobotSource::numbers(const XmlElement& element, std::string_view key,
+                                                        std::size_t count) const
+{
+    if (std::ranges::find(element.attributes, key, &std::pair<std::string, std::string>::first) ==
+        element.attributes.end())
+        return {};
+    const std::string& text = element.attribute(key);
+    if (text.find("${") != text.npos || text.find("$(") != text.npos)
+        fail_at(element, fmt::format("{} is {}, an expression for xacro; expand the file first: xacro {} > robot.urdf",
+                                     key, oncollide::quoted(text), name));
+    std::vector<double> numbers;
+    for (std::size_t at = 0; (at = text.find_first_not_of(" \t\r\n", at)) != text.npos;) {
+        const std::size_t end = std::min(text.find_first_of(" \t\r\n", at), text.size());
+        const std::string_view word = std::string_view(text).substr(at, end - at);
+        if (double value = 0; parse(word, value) && std::isfinite(value))
+            numbers.push_back(value);
+        else
+            fail_at(element, fmt::format("{}: {} is not a finite number", key, oncollide::quoted(word)));
+        at = end;
+    }
+    if (numbers.size() != count)
+        fail_at(element, fmt::format("{} has {} number{}; it must have {}", key, numbers.size(),
+                                     numbers.size() == 1 ? "" : "s", count));
+    return numbers;
+}
+
+double RobotSource::number(const XmlElement& element, std::string_view key) const
+{
+    required(element, key);
+    return numbers(element, key, 1)->front();
+}
+
+double RobotSource::number(const XmlElement& element, std::string_view key, double without) const
+{
+    const auto found = numbers(element, key, 1);
+    return found ? found->front() : without;
+}
+
+Eigen::Vector3d RobotSource::vector(const XmlElement& element, std::string_view key,
+                                    const Eigen::Vector3d& without) const
+{
+    const auto found = numbers(element, key, 3);
+    return found ? Eigen::Vector3d(found->data()) : without;
+}
+
+template <class Named>
+std::uint32_t find_named(const RobotSource& source, const XmlElement& element, const char* what, std::string_view name,
+                         const std::vector<Named>& named)
+{
+    const auto found = std::ranges::find(named, name, &Named::name);
+    if (found != named.end()) return static_cast<std::uint32_t>(found - named.begin());
+    const std::vector<std::string_view> names = [&] {
+        std::vector<std::string_view> list;
+        for (const Named& one : named) list.push_back(one.name);
+        return list;
+    }();
+    source.fail_at(element, fmt::format("the robot has no {} {}{}", what, oncollide::quoted(name),
+                                        printable(did_you_mean(name, names))));
+}
+template std::uint32_t find_named(const RobotSource&, const XmlElement&, const char*, std::string_view,
+                                  const std::vector<RobotLink>&);
+template std::uint32_t find_named(const RobotSource&, const XmlElement&, const char*, std::string_view,
+                                  const std::vector<RobotJoint>&);
+
+RobotDescription load_robot(const std::filesystem::path& urdf, const RobotReading& reading)
+{
+    const std::string bytes = read_file(urdf, most_bytes);
+    if (lower_extension(urdf) == ".xacro")
+        refuse(urdf.string(), fmt::format("is a file for xacro; expand it first: xacro {} > {}", urdf.string(),
+                                          std::filesystem::path(urdf).replace_extension().string()));
+    RobotDescription robot = read_urdf({{urdf.string(), bytes}}, urdf, reading);
+    if (reading.srdf.empty()) {
+        for (const RobotJoint& joint : robot.joints) robot.excluded.push_back(std::minmax(joint.parent, joint.child));
+        std::ranges::sort(robot.excluded);
+    } else {
+        const std::string semantic = read_file(reading.srdf, most_bytes);
+        read_srdf({{reading.srdf.string(), semantic}}, robot);
+    }
+    return robot;
+}
+
+} // namespace oncollide

@@ -1,0 +1,187 @@
+// URDF: links, joints and their tree.
+#include <oncollide/robots/files/robot_reader.hpp>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/text/near_word.hpp>
+
+namespace oncollide {
+
+namespace {
+
+constexpr std::array<std::string_view, 6> kinds = {"fixed",     "revolute", "continuous",
+                                                   "prismatic", "planar",   "floating"};
+/// Children of <robot> that only xacro's files have.
+constexpr std::array<std::string_view, 7> xacro_words = {"macro", "property", "include",     "arg",
+                                                         "if",    "unless",   "insert_block"};
+
+/// Whether the reader uses an element.
+bool keep(std::string_view name, int level)
+{
+    constexpr std::array<std::string_view, 4> unused = {"visual", "inertial", "material", "gazebo"};
+    if (level > 1) return !std::ranges::count(unused, name);
+    return name == "link" || name == "joint" || std::ranges::count(xacro_words, name);
+}
+
+class UrdfReader {
+public:
+    UrdfReader(const RobotSource& source, const std::filesystem::path& urdf, const RobotReading& reading)
+        : source_(source), root_(read_xml_elements(source, keep)), geometries_(source, urdf, reading)
+    {
+    }
+
+    RobotDescription read()
+    {
+        if (root_.name != "robot") source_.fail_at(root_, "is not URDF, whose outermost element is 'robot'");
+        robot_.name = source_.required(root_, "name");
+        for (const XmlElement& child : root_.children)
+            if (child.name != "link" && child.name != "joint")
+                source_.fail_at(
+                    child, fmt::format("the file is for xacro; expand it first: xacro {} > robot.urdf", source_.name));
+        for (const XmlElement& child : root_.children)
+            if (child.name == "link") read_link(child);
+        if (robot_.links.empty()) source_.fail_at(root_, "has no link");
+        for (const XmlElement& child : root_.children)
+            if (child.name == "joint") read_joint(child);
+        for (std::uint32_t i = 0; i < joints_.size(); ++i) read_mimic(i);
+        resolve_mimics();
+        check_tree();
+        return std::move(robot_);
+    }
+
+private:
+    void read_link(const XmlElement& element)
+    {
+        RobotLink link{source_.required(element, "name"), {}};
+        if (!names_.insert("link " + link.name).second) source_.fail_at(element, "there are two links of this name");
+        for (const XmlElement& child : element.children)
+            if (child.name == "collision") link.collision.push_back(geometries_.read(child, link.name));
+        links_.push_back(&element);
+        robot_.links.push_back(std::move(link));
+    }
+
+    std::uint32_t link_at(const XmlElement& joint, const char* which)
+    {
+        const XmlElement* const element = joint.find(which);
+        if (!element) source_.fail_at(joint, fmt::format("has no {} link", which));
+        return find_named(source_, joint, "link", source_.required(*element, "link"), robot_.links);
+    }
+
+    void read_joint(const XmlElement& element)
+    {
+        RobotJoint joint;
+        joint.name = source_.required(element, "name");
+        if (!names_.insert("joint " + joint.name).second) source_.fail_at(element, "there are two joints of this name");
+        const std::string& kind = source_.required(element, "type");
+        const auto found = std::ranges::find(kinds, kind);
+        if (found == kinds.end())
+            source_.fail_at(element,
+                            "unknown type " + oncollide::quoted(kind) + valid_names("", {kinds.begin(), kinds.end()}));
+        joint.kind = static_cast<JointKind>(found - kinds.begin());
+        joint.parent = link_at(element, "parent"), joint.child = link_at(element, "child");
+        if (joint.parent == joint.child) source_.fail_at(element, "connects a link with itself");
+        joint.origin = origin_of(source_, element);
+        if (const XmlElement* axis = element.find("axis"); axis && joint.kind != JointKind::fixed) {
+            const Eigen::Vector3d along = source_.vector(*axis, "xyz", Eigen::Vector3d::UnitX());
+            const double length = along.stableNorm();
+            if (joint.kind != JointKind::floating && !(length > 1e-9 && length < 1e9))
+                source_.fail_at(element, "its axis has no direction");
+            joint.axis = along / length;
+        }
+        if (joint.kind == JointKind::revolute || joint.kind == JointKind::prismatic) read_limits(element, joint);
+        joints_.push_back(&element);
+        robot_.joints.push_back(std::move(joint));
+    }
+
+    void read_limits(const XmlElement& element, RobotJoint& joint)
+    {
+        const XmlElement* const limit = element.find("limit");
+        if (!limit) source_.fail_at(element, "a " + std::string(name_of(joint.kind)) + " joint needs a limit");
+        joint.lower = source_.number(*limit, "lower", 0), joint.upper = source_.number(*limit, "upper", 0);
+        if (!(joint.lower <= joint.upper))
+            source_.fail_at(element, fmt::format("its limits are {} to {}", joint.lower, joint.upper));
+    }
+
+    void read_mimic(std::uint32_t i)
+    {
+        const XmlElement* const mimic = joints_[i]->find("mimic");
+        if (!mimic) return;
+        RobotJoint& joint = robot_.joints[i];
+        const auto one_number = [](JointKind kind) {
+            return kind != JointKind::fixed && kind != JointKind::planar && kind != JointKind::floating;
+        };
+        if (joint.kind == JointKind::fixed) return; // nothing to move
+        const std::uint32_t of =
+            find_named(source_, *joints_[i], "joint", source_.required(*mimic, "joint"), robot_.joints);
+        if (!one_number(joint.kind) || !one_number(robot_.joints[of].kind))
+            source_.fail_at(*joints_[i], "only revolute, continuous and prismatic joints can mimic each other");
+        joint.mimics = static_cast<std::int32_t>(of);
+        joint.multiplier = source_.number(*mimic, "multiplier", 1), joint.offset = source_.number(*mimic, "offset", 0);
+    }
+
+    /// Makes each mimic joint refer to one with a value of its own.
+    void resolve_mimics()
+    {
+        for (std::uint32_t i = 0; i < joints_.size(); ++i) {
+            RobotJoint& joint = robot_.joints[i];
+            for (std::size_t steps = 0; joint.mimics >= 0; ++steps) {
+                const RobotJoint& of = robot_.joints[static_cast<std::size_t>(joint.mimics)];
+                if (&of == &joint || steps > joints_.size())
+                    source_.fail_at(*joints_[i], "mimics itself, directly or through others");
+                if (of.mimics < 0) break;
+                joint.offset += joint.multiplier * of.offset, joint.multiplier *= of.multiplier;
+                joint.mimics = of.mimics;
+            }
+        }
+    }
+
+    void check_tree()
+    {
+        std::vector<int> above(robot_.links.size(), -1);
+        for (std::uint32_t i = 0; i < robot_.joints.size(); ++i) {
+            int& mine = above[robot_.joints[i].child];
+            if (mine >= 0)
+                source_.fail_at(*joints_[i],
+                                fmt::format("link {} is already the child of joint {}; a robot is a tree",
+                                            oncollide::quoted(robot_.links[robot_.joints[i].child].name),
+                                            oncollide::quoted(robot_.joints[static_cast<std::size_t>(mine)].name)));
+            mine = static_cast<int>(i);
+        }
+        const XmlElement* root = nullptr;
+        for (std::uint32_t i = 0; i < above.size(); ++i) {
+            if (above[i] >= 0) continue;
+            if (root)
+                source_.fail_at(*links_[i], fmt::format("is a second root, beside {}: no joint leads to it",
+                                                        oncollide::quoted(root->attribute("name"))));
+            root = links_[i];
+        }
+        for (std::uint32_t i = 0; i < above.size();
+             ++i) { // a link that does not end at the root is in a loop or below it
+            std::size_t at = i, steps = 0;
+            while (above[at] >= 0 && steps++ <= above.size())
+                at = robot_.joints[static_cast<std::size_t>(above[at])].parent;
+            if (above[at] >= 0) source_.fail_at(*links_[i], "the joints above it form a loop; a robot is a tree");
+        }
+    }
+
+    const RobotSource& source_;
+    const XmlElement root_;
+    GeometryReader geometries_;
+    RobotDescription robot_;
+    std::vector<const XmlElement*> links_, joints_; ///< as in robot_
+    std::set<std::string> names_;
+};
+
+} // namespace
+
+RobotDescription read_urdf(const RobotSource& source, const std::filesystem::path& urdf, const RobotReading& reading)
+{
+    return UrdfReader(source, urdf, reading).read();
+}
+
+} // namespace oncollide

@@ -1,0 +1,237 @@
+#include <oncollide/robots/robot_impl.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/numbers/random.hpp>
+#include <oncollide/base/text/near_word.hpp>
+#include <oncollide/base/text/printable.hpp>
+
+namespace oncollide {
+
+namespace {
+
+constexpr std::size_t spheres_each = 16; // per geometry, to rule out pairs
+constexpr std::size_t many_parts = 4;    // of a link: from here on, a query of their bounding sphere pays
+
+[[noreturn]] void fail(const std::string& what)
+{
+    throw Error(ErrorKind::usage, "robot: " + what);
+}
+
+/// Spheres that contain the geometry: the surface of a mesh, or a solid.
+std::vector<CoverSphere> cover(const Geometry& geometry, bool solid)
+{
+    const Mesh* const mesh = std::get_if<Mesh>(&geometry.data);
+    const Shape* const shape = std::get_if<Shape>(&geometry.data);
+    if (const Sphere* const sphere = shape ? std::get_if<Sphere>(shape) : nullptr)
+        return {{Eigen::Vector3d::Zero(), sphere->radius * (1 + 1e-12)}};
+    return mesh && !solid ? cover_triangles(*mesh, spheres_each) : cover_box(bounds_of(geometry), spheres_each);
+}
+
+double limited(const RobotJoint& joint, double value)
+{
+    return std::min(std::max(value, joint.lower), joint.upper);
+}
+
+} // namespace
+
+Robot::Impl::Impl(World& world, RobotDescription given, const Eigen::Isometry3d& base_pose)
+    : description(std::move(given)), tree(description), base(base_pose)
+{
+    const bool solid = world.settings().mode == Mode::solid;
+    std::map<const Geometry*, ModelId> models;
+    for (std::uint32_t i = 0; i < description.links.size(); ++i) {
+        const auto first = static_cast<std::uint32_t>(parts.size());
+        for (const LinkGeometry& collision : description.links[i].collision) {
+            ModelId& model = models[collision.geometry.get()];
+            if (!model) model = world.add(collision.geometry);
+            add_part(i, model, collision.pose, cover(*collision.geometry, solid), {});
+        }
+        if (first == parts.size()) continue;
+        add_group(first);
+        if (parts.size() - first >= many_parts)
+            groups.back().model = world.add(Sphere{groups.back().whole.radius * (1 + 1e-9)}); // for rounding
+    }
+    attached_from = parts.size(), spheres_of_links = spheres.size();
+    if (parts.empty()) refuse(fmt::format("robot '{}'", printable(description.name)), "no link has collision geometry");
+    any_model = parts.front().model;
+    find_pairs();
+}
+
+void Robot::Impl::add_part(std::uint32_t link, ModelId model, const Eigen::Isometry3d& pose,
+                           std::vector<CoverSphere> cover, std::span<const std::uint32_t> touching)
+{
+    Part part{link, model, pose, {}, {touching.begin(), touching.end()}};
+    Aabb box;
+    for (CoverSphere& sphere : cover) {
+        sphere.centre = pose * sphere.centre;
+        box.add(sphere.centre);
+    }
+    part.cover = {
+        static_cast<std::uint32_t>(spheres.size()), static_cast<std::uint32_t>(cover.size()), {box.centre(), 0}};
+    for (const CoverSphere& sphere : cover)
+        part.cover.whole.radius =
+            std::max(part.cover.whole.radius, (sphere.centre - box.centre()).norm() + sphere.radius);
+    spheres.insert(spheres.end(), cover.begin(), cover.end());
+    parts.push_back(std::move(part));
+}
+
+void Robot::Impl::add_group(std::uint32_t first)
+{
+    Group group{first, static_cast<std::uint32_t>(parts.size()), parts[first].link, parts[first].cover.whole};
+    if (group.end - first > 1) {
+        Aabb box;
+        for (std::uint32_t i = first; i < group.end; ++i) box.add(parts[i].cover.whole.centre);
+        group.whole = {box.centre(), 0};
+        for (std::uint32_t i = first; i < group.end; ++i) {
+            const CoverSphere& one = parts[i].cover.whole;
+            group.whole.radius = std::max(group.whole.radius, (one.centre - box.centre()).norm() + one.radius);
+        }
+    }
+    groups.push_back(group);
+}
+
+void Robot::Impl::find_pairs()
+{
+    pairs.clear(), group_pairs.clear();
+    const auto tested = [&](const Part& a, const Part& b) {
+        if (a.link == b.link || std::ranges::count(a.touching, b.link) || std::ranges::count(b.touching, a.link))
+            return false;
+        const std::pair<std::uint32_t, std::uint32_t> links = std::minmax(a.link, b.link);
+        return !std::ranges::binary_search(description.excluded, links);
+    };
+    for (std::uint32_t b = 0; b < groups.size(); ++b)
+        for (std::uint32_t a = 0; a < b; ++a) {
+            const auto first = static_cast<std::uint32_t>(pairs.size());
+            for (std::uint32_t i = groups[a].first; i < groups[a].end; ++i)
+                for (std::uint32_t k = groups[b].first; k < groups[b].end; ++k)
+                    if (tested(parts[i], parts[k])) pairs.push_back({i, k});
+            if (pairs.size() > first) group_pairs.push_back({a, b, first, static_cast<std::uint32_t>(pairs.size())});
+        }
+    sort_pairs();
+}
+
+/// Random configurations show which pairs come close. Any order gives the same verdicts.
+void Robot::Impl::sort_pairs()
+{
+    constexpr std::uint64_t samples = 100, seed = 1;
+    std::vector<double> numbers(tree.width());
+    std::vector<Eigen::Isometry3d> poses(description.links.size(), Eigen::Isometry3d::Identity());
+    SphereCull cull(*this, 0);
+    for (std::uint64_t k = 0; k < samples; ++k) {
+        for (std::size_t j = 0; j < description.joints.size(); ++j)
+            for (int n = 0; n < Kinematics::numbers_of(description.joints[j]); ++n) {
+                const RobotJoint& joint = description.joints[j];
+                const auto i = static_cast<std::size_t>(tree.first_number(static_cast<std::uint32_t>(j)) + n);
+                const double low = std::max(joint.lower, -4.0), high = std::min(joint.upper, 4.0);
+                numbers[i] = joint.kind == JointKind::floating ? n == 6 : low + (high - low) * u01(seed, k, i);
+            }
+        tree.link_poses(numbers.data(), base, poses.data());
+        cull.place(poses.data());
+        for (GroupPair& pair : group_pairs) {
+            bool near = false;
+            if (cull.groups_near(pair.a, pair.b))
+                for (std::uint32_t p = pair.first; p < pair.end && !near; ++p) near = cull.near(pairs[p].a, pairs[p].b);
+            pair.near += near;
+        }
+    }
+    std::ranges::stable_sort(group_pairs, std::greater{}, &GroupPair::near);
+}
+
+void Robot::Impl::check_world(const World& world) const
+{
+    if (!world.contains(any_model)) fail("the World is not the one that the robot was made for");
+}
+
+void Robot::Impl::check_width(std::size_t numbers) const
+{
+    if (numbers != tree.width())
+        fail(fmt::format("a configuration of {} numbers; '{}' has {}", numbers, printable(description.name),
+                         tree.width()));
+}
+
+Robot::Robot(World& world, RobotDescription description, const Eigen::Isometry3d& base)
+    : impl_(std::make_unique<Impl>(world, std::move(description), base))
+{
+}
+Robot::~Robot() = default;
+Robot::Robot(Robot&&) noexcept = default;
+Robot& Robot::operator=(Robot&&) noexcept = default;
+
+const RobotDescription& Robot::description() const
+{
+    return impl_->description;
+}
+std::size_t Robot::width() const
+{
+    return impl_->tree.width();
+}
+const std::vector<std::string>& Robot::names() const
+{
+    return impl_->tree.names();
+}
+void Robot::set_base(const Eigen::Isometry3d& base)
+{
+    impl_->base = base;
+}
+
+std::vector<double> Robot::neutral() const
+{
+    std::vector<double> numbers;
+    for (const RobotJoint& joint : description().joints)
+        for (int n = 0; n < Kinematics::numbers_of(joint); ++n)
+            numbers.push_back(joint.kind == JointKind::floating ? n == 6 : limited(joint, 0));
+    return numbers;
+}
+
+void Robot::apply_state(std::string_view name, std::string_view group, std::span<double> configuration) const
+{
+    impl_->check_width(configuration.size());
+    const RobotState* found = nullptr;
+    std::vector<std::string_view> names;
+    for (const RobotState& state : description().states) {
+        names.push_back(state.name);
+        if (state.name != name || (!group.empty() && state.group != group)) continue;
+        if (found)
+            fail(fmt::format("two groups have a state '{}': '{}' and '{}'", printable(name), printable(found->group),
+                             printable(state.group)));
+        found = &state;
+    }
+    if (!found) fail(fmt::format("no state '{}'{}", printable(name), printable(valid_names(name, names))));
+    for (const RobotState::Value& value : found->values)
+        std::ranges::copy(value.numbers, configuration.begin() + impl_->tree.first_number(value.joint));
+}
+
+void Robot::check_configuration(std::span<const double> configuration, bool limits) const
+{
+    impl_->check_width(configuration.size());
+    for (std::uint32_t i = 0; i < description().joints.size(); ++i) {
+        const RobotJoint& joint = description().joints[i];
+        const int count = Kinematics::numbers_of(joint);
+        if (count == 0) continue;
+        const double* const numbers = configuration.data() + impl_->tree.first_number(i);
+        const auto bad = [&](const std::string& what) {
+            refuse(fmt::format("robot '{}': joint '{}'", printable(description().name), printable(joint.name)), what);
+        };
+        for (int n = 0; n < count; ++n)
+            if (!(std::abs(numbers[n]) <= 1e9)) bad(fmt::format("{} is not a number up to 1e9", numbers[n]));
+        if (count == 7 && !(std::abs(Eigen::Map<const Eigen::Vector4d>(numbers + 3).norm() - 1) <= 1e-6))
+            bad("its quaternion is not of length 1");
+        if (limits && count == 1 && !(numbers[0] >= joint.lower && numbers[0] <= joint.upper))
+            bad(fmt::format("{} is out of its limits, {} to {}", numbers[0], joint.lower, joint.upper));
+    }
+}
+
+void Robot::link_poses(std::span<const double> configuration, std::span<Eigen::Isometry3d> poses) const
+{
+    check_configuration(configuration, false);
+    if (poses.size() != description().links.size())
+        fail(fmt::format("room for {} poses; the robot has {} links", poses.size(), description().links.size()));
+    impl_->tree.link_poses(configuration.data(), impl_->base, poses.data());
+}
+
+} // namespace oncollide

@@ -1,0 +1,180 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/pipeline/world.hpp>
+#include <oncollide/scenes/geometry.hpp>
+
+namespace oncollide {
+
+/// How a joint moves its child link. A configuration has 1 number (m or rad) for each revolute, continuous and
+/// prismatic joint, 3 for a planar one (x, y, angle), 7 for a floating one (x, y, z, qx, qy, qz, qw), and none for a
+/// fixed joint or one that mimics another.
+enum class JointKind : std::uint8_t { fixed, revolute, continuous, prismatic, planar, floating };
+ONCOLLIDE_API std::string_view name_of(JointKind kind);
+
+struct RobotJoint {
+    std::string name;
+    JointKind kind = JointKind::fixed;
+    std::uint32_t parent = 0, child = 0;                      ///< links
+    Eigen::Isometry3d origin = Eigen::Isometry3d::Identity(); ///< frame of the joint in the parent link's frame
+    Eigen::Vector3d axis = Eigen::Vector3d::UnitX();          ///< unit, in the joint's frame; planar: the normal
+    double lower = -std::numeric_limits<double>::infinity(),  ///< limits of a revolute or a prismatic joint, m or rad
+        upper = std::numeric_limits<double>::infinity();
+    /// The joint whose value, times `multiplier` plus `offset`, is this joint's; -1: it has a value of its own.
+    std::int32_t mimics = -1;
+    double multiplier = 1, offset = 0;
+};
+
+/// A geometry at a pose in its link's frame.
+struct LinkGeometry {
+    std::shared_ptr<const Geometry> geometry;
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+};
+
+struct RobotLink {
+    std::string name;
+    std::vector<LinkGeometry> collision; ///< may be empty
+};
+
+struct RobotGroup {
+    std::string name;
+    std::vector<std::uint32_t> links, joints; ///< sorted
+};
+
+/// Named values of some joints.
+struct RobotState {
+    std::string name, group;
+    struct Value {
+        std::uint32_t joint;
+        std::vector<double> numbers;
+    };
+    std::vector<Value> values;
+};
+
+/// A tree of links, connected by joints.
+struct RobotDescription {
+    std::string name;
+    std::vector<RobotLink> links;
+    std::vector<RobotJoint> joints;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>>
+        excluded; ///< pairs of links that are not tested; a < b, sorted
+    std::vector<RobotGroup> groups;
+    std::vector<RobotState> states;
+};
+
+/// Files besides the URDF file.
+struct RobotReading {
+    /// An SRDF file: excluded pairs, groups and states. Without one, the pairs of links that a joint connects are
+    /// excluded.
+    std::filesystem::path srdf{};
+    /// The folders of packages: `package://NAME/FILE` is FOLDER/FILE. Other packages are looked for by their names, in
+    /// the folder of the URDF and in those above it.
+    std::map<std::string, std::filesystem::path> packages{};
+};
+
+/// Reads a URDF file: the tree of links, and all collision geometry (meshes in the formats of load_mesh, boxes,
+/// spheres, cylinders, capsules). Visual geometry, masses and unknown elements are ignored. Throws Error{no_input} for
+/// a missing file and Error{bad_data} that names the file, the line and the element; a file for xacro is refused with
+/// the command that expands it. Throws Error{usage} in a build without ONCOLLIDE_XML.
+ONCOLLIDE_API RobotDescription load_robot(const std::filesystem::path& urdf, const RobotReading& reading = {});
+
+/// The result of one configuration: the worst verdict of its pairs, colliding before undecided before within.
+struct RobotFinding {
+    static constexpr std::uint32_t no_link = 0xffffffffu;
+
+    double bound = 0; ///< metres. separate: the World's clearance; others: of the pair below
+    Verdict verdict = Verdict::separate;
+    /// The pair with this verdict that was found first, or the one with the least bound if none collides.
+    std::uint32_t link = no_link;  ///< no_link: all pairs are separate
+    std::uint32_t other = no_link; ///< a link of the robot; no_link: the pair is with `body`
+    BodyId body{};
+};
+
+/// The tests of Robot::check().
+struct RobotCheck {
+    bool self = true, environment = true;
+    QueryFilter filter{}; ///< of the links, against the World's bodies
+};
+
+/// A robot whose links are models of a World. Any number of robots may share one. Its calls throw Error{usage} for a
+/// World that is not the one it was made for, and for configurations of another width than width().
+///
+///     const RobotDescription panda = load_robot("panda.urdf", {.srdf = "panda.srdf"});
+///     World world;
+///     ... // add the environment
+///     Robot robot(world, panda);
+///     robot.check(world, configurations, findings); // many configurations, without bodies
+///
+///     robot.add_bodies(world); // or: as bodies, in frames
+///     robot.set_joints(world, configuration);
+///     world.step();
+///
+/// Const calls may run on many threads at once as long as no other call does, on the World neither.
+class ONCOLLIDE_API Robot {
+public:
+    /// Adds the geometries of all links to the World. `base` is the pose of the root link.
+    /// Throws Error{bad_data} for a description that is not a tree or names links or joints that do not exist.
+    Robot(World& world, RobotDescription description, const Eigen::Isometry3d& base = Eigen::Isometry3d::Identity());
+    ~Robot();
+    Robot(Robot&&) noexcept;
+    Robot& operator=(Robot&&) noexcept;
+
+    const RobotDescription& description() const;
+    std::size_t width() const; ///< numbers of a configuration, in the order of the joints in the description
+    /// The name of each number: the joint, or for planar and floating joints JOINT/x, JOINT/y, JOINT/angle, JOINT/qx
+    /// and so on.
+    const std::vector<std::string>& names() const;
+    /// All numbers 0, or the nearest limit; floating joints at the identity.
+    std::vector<double> neutral() const;
+    /// Sets the numbers of the joints of a state. Throws Error{usage} for an unknown name; `group` may be empty if one
+    /// group alone has a state of this name.
+    void apply_state(std::string_view state, std::string_view group, std::span<double> configuration) const;
+    /// Throws Error{bad_data} that names a joint whose number is not finite, or whose quaternion is not unit within
+    /// 1e-6; with `limits` also for a number out of the joint's limits.
+    void check_configuration(std::span<const double> configuration, bool limits) const;
+    /// Sets the pose of each link in the world. Cost: 20 to 50 nanoseconds per joint.
+    void link_poses(std::span<const double> configuration, std::span<Eigen::Isometry3d> poses) const;
+    void set_base(const Eigen::Isometry3d& base); ///< for the calls after it
+
+    /// Fixes a model of the World to a link, as an object in a gripper. Pairs of the object with that link, and with
+    /// the links in `touching`, are not tested. Returns its number. Not while the robot has bodies.
+    std::uint32_t attach(World& world, std::uint32_t link, ModelId model, const Eigen::Isometry3d& pose,
+                         std::span<const std::uint32_t> touching = {});
+    /// Removes all attached objects; the models stay. Not while the robot has bodies.
+    void detach_all();
+
+    // --- Bodies of the World.
+    /// Adds a body for each geometry, at neutral(), and excludes the pairs that are not tested. model and pose of
+    /// `spec` are not used.
+    void add_bodies(World& world, const BodySpec& spec = {});
+    void set_joints(World& world, std::span<const double> configuration);
+    void remove_bodies(World& world);
+    std::span<const BodyId> bodies() const; ///< by geometry: links in order, then attached objects; empty: none
+    std::uint32_t link_of(std::size_t body) const;
+
+    // --- Many configurations, without bodies.
+    /// Sets findings[i] for numbers i * width() up to (i + 1) * width(), with the World's settings of accuracy and
+    /// threads. A configuration is tested until a pair collides. Bodies of this robot are not tested. Throws as
+    /// check_configuration() without limits.
+    void check(const World& world, std::span<const double> configurations, std::span<RobotFinding> findings,
+               const RobotCheck& what = {}) const;
+
+private:
+    struct ONCOLLIDE_LOCAL Impl;
+    class ONCOLLIDE_LOCAL Checker;
+    friend class SphereCull;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace oncollide

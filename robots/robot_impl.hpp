@@ -1,0 +1,97 @@
+#pragma once
+#include <vector>
+
+#include <oncollide/robots/cover.hpp>
+#include <oncollide/robots/kinematics.hpp>
+#include <oncollide/robots/robot.hpp>
+
+namespace oncollide {
+
+/// The bounding spheres of a part, to rule out pairs: the first contains the part, as do the others together.
+struct PartSpheres {
+    std::uint32_t first, count; ///< in Impl::spheres, without the whole one
+    CoverSphere whole;
+};
+
+struct Robot::Impl {
+    /// A geometry of a link, or an attached object.
+    struct Part {
+        std::uint32_t link;
+        ModelId model;
+        Eigen::Isometry3d pose; ///< in the link's frame
+        PartSpheres cover;
+        std::vector<std::uint32_t> touching; ///< links that are not tested with this part
+    };
+    struct PartPair {
+        std::uint32_t a, b;
+    };
+    /// The parts of a link, or one attached object: one bounding sphere can rule them out together.
+    struct Group {
+        std::uint32_t first, end, link;
+        CoverSphere whole;
+        ModelId model{}; ///< that sphere, if there are many parts; else null
+    };
+    struct GroupPair {
+        std::uint32_t a, b;
+        std::uint32_t first, end; ///< in pairs
+        std::uint32_t near = 0;   ///< sampled configurations in which bounding spheres overlap
+    };
+
+    Impl(World& world, RobotDescription given, const Eigen::Isometry3d& base_pose);
+
+    void add_part(std::uint32_t link, ModelId model, const Eigen::Isometry3d& pose, std::vector<CoverSphere> spheres,
+                  std::span<const std::uint32_t> touching);
+    /// Adds a group of the parts from `first` on.
+    void add_group(std::uint32_t first);
+    /// Lists the pairs of parts that are tested.
+    void find_pairs();
+    void sort_pairs();
+    /// Throws Error{usage} if the World is not this robot's.
+    void check_world(const World& world) const;
+    void check_width(std::size_t numbers) const;
+    Eigen::Isometry3d pose_of(const Part& part, const Eigen::Isometry3d* links) const
+    {
+        return links[part.link] * part.pose;
+    }
+
+    RobotDescription description;
+    Kinematics tree;
+    Eigen::Isometry3d base;
+    std::vector<Part> parts;          ///< by links, then attached objects
+    std::vector<CoverSphere> spheres; ///< of all parts, in the frames of their links
+    std::size_t attached_from = 0;
+    std::size_t spheres_of_links = 0;
+    std::vector<Group> groups; ///< of all parts, in order
+    std::vector<PartPair> pairs;
+    std::vector<GroupPair> group_pairs; ///< those most often near each other first
+    std::vector<BodyId> bodies;
+    ModelId any_model{}; ///< identifies the World
+};
+
+/// Whether bounding spheres of two parts come closer than the clearance.
+class SphereCull {
+public:
+    SphereCull(const Robot::Impl& robot, double clearance);
+    /// Places the spheres at a configuration.
+    void place(const Eigen::Isometry3d* links);
+    /// False: the groups are certainly farther apart than the clearance.
+    bool groups_near(std::uint32_t a, std::uint32_t b) const { return meet(groups_[a], groups_[b]); }
+    /// The same of two parts.
+    bool near(std::uint32_t a, std::uint32_t b);
+
+private:
+    struct Placed {
+        double x, y, z, radius;
+    };
+    bool meet(const Placed& a, const Placed& b) const;
+    const Placed* spheres_of(std::uint32_t part); ///< the first is the whole one
+    Placed placed(const CoverSphere& sphere, std::uint32_t link) const;
+
+    const Robot::Impl& robot_;
+    const double clearance_;
+    const Eigen::Isometry3d* links_ = nullptr;
+    std::vector<Placed> groups_, spheres_; ///< spheres_: of each part the whole one, then the others
+    std::vector<std::uint8_t> placed_;     ///< by part
+};
+
+} // namespace oncollide

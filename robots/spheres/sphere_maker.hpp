@@ -1,0 +1,35 @@
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include <oncollide/robots/spheres/link_surface.hpp>
+
+namespace oncollide {
+
+/// Makes models of spheres that cover the surface of a link.
+class SphereMaker {
+public:
+    explicit SphereMaker(const LinkSurface& surface);
+
+    /// Few spheres that together contain every triangle, and whose points are at most `max_error` (m) from the
+    /// geometry. Each candidate is as large as the error permits around a point of the geometry's inside; the one that
+    /// covers most of what is left is taken. Then spheres that others make superfluous are dropped, and the rest shrink
+    /// to what they alone cover.
+    std::vector<CoverSphere> within(double max_error) const;
+
+    /// The fewest spheres within any error: one.
+    CoverSphere single() const;
+
+private:
+    struct Candidate {
+        Eigen::Vector3d centre;
+        double depth; ///< minus the signed distance
+    };
+    /// Appends points inside the geometry near the middle of a patch of the surface.
+    void add_candidates(const LinkSurface::Corners& patch, std::vector<Candidate>& candidates) const;
+
+    const LinkSurface& surface_;
+    std::vector<Candidate> candidates_; ///< spread over the surface
+};
+
+} // namespace oncollide

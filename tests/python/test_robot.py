@@ -1,0 +1,75 @@
+"""Robot: configurations in arrays, against collide() of the same boxes."""
+
+import numpy as np
+import pytest
+
+import oncollide
+from conftest import at
+
+ARM = """<robot name="arm">
+<link name="base"><collision><geometry><box size="0.3 0.3 0.5"/></geometry></collision></link>
+<joint name="turn" type="continuous"><parent link="base"/><child link="upper"/><origin xyz="0 0 0.1"/><axis xyz="0 0 1"/></joint>
+<link name="upper"/>
+<joint name="elbow" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0 0 0.5"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3"/></joint>
+<link name="lower"><collision><origin xyz="0 0 0.3"/><geometry><box size="0.05 0.05 0.4"/></geometry></collision></link>
+</robot>"""
+SRDF = """<robot name="arm"><group name="all"><joint name="elbow"/></group>
+<group_state name="bent" group="all"><joint name="elbow" value="1.5"/></group_state></robot>"""
+
+
+@pytest.fixture
+def files(tmp_path):
+    (tmp_path / "arm.urdf").write_text(ARM)
+    (tmp_path / "arm.srdf").write_text(SRDF)
+    return tmp_path
+
+
+def rotation(axis, angle):
+    pose = np.eye(4)
+    c, s = np.cos(angle), np.sin(angle)
+    i, j = {"z": (0, 1), "y": (2, 0)}[axis]
+    pose[i, i] = pose[j, j] = c
+    pose[i, j], pose[j, i] = -s, s
+    return pose
+
+
+def test_a_batch_finds_what_pairs_find(files):
+    world = oncollide.World()
+    wall = world.add_body(world.add(oncollide.box((0.01, 1, 1))), at(0.4, 0, 1), static=True)
+    robot = oncollide.Robot(world, files / "arm.urdf", srdf=files / "arm.srdf")
+    assert robot.joints == ["turn", "elbow"] and robot.links == ["base", "upper", "lower"]
+    samples = np.random.default_rng(1).uniform((-3, -3), (3, 3), (400, 2))
+    found = robot.check(samples)
+    colliding = 0
+    for (turn, elbow), result in zip(samples, found):
+        pose = at(0, 0, 0.1) @ rotation("z", turn) @ at(0, 0, 0.5) @ rotation("y", elbow)
+        assert np.allclose(robot.link_poses((turn, elbow))[2], pose, atol=1e-14)
+        verdicts = {oncollide.collide(oncollide.box(half), place, oncollide.box((0.025, 0.025, 0.2)), pose @ at(0, 0, 0.3))["verdict"]
+                    for half, place in (((0.15, 0.15, 0.25), np.eye(4)), ((0.01, 1, 1), at(0.4, 0, 1)))}
+        hit = oncollide.Verdict.COLLIDING in verdicts
+        colliding += hit
+        assert (result["verdict"] == oncollide.Verdict.COLLIDING) == hit
+        if hit:
+            assert result["link"] in (0, 2) and (result["other"] >= 0 or result["body"] == wall)
+        else:
+            assert result["link"] == -1
+    assert 20 < colliding < 380
+    assert np.count_nonzero(robot.check(samples, environment=False)["verdict"]) < colliding
+    assert robot.check(samples[0]).shape == (1,)
+
+
+def test_states_and_errors(files):
+    world = oncollide.World()
+    robot = oncollide.Robot(world, files / "arm.urdf", srdf=files / "arm.srdf")
+    assert robot.state("bent").tolist() == [0, 1.5] and robot.neutral().tolist() == [0, 0]
+    with pytest.raises(oncollide.Error, match="no state 'bend'"):
+        robot.state("bend")
+    with pytest.raises(ValueError, match=r"Robot.check: configurations: expected shape \(N, 2\)"):
+        robot.check(np.zeros((3, 3)))
+    with pytest.raises(oncollide.Error, match="configuration 1: .*'elbow'"):
+        robot.check([[0, 0], [0, np.nan]])
+    with pytest.raises(oncollide.Error, match="arm.srdf: line 1"):
+        oncollide.Robot(world, files / "arm.srdf")
+    with pytest.raises(TypeError, match="packages"):
+        oncollide.Robot(world, files / "arm.urdf", packages=["a"])

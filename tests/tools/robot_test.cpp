@@ -1,0 +1,149 @@
+#include "command_fixture.hpp"
+#include "robots/small_robot.hpp"
+
+namespace oncollide::test {
+namespace {
+
+class RobotCommandLine : public CommandLine {
+protected:
+    void SetUp() override
+    {
+        if (robot({"--quiet"}).err.find("build without the reader of URDF") != std::string::npos)
+            GTEST_SKIP() << "ONCOLLIDE_XML is off";
+    }
+    std::vector<std::string> with(std::vector<std::string> more) const
+    {
+        std::vector<std::string> arguments{"robot",     robot_.urdf.string(),
+                                           "--srdf",    robot_.srdf,
+                                           "--package", "robot=" + robot_.folder().path().string()};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return arguments;
+    }
+    Outcome robot(std::vector<std::string> more) { return run(with(std::move(more))); }
+    SmallRobot robot_;
+};
+
+TEST_F(RobotCommandLine, TellsWhichConfigurationsCollide)
+{
+    folder_.write("q.csv",
+                  "# folded, straight, into the wall\nturn, elbow, slide\n0.4,-3,0.05\n0,0,0.05\n0,1.4,0.05\n");
+    folder_.write("wall.obj", "v 0.3 -2 0.4\nv 0.3 2 0.4\nv 0.3 0 2\nf 1 2 3\n");
+    const Outcome outcome =
+        robot({"--world", "wall.obj", "--configurations", "q.csv", "--json", "r.json", "--csv", "-"});
+    EXPECT_EQ(outcome.code, 1) << outcome.err;
+    const nlohmann::json json = read_json("r.json");
+    EXPECT_EQ(json.at("configurations"), 3);
+    EXPECT_EQ(json.at("colliding"), 2);
+    EXPECT_EQ(json.at("results").at(0).at("verdict"), "colliding");
+    EXPECT_EQ(json.at("results").at(0).at("other_link").get<std::string>() == "base" ||
+                  json.at("results").at(0).at("link").get<std::string>() == "base",
+              true);
+    EXPECT_EQ(json.at("results").at(1).at("verdict"), "separate");
+    EXPECT_EQ(json.at("results").at(2).at("body"), "wall.obj");
+    EXPECT_NE(outcome.out.find("2,colliding,0,"), std::string::npos) << outcome.out;
+    EXPECT_EQ(robot({"--world", "wall.obj", "--no-self", "--configurations", "q.csv"}).code, 1);
+    EXPECT_EQ(robot({"--configurations", "q.csv", "--no-self"}).code, 0);
+    EXPECT_EQ(robot({"--state", "bent"}).code, 0);
+}
+
+TEST_F(RobotCommandLine, SetsTheNamedColumnsOverTheState)
+{
+    folder_.write("turns.csv", "turn\n0\n1\n");
+    folder_.write("wall.obj", "v 0.3 -2 0.4\nv 0.3 2 0.4\nv 0.3 0 2\nf 1 2 3\n");
+    // The bent arm reaches the wall where it turns towards it.
+    const Outcome bent =
+        robot({"--world", "wall.obj", "--configurations", "turns.csv", "--state", "bent", "--json", "r.json"});
+    EXPECT_EQ(bent.code, 1) << bent.err;
+    EXPECT_EQ(read_json("r.json").at("results").at(0).at("verdict"), "colliding");
+    EXPECT_EQ(robot({"--world", "wall.obj", "--configurations", "turns.csv"}).code, 0);
+    folder_.write("group.csv", "0,1.5\n");
+    EXPECT_EQ(robot({"--world", "wall.obj", "--configurations", "group.csv", "--group", "chain"}).code, 1);
+}
+
+TEST_F(RobotCommandLine, AnErrorBoundLeavesConfigurationsWithin)
+{
+    // The left finger passes the slanting wall at 1 mm.
+    folder_.write("q.csv", "turn,elbow,slide\n-0.5,0,0.05\n");
+    folder_.write("wall.obj", "v 0.554708 -0.5 1\nv -0.445292 0.5 1\nv 0.054708 0 1.3\nf 1 2 3\n");
+    EXPECT_EQ(robot({"--world", "wall.obj", "--configurations", "q.csv", "--json", "e.json"}).code, 0);
+    const Outcome outcome =
+        robot({"--world", "wall.obj", "--configurations", "q.csv", "--max-error", "1", "--json", "r.json"});
+    EXPECT_EQ(outcome.code, 2) << outcome.out;
+    EXPECT_EQ(read_json("r.json").at("within"), 1);
+}
+
+TEST_F(RobotCommandLine, RefusesConfigurationsThatDoNotFit)
+{
+    folder_.write("wide.csv", "1,2\n");
+    expect_error(65, with({"--configurations", "wide.csv"}), {"wide.csv", "has 2 columns", "turn, elbow, slide"});
+    folder_.write("name.csv", "turn,elbo,slide\n1,2,3\n");
+    expect_error(65, with({"--configurations", "name.csv"}), {"name.csv: line 1", "'elbo'", "did you mean 'elbow'"});
+    folder_.write("nan.csv", "0,0,0.05\n1,nan,3\n");
+    expect_error(65, with({"--configurations", "nan.csv"}), {"nan.csv: line 2", "'nan'"});
+    folder_.write("limit.csv", "0,2.9,0.05\n");
+    EXPECT_EQ(robot({"--configurations", "limit.csv", "--no-self"}).code, 0);
+    expect_error(65, with({"--configurations", "limit.csv", "--limits"}),
+                 {"configuration 0", "joint 'elbow'", "2.9 is out of its limits"});
+    folder_.write("short.npy", "\x93NUMPY");
+    expect_error(65, with({"--configurations", "short.npy"}), {"short.npy"});
+    expect_error(66, with({"--configurations", "none.csv"}), {"none.csv"});
+    expect_error(64, with({"--configurations", "q.txt"}), {"unknown kind of table '.txt'"});
+    expect_error(64, with({"--state", "bend"}), {"no state 'bend'", "bent"});
+    expect_error(64, with({"--configurations", "limit.csv", "--group", "arm"}), {"no group 'arm'", "chain"});
+    expect_error(65,
+                 {"robot", robot_.changed("<link name=\"camera\"/>", "").string(), "--package",
+                  "robot=" + robot_.folder().path().string()},
+                 {"changed.urdf: line 22: joint 'tip'", "no link 'camera'"});
+}
+
+TEST_F(RobotCommandLine, MakesSpheresThatTheJudgeFindsComplete)
+{
+    const std::string package = "robot=" + robot_.folder().path().string();
+    const Outcome made = run({"spheres", robot_.urdf.string(), "--package", package, "--max-error", "10mm", "--yaml",
+                              "s.yml", "--urdf", "s.urdf", "--csv", "s.csv", "--json", "made.json"});
+    EXPECT_EQ(made.code, 0) << made.err;
+    EXPECT_NE(made.out.find("misses no collision"), std::string::npos) << made.out;
+    const nlohmann::json json = read_json("made.json");
+    EXPECT_TRUE(json.at("complete").get<bool>());
+    EXPECT_LE(json.at("over_reach").get<double>(), 0.01);
+    EXPECT_GT(json.at("over_reach").get<double>(), 0.003);
+    for (const char* model : {"s.yml", "s.urdf", "s.csv"}) {
+        const Outcome judged =
+            run({"spheres", robot_.urdf.string(), "--package", package, "--judge", model, "--json", "j.json"});
+        EXPECT_EQ(judged.code, 0) << model << judged.err << judged.out;
+        EXPECT_EQ(read_json("j.json").at("links"), json.at("links")) << model;
+    }
+    // The spherised robot has the kinematics of the original.
+    folder_.write("q.csv", "turn,elbow,slide\n0.4,-3,0.05\n0,0,0.05\n");
+    EXPECT_EQ(run({"robot", "s.urdf", "--configurations", "q.csv", "--json", "r.json"}).code, 1);
+    EXPECT_EQ(read_json("r.json").at("results").at(0).at("verdict"), "colliding");
+    EXPECT_EQ(read_json("r.json").at("results").at(1).at("verdict"), "separate");
+}
+
+TEST_F(RobotCommandLine, JudgesAModelWithAGap)
+{
+    // Half of the box of the base, and all of the rest.
+    folder_.write("half.yml", "collision_spheres:\n  base:\n    - center: [0.15, 0, 0]\n      radius: 0.3\n"
+                              "  elsewhere:\n    - {center: [0, 0, 0], radius: 1}\n");
+    const std::string package = "robot=" + robot_.folder().path().string();
+    const Outcome judged =
+        run({"spheres", robot_.urdf.string(), "--package", package, "--judge", "half.yml", "--json", "j.json"});
+    EXPECT_EQ(judged.code, 1) << judged.err;
+    EXPECT_NE(judged.err.find("no link 'elsewhere'"), std::string::npos) << judged.err;
+    const nlohmann::json base = read_json("j.json").at("links").at(0);
+    // The farthest corner is at (-0.15, 0.15, 0.25).
+    EXPECT_NEAR(base.at("gap").get<double>(), std::sqrt(0.09 + 0.0225 + 0.0625) - 0.3, 1e-9);
+    EXPECT_GT(base.at("uncovered").get<double>(), 0);
+    expect_error(64, {"spheres", robot_.urdf.string(), "--package", package}, {"--judge MODEL", "--count N"});
+    expect_error(64, {"spheres", robot_.urdf.string(), "--package", package, "--count", "3"},
+                 {"--count is 3", "5 links"});
+    folder_.write("bad.yml", "collision_spheres:\n  base:\n    - center: [0, nan, 0]\n      radius: 0.3\n");
+    expect_error(65, {"spheres", robot_.urdf.string(), "--package", package, "--judge", "bad.yml"},
+                 {"bad.yml: line 3", "y is not a finite"});
+    folder_.write("cut.yml", "collision_spheres: [");
+    expect_error(65, {"spheres", robot_.urdf.string(), "--package", package, "--judge", "cut.yml"},
+                 {"cut.yml: line 1"});
+}
+
+} // namespace
+} // namespace oncollide::test
