@@ -46,6 +46,11 @@ struct PairTests {
 
     /// When the two first meet during their motions.
     SweepResult (*advance)(PairWorker&, const SweepTask&);
+    /// As World::manifold(). Null: unsupported.
+    void (*manifold)(PairWorker&, const PairTask&, const ManifoldOptions&, Manifold&);
+
+    /// Appends, as World::near_features(). Null: unsupported.
+    void (*near_features)(PairWorker&, const PairTask&, double dhat, std::vector<NearFeatures>&);
 };
 
 /// The tests of models of these kinds, in this order.

@@ -77,6 +77,7 @@ struct World::Impl {
                     const SweepOptions& options, bool all, std::vector<SweepHit>& hits);
     SweepHit first_cast(QueryWorker& worker, const MovingModel& model, const QueryFilter& filter,
                         const SweepOptions& options);
+    Manifold manifold(QueryWorker& worker, const PairTask& task, const ManifoldOptions& options);
     struct Probe; // a model at a pose against all bodies: world_queries.cpp
     void find_near(QueryWorker& worker, const Probe& probe, double margin);
     void refine_hits(QueryWorker& worker, const Probe& probe, std::vector<QueryHit>& hits);

@@ -27,18 +27,21 @@ void bind_robot(py::module_& module);
 
 /// NumPy types with the layout of the library's results.
 struct ResultTypes {
-    py::dtype pair;        ///< PairResult
-    py::dtype bodies;      ///< PairOfBodies
-    py::dtype hit;         ///< QueryHit
-    py::dtype cast;        ///< CastHit
-    py::dtype contact;     ///< Contact
-    py::dtype distance;    ///< Distance
-    py::dtype finding;     ///< Finding
-    py::dtype penetration; ///< Penetration
-    py::dtype sweep;       ///< SweepResult
-    py::dtype sweep_hit;   ///< SweepHit
-    py::dtype pair_sweep;  ///< PairSweep
-    py::dtype robot;       ///< RobotFinding
+    py::dtype pair;           ///< PairResult
+    py::dtype bodies;         ///< PairOfBodies
+    py::dtype hit;            ///< QueryHit
+    py::dtype cast;           ///< CastHit
+    py::dtype contact;        ///< Contact
+    py::dtype distance;       ///< Distance
+    py::dtype finding;        ///< Finding
+    py::dtype penetration;    ///< Penetration
+    py::dtype sweep;          ///< SweepResult
+    py::dtype sweep_hit;      ///< SweepHit
+    py::dtype pair_sweep;     ///< PairSweep
+    py::dtype robot;          ///< RobotFinding
+    py::dtype region;         ///< ManifoldRegion
+    py::dtype manifold_point; ///< ManifoldPoint
+    py::dtype near_features;  ///< NearFeatures
 };
 /// Called at import, before threads can wait for each other: making the types runs Python code, which may hand the
 /// interpreter's lock to a thread that needs them.
