@@ -13,7 +13,7 @@ MotionPath motion_path(py::handle value, const Place& place)
 
 namespace {
 
-/// The motions of one side: from each pose of one column to that of another; a column of one pose serves all.
+/// The motions of one side, from each pose of one column to the pose of another. A column of one pose serves all.
 std::vector<RigidMotion> motions(py::handle from, py::handle to, MotionPath path, const char* call,
                                  const char* name_from, const char* name_to)
 {

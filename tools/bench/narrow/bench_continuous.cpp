@@ -65,7 +65,7 @@ Ways random_ways(const ContinuousOptions& options, std::uint64_t i)
 
 struct SweepTally {
     std::string name;
-    std::vector<double> us;
+    std::vector<double> us{};
     std::size_t contacts = 0, missed = 0, invented = 0, early = 0, late = 0;
 
     void add(double time_of_contact, const SweepResult& truth, double tolerance)
