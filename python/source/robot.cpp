@@ -119,7 +119,7 @@ configuration that is not finite.)")
         .def("state", &state, "name"_a, "group"_a = py::none(), R"(state(self, name, group=None)
 --
 
-A configuration, float64 (width,): the numbers of a state of the SRDF file, and those of neutral() for other joints.)")
+A configuration, float64 (width,): the numbers of a state of the SRDF file; other joints are as in neutral().)")
         .def(
             "neutral", [](const HeldRobot& robot) { return array_of_numbers(robot.robot->neutral()); },
             R"(neutral(self)

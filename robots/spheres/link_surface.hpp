@@ -22,7 +22,7 @@ public:
     bool closed() const { return closed_; }
     double size() const { return size_; } ///< diagonal of the AABB
 
-    /// An upper bound on how far the point is from the geometry; negative: inside it, at least so deep.
+    /// An upper bound on the signed distance of the point from the geometry; negative inside.
     double signed_distance(const Eigen::Vector3d& point) const;
     /// The nearest point of the triangles.
     Eigen::Vector3d nearest(const Eigen::Vector3d& point) const;
@@ -33,7 +33,7 @@ private:
     struct Part {
         std::size_t first, end;
         bool closed;
-        const Shape* shape = nullptr;                           ///< its own distance counts, not that of its mesh
+        const Shape* shape = nullptr;                           ///< used for distances in place of the mesh
         Eigen::Isometry3d into = Eigen::Isometry3d::Identity(); ///< from the link's frame to the shape's
     };
     double distance_squared(const Eigen::Vector3d& point, std::size_t first, std::size_t end,

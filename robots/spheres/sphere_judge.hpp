@@ -7,7 +7,7 @@
 
 namespace oncollide {
 
-/// What a sphere model of a link covers. All bounds are certified.
+/// The coverage of a link by a sphere model. All bounds are certified.
 struct CoverJudgement {
     double area = 0;                          ///< of the surface, m^2
     double uncovered = 0, uncovered_most = 0; ///< area in no sphere: between the two

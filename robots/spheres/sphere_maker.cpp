@@ -88,7 +88,7 @@ public:
         return patches;
     }
 
-    /// The chosen spheres, without superfluous ones, each as small as what it alone covers permits.
+    /// The chosen spheres without superfluous ones. Each is reduced to the patches that no other sphere covers.
     std::vector<CoverSphere> shrunk() const
     {
         std::vector<std::uint32_t> times(patches_.size());
@@ -141,7 +141,7 @@ void SphereMaker::add_candidates(const Corners& patch, std::vector<Candidate>& c
     if (add(point + 1e-3 * surface_.size() * inward) <= 0) inward = -inward; // the mesh is inside out
     const double thickness = surface_.thickness(point, inward);
     for (const double part : {0.5, 0.35, 0.2, 0.1, 0.05, 0.0}) add(point + part * thickness * inward);
-    // From the middle away from the nearest point: towards the middle of what is around.
+    // The centre moves away from the nearest point of the surface.
     Vector3d centre = point + 0.5 * thickness * inward;
     for (int k = 0; k < 3; ++k) {
         const Vector3d away = centre - surface_.nearest(centre);
@@ -171,7 +171,7 @@ std::vector<CoverSphere> SphereMaker::within(double max_error) const
     std::vector<Corners> patches;
     for (const Corners& triangle : surface_.triangles()) divide(triangle, edge, patches);
     const double error = max_error * (1 - 1e-6) - 4e-7; // room for rounding outward
-    // Each round covers what it can; the next one has candidates near what is left.
+    // Each round adds candidates near the patches that are left.
     std::vector<CoverSphere> chosen;
     std::vector<Corners> left = patches;
     std::vector<Candidate> candidates = candidates_;
@@ -192,7 +192,7 @@ std::vector<CoverSphere> SphereMaker::within(double max_error) const
     for (const CoverSphere& sphere : chosen) all.offer(sphere.centre, sphere.radius);
     all.choose();
     std::vector<CoverSphere> spheres = all.shrunk();
-    // What no candidate covers gets small spheres around patches, which are halved until they fit.
+    // Patches without a candidate are halved until small spheres around them fit.
     while (!left.empty()) {
         const Corners patch = left.back();
         left.pop_back();

@@ -12,9 +12,8 @@ public:
     explicit SphereMaker(const LinkSurface& surface);
 
     /// Few spheres that together contain every triangle, and whose points are at most `max_error` (m) from the
-    /// geometry. Each candidate is as large as the error permits around a point of the geometry's inside; the one that
-    /// covers most of what is left is taken. Then spheres that others make superfluous are dropped, and the rest shrink
-    /// to what they alone cover.
+    /// geometry. The candidates are the largest spheres within the error around points inside the geometry; greedy set
+    /// cover chooses among them. Superfluous spheres are dropped, and the others shrink.
     std::vector<CoverSphere> within(double max_error) const;
 
     /// The fewest spheres within any error: one.
