@@ -6,7 +6,7 @@
 namespace oncollide {
 
 // Signs of two bodies A and B, of which B is moved by (e, e^2, e^3) for an infinitely small e > 0. Surfaces then meet
-// in segments that each have two ends, and every closed surface is crossed consistently, whatever touches. Source:
+// in segments that each have two ends, and every closed surface is crossed consistently, in spite of contacts. Source:
 // Edelsbrunner and Mücke, "Simulation of simplicity", TOG 1990, with one displacement for a whole body.
 
 /// The side of a triangle's plane that a point of the other body is on: 1 where its normal points, else -1; 0 if the

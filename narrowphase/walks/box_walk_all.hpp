@@ -114,9 +114,8 @@ void BoxWalk<A, B, Leaves>::all_near(A& a, B& b, const RelativePose& b_to_a, dou
     far_ = true;
     if (frame.apart > clearance) return;
     start_near(a, b, b_to_a, frame, clearance);
-    walk_all(frame.gap_within(clearance), [&](Entry e) {
-        each_pair(e, [&](const Pair& pair) { return visit(pair), true; });
-    });
+    walk_all(frame.gap_within(clearance),
+             [&](Entry e) { each_pair(e, [&](const Pair& pair) { return visit(pair), true; }); });
 }
 
 } // namespace oncollide

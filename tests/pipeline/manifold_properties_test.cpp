@@ -40,7 +40,7 @@ TEST(Manifolds, EveryTwoKindsKeepTheirPromises)
     EXPECT_GT(regions, 100u);
 }
 
-/// The polygons around what two convex solids have in common, by clipping each face with the other's planes.
+/// The surface of the overlap of two convex solids: each face of one, clipped with the planes of the other.
 struct CommonSolid {
     Vector3d area_a = Vector3d::Zero(); ///< of the faces of a
     double volume = 0;

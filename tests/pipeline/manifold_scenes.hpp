@@ -82,7 +82,7 @@ inline void expect_near(const Vector3d& x, const Vector3d& y, double tolerance, 
     EXPECT_NEAR((x - y).norm(), 0, tolerance) << what << ": " << x.transpose() << " and " << y.transpose();
 }
 
-/// What holds for every manifold.
+/// Checks rules that every manifold keeps.
 inline void check(const Manifold& m, const std::string& where)
 {
     std::uint32_t points = 0;

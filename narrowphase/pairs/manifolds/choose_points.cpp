@@ -81,7 +81,7 @@ public:
             const double least = same * size_ * (kept_point(1) - kept_point(0)).norm();
             take([&](std::size_t i) { return std::abs(area(i)); }, least, least);
         }
-        while (kept_.size() > 2 && kept_.size() < most) { // what adds most area around
+        while (kept_.size() > 2 && kept_.size() < most) { // the most area added
             const std::size_t before = kept_.size();
             find_edges();
             take([&](std::size_t i) { return outside(i); }, same * size_ * size_, same * size_ * size_);

@@ -1,4 +1,4 @@
-// What two triangles in one plane have in common.
+// The overlap of two triangles in one plane.
 #pragma once
 #include <vector>
 
@@ -7,7 +7,7 @@
 
 namespace oncollide {
 
-/// Corners of the common polygon, counter-clockwise around the normal, which is that of a.
+/// Corners of the common polygon, counter-clockwise around the normal of a.
 inline std::vector<Eigen::Vector3d> common_polygon(const TrianglePoints& a, const TrianglePoints& b,
                                                    const Eigen::Vector3d& normal)
 {

@@ -69,7 +69,7 @@ std::vector<Facing> facings(const LumpPatches& lump, double spread)
     for (const Facing& f : all) largest = std::max(largest, f.matched());
     constexpr double enough = 0.05; // of the largest
     std::erase_if(all, [&](const Facing& f) { return f.matched() <= enough * largest; });
-    // Opposite sides of what two boxes have in common are no contact.
+    // Opposite sides of the overlap of two boxes are no contact.
     double thinnest = unbounded;
     for (const Facing& f : all) thinnest = std::min(thinnest, f.thickness());
     std::erase_if(all, [&](const Facing& f) {

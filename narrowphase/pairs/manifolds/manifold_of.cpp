@@ -20,7 +20,7 @@ double rounding_of(const PlacedSurface& a, const PlacedSurface& b)
 
 namespace {
 
-/// True if the computation takes b first: a half-space is first, and else what the exact level takes.
+/// True if the computation takes b first: a half-space is first; otherwise the order of the exact level counts.
 bool takes_b_first(const PairTask& task)
 {
     const bool plane_a = task.a->kind() == Kind::half_space, plane_b = task.b->kind() == Kind::half_space;

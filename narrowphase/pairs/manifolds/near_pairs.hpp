@@ -6,7 +6,7 @@
 
 namespace oncollide {
 
-/// A vertex and a face, or two edges, or what these reduce to, in the frame of the pair.
+/// Two near features, in the frame of the pair.
 struct NearPair {
     FeatureBits a, b;
     std::uint32_t triangle_a, triangle_b; ///< a triangle of each feature

@@ -23,7 +23,7 @@ void add_fan(Patch& patch, const Vector3d& u, const Vector3d& v, double times)
     patch.area += area, patch.moment += area / 3 * (origin + u + v);
 }
 
-/// Where an edge of one triangle crosses the other triangle.
+/// The crossing of an edge of one triangle with the other triangle.
 struct EdgeCrossing {
     bool of_a;
     int edge;
@@ -53,7 +53,7 @@ struct Windings {
         }
         return {n, sum};
     }
-    /// False if it contradicts what is known.
+    /// False if the new difference contradicts the known ones.
     bool join(std::uint32_t u, std::uint32_t v, int more_at_v)
     {
         const auto [root_u, of_u] = root(u);
@@ -86,7 +86,7 @@ std::uint32_t OverlapPatches::patch(int side, std::uint32_t triangle)
     return at->second;
 }
 
-/// Adds what two triangles have in common, if they cross.
+/// Adds the common segment of two triangles, if they cross.
 void OverlapPatches::cross(TrianglePair pair)
 {
     const std::array<TrianglePoints, 2> t{sides_[0].surface->points(pair.a), sides_[1].surface->points(pair.b)};

@@ -32,7 +32,7 @@ struct CurvePoint {
     FeatureBits a, b;               ///< an edge or a corner of one, and the other's face
 };
 
-/// A connected part of what both bodies have in common.
+/// A connected part of the overlap.
 struct Lump {
     Eigen::Vector3d area_a = Eigen::Vector3d::Zero(), area_b = Eigen::Vector3d::Zero(); ///< area vectors of the patches
     double volume = 0;
@@ -42,12 +42,12 @@ struct Lump {
     Aabb box;                          ///< of the curve
 };
 
-/// All overlaps of two surfaces: behind a surface that is not closed counts as inside, near it. For body b moved by an
-/// infinitely small distance (exact/moved_apart.hpp).
+/// All overlaps of two surfaces: behind a surface that is not closed counts as inside, near it. Body b counts as moved
+/// by an infinitely small distance (exact/moved_apart.hpp).
 ///
 /// The crossings of edges and triangles are exact. By the divergence theorem the area and the moment of a triangle's
 /// part follow from its boundary: the segments shared with the other surface, and the parts of its edges inside the
-/// other body, each as a sum over ends. So no polygon is made, and no crossing is sorted. Whole triangles inside are
+/// other body, each as a sum over ends. The sums need neither polygons nor sorted crossings. Whole triangles inside are
 /// found by walking inward from the segments. Cost: about a microsecond per pair, and 0.2 per triangle inside.
 class OverlapPatches {
 public:
@@ -74,7 +74,7 @@ private:
     void find_pieces(int side);
 
     std::array<Side, 2> sides_;
-    std::vector<std::uint32_t> roots_; ///< of patches, those of b after those of a, by disjoint sets
+    std::vector<std::uint32_t> roots_; ///< of patches of a and then of b, by disjoint sets
     std::vector<std::pair<std::uint32_t, std::uint32_t>> joins_a_, joins_b_, joins_; ///< patches in one lump
     std::array<std::vector<std::uint8_t>, 2> conflict_;
 };

@@ -12,7 +12,7 @@
 
 namespace oncollide {
 
-/// Numbers are those of the user: of a mesh's triangles and vertices, a terrain's triangles and samples. A map consists
+/// Triangles and vertices have the numbers of the mesh or the terrain. A map consists
 /// of the cells around the other body; a half-space of one large triangle below it; a round shape of its bounding mesh.
 class PlacedSurface {
 public:
@@ -61,8 +61,7 @@ public:
     Eigen::Vector3d placed(const Eigen::Vector3d& point) const { return into_(point); }
     /// The magnitude of the body's coordinates in the frame of the pair, metres.
     double reach() const;
-    /// A point of the body that is farthest along a direction (frame of the pair), or for a terrain a corner of its
-    /// box.
+    /// The support point along a direction (frame of the pair); for a terrain a corner of its AABB.
     Eigen::Vector3d farthest(const Eigen::Vector3d& direction) const;
     /// Points of each part of the body; one per part, or more.
     std::vector<Eigen::Vector3d> part_points() const;

@@ -43,8 +43,8 @@ void add_crossing_regions(const OverlapPatches& overlap, const PlacedSurface& a,
 void add_touching_regions(std::span<const TrianglePair> pairs, const PlacedSurface& a, const PlacedSurface& b,
                           const ManifoldOptions& options, Manifold& manifold);
 
-/// The point of a round solid that is farthest along a direction (unit, frame of the solid), and points of its surface
-/// that are as far or nearly if the solid lies on a plane: the ends of a line, corners of a disc.
+/// The support point of a round solid along a direction (unit, frame of the solid), and other points of its surface on
+/// which the solid may lie: ends of a line, corners of a disc.
 std::vector<Eigen::Vector3d> support_points(const Convex& solid, const Eigen::Vector3d& direction);
 
 /// The angle between directions, within rounding; pi if a vector has no length.

@@ -48,7 +48,7 @@ std::vector<Vector3d> support_points(const Convex& c, const Vector3d& d)
 
 namespace {
 
-/// Where two lines are nearest, or the ends of what they share if they are parallel: as parameters of the first.
+/// The ends of the common part of two nearly parallel segments, as parameters of the first; empty for others.
 std::vector<double> shared(const Vector3d& p, const Vector3d& u, const Vector3d& q, const Vector3d& v)
 {
     const double length2 = u.squaredNorm();

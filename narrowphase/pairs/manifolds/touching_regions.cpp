@@ -47,7 +47,7 @@ struct Meeting {
     Vector3d normal; ///< from a to b
     double area = 0; ///< of the common polygon
     Vector3d moment = Vector3d::Zero();
-    std::vector<Vector3d> points; ///< corners of what the triangles have in common
+    std::vector<Vector3d> points; ///< corners of the overlap of the triangles
 };
 
 Meeting meeting_of(TrianglePair pair, const TrianglePoints& a, const TrianglePoints& b, double rounding)
