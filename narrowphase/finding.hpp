@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -121,6 +122,74 @@ struct Penetration {
     /// closed. It is the smallest of the tested distances: along the axes and some of the normals.
     double thickness = std::numeric_limits<double>::infinity();
     Eigen::Vector3d thin_along = Eigen::Vector3d::Zero(); ///< unit: across these planes
+};
+
+// --- Manifolds: contacts reduced for a solver.
+
+/// How two bodies meet in a region.
+enum class RegionKind : std::uint8_t {
+    crossing, ///< the surfaces cross around a common volume
+    touching, ///< they meet without a common volume: in points, segments or areas of a plane
+    enclosed, ///< a part of one body is inside the other, and the surfaces do not meet there
+    near,     ///< no contact, and at most ManifoldOptions::margin apart
+};
+
+constexpr std::string_view name_of(RegionKind kind)
+{
+    constexpr std::string_view names[] = {"crossing", "touching", "enclosed", "near"};
+    return names[static_cast<int>(kind)];
+}
+
+/// A vertex, an edge or a face of a body, as bits: equal features of a model have equal bits in every query. The two
+/// highest bits are 1, 2 or 3 for a vertex, an edge or a face. The vertices of a mesh at one position are one feature.
+/// A round shape is one face, number 0.
+using FeatureBits = std::uint64_t;
+
+/// One point of a region. World frame, metres.
+struct ManifoldPoint {
+    Eigen::Vector3d point_a, point_b; ///< on body a and on body b, `depth` apart along the region's normal
+    double depth;                     ///< from point_b to point_a along the normal: > 0 inside, < 0 apart
+    double depth_error;               ///< certified: this bounds the error of the depth
+    FeatureBits feature_a, feature_b;
+};
+
+/// A connected part of where two bodies meet. World frame, metres.
+struct ManifoldRegion {
+    RegionKind kind;
+    bool open;              ///< a surface is not closed; near it, the space behind it counts as inside
+    Eigen::Vector3d normal; ///< unit, from a to b: moving b along it parts the bodies
+    double normal_error;    ///< bound of the angle to the exact normal, radians; pi where no normal has a meaning
+    double area, volume;    ///< area of the contact across the normal; volume of the overlap; 0: not known
+    Eigen::Vector3d centre; ///< of the area
+    /// Certified. A point of one body is in the other until b has moved by `depth_lower` along the normal. Once it has
+    /// moved by `depth_upper`, the two surfaces of the region are on the two sides of a plane.
+    double depth_lower, depth_upper;
+    double lost;                ///< no exact contact of the region is farther than this from the hull of its points
+    std::uint32_t first, count; ///< its points
+    std::uint32_t found;        ///< candidates of which these points were kept
+};
+
+/// Limits of a manifold.
+struct ManifoldOptions {
+    double margin = 0;                        ///< metres: parts of surfaces this near are regions, too
+    double normal_spread = 0.174532925199433; ///< radians: faces of one region differ by at most twice this
+    std::uint32_t points_per_region = 4, regions_per_pair = 16; ///< at least 1
+};
+
+/// The manifold of one pair.
+struct Manifold {
+    std::vector<ManifoldRegion> regions; ///< the deepest first
+    std::vector<ManifoldPoint> points;
+    /// False if regions_per_pair left out a region; or for two half-spaces, and for cooked meshes that are read on
+    /// demand, which have no manifold.
+    bool complete = true;
+};
+
+/// Two features that are near each other.
+struct NearFeatures {
+    FeatureBits a, b;
+    double lower, upper;              ///< certified bounds of their distance, metres
+    Eigen::Vector3d point_a, point_b; ///< their nearest points, world frame
 };
 
 } // namespace oncollide

@@ -1,5 +1,6 @@
 #include <oncollide/narrowphase/model.hpp>
 
+#include <oncollide/narrowphase/inside/mesh_links.hpp>
 #include <oncollide/scenes/cooked/cooked_map.hpp>
 
 namespace oncollide {
@@ -112,6 +113,21 @@ const Convex& Model::convex() const
         convex_ = hull ? convex_of_hull(polytope()) : convex_of(*shape());
     });
     return convex_;
+}
+
+const MeshLinks& Model::links() const
+{
+    std::call_once(links_once_, [this] {
+        const Mesh& mesh = has_triangles() ? *surface_mesh() : bounding_mesh().mesh;
+        links_ = std::make_shared<const MeshLinks>(links_of(mesh));
+    });
+    return *links_;
+}
+
+ObbTree& Model::bounding_tree() const
+{
+    std::call_once(bounding_tree_once_, [this] { bounding_tree_ = std::make_shared<ObbTree>(bounding_mesh().mesh); });
+    return *bounding_tree_;
 }
 
 const ShapeTree& Model::shape_tree() const

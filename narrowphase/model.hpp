@@ -30,6 +30,8 @@
 
 namespace oncollide {
 
+struct MeshLinks;
+
 /// Owns all data derived from a geometry. Each item is computed once, when it is first needed, and stays at its
 /// address, shared by all bodies, queries and threads.
 ///
@@ -108,6 +110,11 @@ public:
     bool is_open_mesh() const { return is_mesh() && !closed(); }
     /// True if surface_mesh() has an inside: a closed mesh, a box or a hull.
     bool has_inside() const { return kind_ == Kind::polytope || closed(); }
+    /// The neighbours of each triangle of surface_mesh(), or of a round shape's bounding mesh. Memory: 12 bytes per
+    /// triangle and 4 per vertex.
+    const MeshLinks& links() const;
+    /// The OBB tree of a round shape's bounding mesh.
+    ObbTree& bounding_tree() const;
     /// Points of each connected part; empty for a map.
     std::span<const PartPoints> parts() const;
     /// Calls visit(part) for every part that may be in a box, possibly for others too, until it returns true. Returns
@@ -189,13 +196,15 @@ private:
     std::optional<OccupancyMap> own_map_;
     std::optional<Terrain> own_terrain_;
     mutable std::once_flag bounding_mesh_once_, closed_once_, parts_once_, fcl_once_, polytope_once_, convex_once_,
-        shape_tree_once_, cells_once_, heights_once_, whole_once_;
+        shape_tree_once_, cells_once_, heights_once_, whole_once_, links_once_, bounding_tree_once_;
     mutable std::optional<BoundingMesh> bounding_mesh_;
     mutable Mesh polytope_, whole_;
     mutable Convex convex_;
     mutable std::optional<ShapeTree> shape_tree_;
     mutable std::unique_ptr<MapTree> cells_;
     mutable std::unique_ptr<TerrainTree> heights_;
+    mutable std::shared_ptr<ObbTree> bounding_tree_;
+    mutable std::shared_ptr<const MeshLinks> links_;
     mutable bool closed_ = false;
     mutable std::vector<PartPoints> parts_;
     mutable std::shared_ptr<const FclModel> fcl_;

@@ -7,11 +7,14 @@
 #include <string_view>
 #include <vector>
 
+#include <oncollide/base/error.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/narrowphase/finding.hpp>
 #include <oncollide/pipeline/settings.hpp>
 
 namespace oncollide {
+
+class World;
 
 // The ids and the results that a World returns.
 
@@ -61,7 +64,7 @@ static_assert(sizeof(PairResult) == 32);
 /// Two bodies.
 struct PairOfBodies {
     BodyId a, b;
-    friend bool operator==(const PairOfBodies&, const PairOfBodies&) = default;
+    friend auto operator<=>(const PairOfBodies&, const PairOfBodies&) = default;
 };
 
 /// Counts of one stage. WorldInfo::totals has the sums over all frames.
@@ -134,6 +137,64 @@ struct FrameView {
 struct ContactLists {
     std::vector<Contact> contacts;
     std::vector<std::size_t> offsets; ///< one more than there are pairs; the first is 0
+};
+
+/// The manifolds of many pairs: regions[offsets[i]] up to regions[offsets[i + 1]] belong to pair i, and name their
+/// points.
+struct ManifoldLists {
+    std::vector<ManifoldRegion> regions;
+    std::vector<ManifoldPoint> points;
+    std::vector<std::size_t> offsets;   ///< one more than there are pairs; the first is 0
+    std::vector<std::uint8_t> complete; ///< for each pair: Manifold::complete
+};
+
+/// Depends on all bits of the lists.
+ONCOLLIDE_API std::uint64_t hash_of(const ManifoldLists& manifolds);
+
+/// The near features of many pairs, in the same form as ContactLists.
+struct NearFeatureLists {
+    std::vector<NearFeatures> features;
+    std::vector<std::size_t> offsets;
+};
+
+/// Finds the points of the last frame in a new one, so that a solver can keep their impulses. Two points of the same
+/// two bodies match if their features are equal, and otherwise if they are at most `match_distance` apart in the frame
+/// of one of the bodies; their normals may differ by 5 degrees. Verdicts, hashes and manifolds do not depend on this
+/// class.
+class ONCOLLIDE_API ManifoldTracker {
+public:
+    static constexpr std::uint32_t none = ~0u;
+    struct Update {
+        std::vector<std::uint32_t> previous; ///< for each point: its index in the last frame, or none
+        std::vector<std::uint64_t> ids;      ///< for each point: kept while the point persists, never used again
+        std::vector<std::uint32_t> ended;    ///< indices of points of the last frame that have no successor
+    };
+    /// @param match_distance  metres, >= 0. Throws Error{usage} otherwise.
+    explicit ManifoldTracker(double match_distance = 0.01);
+    /// Takes the next frame. The lists must be the manifolds of `pairs`; each pair occurs once, its bodies always in
+    /// the same order. Throws Error{usage} for lists of another length.
+    const Update& update(const World& world, std::span<const PairOfBodies> pairs, const ManifoldLists& manifolds);
+
+private:
+    struct Point {
+        FeatureBits feature_a, feature_b;
+        Eigen::Vector3d in_a, in_b, normal; ///< in the bodies' frames; the normal in a's
+        std::uint64_t id;
+    };
+    struct PointsOfPair {
+        PairOfBodies pair;
+        std::uint32_t first, end;
+    };
+    struct Frame {
+        std::vector<Point> points;
+        std::vector<PointsOfPair> pairs; ///< sorted
+    };
+    void match(const PointsOfPair& before, const PointsOfPair& now);
+
+    double match_distance_;
+    std::uint64_t next_id_ = 0;
+    Frame last_, now_;
+    Update update_;
 };
 
 /// The first point of a segment in bodies. The fractions of the segment from its first point, 0, to its last, 1, hold

@@ -280,6 +280,20 @@ public:
     void penetration(std::span<const PairOfBodies> pairs, std::span<Penetration> found) const;
     void penetration(std::span<const PairOfModels> pairs, std::span<Penetration> found) const;
 
+    /// Reduces the contacts to regions for a solver, with a normal, depths and few points each, and reports the loss.
+    /// The result depends on the pair alone; with a and b swapped, it is the same with the normals reversed. For bodies
+    /// of all kinds, except two half-spaces; closed meshes have an inside in every mode. Throws Error{usage} for
+    /// options out of range. Cost: about 10 microseconds per contact, and 1 per triangle of the surfaces inside the
+    /// other body.
+    Manifold manifold(PairSide a, PairSide b, const ManifoldOptions& options = {}) const;
+    void manifolds(std::span<const PairOfBodies> pairs, const ManifoldOptions& options,
+                   ManifoldLists& lists) const; ///< overwrites `lists`
+    /// All pairs of a vertex and a face, or of two edges, at most `dhat` (m, finite) apart, none lost; where the
+    /// nearest point of a face or an edge is on its border, that edge or vertex counts instead. Each pair once, sorted.
+    /// Meshes, terrains, boxes and hulls; throws Error{usage} for other bodies. Features that meet are 0 apart.
+    void near_features(std::span<const PairOfBodies> pairs, double dhat,
+                       NearFeatureLists& lists) const; ///< overwrites `lists`
+
     // --- Queries: one thing against all bodies. step() gives the same results for a body of that geometry and pose,
     // except that segments are exact.
     // Cost: of the pairs that boxes cannot rule out. For contacts and penetration, pass a hit's body as the other side

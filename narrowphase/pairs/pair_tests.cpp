@@ -5,6 +5,7 @@
 
 #include <oncollide/narrowphase/pairs/depth_bounds.hpp>
 #include <oncollide/narrowphase/pairs/direct_tests.hpp>
+#include <oncollide/narrowphase/pairs/manifold_tests.hpp>
 #include <oncollide/narrowphase/pairs/surface_tests.hpp>
 #include <oncollide/narrowphase/pairs/walk_tests.hpp>
 
@@ -34,7 +35,9 @@ constexpr PairTests surfaces()
                 },
             .direct_distance = nullptr,
             .contacts = surface_tests::contacts<A, B>,
-            .penetration = nullptr};
+            .penetration = nullptr,
+            .manifold = manifold_of,
+            .near_features = nullptr};
 }
 
 /// Two bodies whose hierarchies have a walk.
@@ -59,7 +62,9 @@ constexpr PairTests walked()
             .direct_distance = nullptr,
             .contacts = [](PairWorker& worker, const PairTask& task,
                            Contacts& found) { walk_tests::contacts(WalkPair<A, B>(worker, task, swapped), found); },
-            .penetration = nullptr};
+            .penetration = nullptr,
+            .manifold = manifold_of,
+            .near_features = nullptr};
 }
 
 /// The distance of a shape from a mesh or a terrain, B: of the shape as a solid, unless it has too many points.
@@ -132,7 +137,9 @@ constexpr PairTests direct(TreesNeeded trees)
                           const EnoughDistance& enough) { return direct_tests::distance(Test(task, swapped), enough); },
             .contacts = [](PairWorker&, const PairTask& task,
                            Contacts& found) { direct_tests::contacts(Test(task, swapped), found); },
-            .penetration = nullptr};
+            .penetration = nullptr,
+            .manifold = manifold_of,
+            .near_features = nullptr};
 }
 
 constexpr PairTests two_planes()
@@ -212,12 +219,15 @@ constexpr Table make_table()
     on_half_space(Solid(), round, TreesNeeded::never);
     at(half_space, half_space) = in_one_order<two_planes>();
     at(half_space, half_space).penetration = half_space_depth<Plane, false>;
+    at(half_space, half_space).manifold = nullptr;
 
     for (const Kind a : {mesh, terrain, map, polytope, round})
         for (const Kind b : {mesh, terrain, map, polytope, round})
             if (a != terrain || b != terrain) at(a, b).penetration = depth_of_bounded;
     for (const Kind a : {mesh, polytope})
         for (const Kind b : {mesh, polytope}) at(a, b).penetration = surface_tests::penetration;
+    for (const Kind a : {mesh, terrain, polytope})
+        for (const Kind b : {mesh, terrain, polytope}) at(a, b).near_features = near_features_of;
     return table;
 }
 

@@ -42,6 +42,12 @@ struct PairTests {
 
     /// As World::penetration(). Null: unsupported.
     Penetration (*penetration)(PairWorker&, const PairTask&);
+
+    /// As World::manifold(). Null: unsupported.
+    void (*manifold)(PairWorker&, const PairTask&, const ManifoldOptions&, Manifold&);
+
+    /// Appends, as World::near_features(). Null: unsupported.
+    void (*near_features)(PairWorker&, const PairTask&, double dhat, std::vector<NearFeatures>&);
 };
 
 /// The tests of models of these kinds, in this order.

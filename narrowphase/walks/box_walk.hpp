@@ -38,6 +38,10 @@ public:
     /// is true. Defined in box_walk_all.hpp.
     void all_meetings(A& a, B& b, const RelativePose& b_to_a, auto found, auto leave);
 
+    /// Calls visit(pair) once for each pair of primitives that may be at most `clearance` apart, in any order. Defined
+    /// in box_walk_all.hpp.
+    void all_near(A& a, B& b, const RelativePose& b_to_a, double clearance, auto visit);
+
     /// Decides whether the distance is at most `clearance`. Geometries farther apart than the clearance, but at most
     /// clearance + tolerance apart, may be reported as near. Whether they are does not depend on `hint`.
     NearBounds<Pair> near(A& a, B& b, const RelativePose& b_to_a, double clearance, double tolerance,

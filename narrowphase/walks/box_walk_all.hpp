@@ -107,4 +107,15 @@ void BoxWalk<A, B, Leaves>::all_meetings(A& a, B& b, const RelativePose& b_to_a,
     waiting_.clear();
 }
 
+template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
+void BoxWalk<A, B, Leaves>::all_near(A& a, B& b, const RelativePose& b_to_a, double clearance, auto visit)
+{
+    const WalkFrame frame(a, b, b_to_a);
+    far_ = true;
+    if (frame.apart > clearance) return;
+    start_near(a, b, b_to_a, frame, clearance);
+    walk_all(frame.gap_within(clearance),
+             [&](Entry e) { each_pair(e, [&](const Pair& pair) { return visit(pair), true; }); });
+}
+
 } // namespace oncollide

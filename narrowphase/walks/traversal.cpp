@@ -21,6 +21,11 @@ namespace {
 
 constexpr auto leave_none = [](TrianglePair) { return false; };
 
+void sort_pairs(std::vector<TrianglePair>& pairs)
+{
+    std::ranges::sort(pairs, {}, [](const TrianglePair& pair) { return std::uint64_t{pair.a} << 32 | pair.b; });
+}
+
 } // namespace
 
 template <class A, class B>
@@ -103,16 +108,22 @@ void TraversalOf<A, B>::collect(A& a, B& b, const RelativePose& b_to_a, std::vec
     out.clear();
     walk_.all_meetings(
         a, b, b_to_a, [&](TrianglePair pair) { out.push_back(pair); }, leave);
-    std::sort(out.begin(), out.end(), [](const TrianglePair& x, const TrianglePair& y) {
-        const auto key = [](const TrianglePair& pair) { return std::uint64_t{pair.a} << 32 | pair.b; };
-        return key(x) < key(y);
-    });
+    sort_pairs(out);
 }
 
 template <class A, class B>
 void TraversalOf<A, B>::all_meeting(A& a, B& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out)
 {
     collect(a, b, b_to_a, out, leave_none);
+}
+
+template <class A, class B>
+void TraversalOf<A, B>::all_near(A& a, B& b, const RelativePose& b_to_a, double clearance,
+                                 std::vector<TrianglePair>& out)
+{
+    out.clear();
+    walk_.all_near(a, b, b_to_a, clearance, [&](const TrianglePair& pair) { out.push_back(pair); });
+    sort_pairs(out);
 }
 
 template <class A, class B>

@@ -60,6 +60,9 @@ public:
     /// Writes all pairs that meet to `out`, each once, sorted; overwrites `out`.
     void all_meeting(A& a, B& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out);
 
+    /// Writes all pairs at most `clearance` apart to `out`, and perhaps others; each once, sorted; overwrites `out`.
+    void all_near(A& a, B& b, const RelativePose& b_to_a, double clearance, std::vector<TrianglePair>& out);
+
     /// For each triangle, bit i is set if it and some triangle of the other mesh have only its corner i in common.
     struct CommonCorners {
         std::vector<std::uint8_t> of_a, of_b;

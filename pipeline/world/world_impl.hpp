@@ -67,6 +67,7 @@ struct World::Impl {
     Distance distance(QueryWorker& worker, const PairTask& task, double tolerance, double cutoff);
     void contacts(QueryWorker& worker, const PairTask& task, std::vector<Contact>& found);
     Penetration penetration(QueryWorker& worker, const PairTask& task);
+    Manifold manifold(QueryWorker& worker, const PairTask& task, const ManifoldOptions& options);
     struct Probe; // a model at a pose against all bodies: world_queries.cpp
     void find_near(QueryWorker& worker, const Probe& probe, double margin);
     void refine_hits(QueryWorker& worker, const Probe& probe, std::vector<QueryHit>& hits);

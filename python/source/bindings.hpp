@@ -26,14 +26,17 @@ void bind_queries(py::module_& module);
 
 /// NumPy types with the layout of the library's results.
 struct ResultTypes {
-    py::dtype pair;        ///< PairResult
-    py::dtype bodies;      ///< PairOfBodies
-    py::dtype hit;         ///< QueryHit
-    py::dtype cast;        ///< CastHit
-    py::dtype contact;     ///< Contact
-    py::dtype distance;    ///< Distance
-    py::dtype finding;     ///< Finding
-    py::dtype penetration; ///< Penetration
+    py::dtype pair;           ///< PairResult
+    py::dtype bodies;         ///< PairOfBodies
+    py::dtype hit;            ///< QueryHit
+    py::dtype cast;           ///< CastHit
+    py::dtype contact;        ///< Contact
+    py::dtype distance;       ///< Distance
+    py::dtype finding;        ///< Finding
+    py::dtype penetration;    ///< Penetration
+    py::dtype region;         ///< ManifoldRegion
+    py::dtype manifold_point; ///< ManifoldPoint
+    py::dtype near_features;  ///< NearFeatures
 };
 /// Called at import, before threads can wait for each other: making the types runs Python code, which may hand the
 /// interpreter's lock to a thread that needs them.

@@ -91,7 +91,32 @@ void make_result_types()
                                                        {"overlap", "(2,3)f8", offsetof(Penetration, overlap)},
                                                        {"vertex", "u4", offsetof(Penetration, vertex)},
                                                        {"thickness", "f8", offsetof(Penetration, thickness)},
-                                                       {"thin_along", "3f8", offsetof(Penetration, thin_along)}})};
+                                                       {"thin_along", "3f8", offsetof(Penetration, thin_along)}}),
+        .region = structure(sizeof(ManifoldRegion), {{"kind", "u1", offsetof(ManifoldRegion, kind)},
+                                                     {"open", "?", offsetof(ManifoldRegion, open)},
+                                                     {"normal", "3f8", offsetof(ManifoldRegion, normal)},
+                                                     {"normal_error", "f8", offsetof(ManifoldRegion, normal_error)},
+                                                     {"area", "f8", offsetof(ManifoldRegion, area)},
+                                                     {"volume", "f8", offsetof(ManifoldRegion, volume)},
+                                                     {"centre", "3f8", offsetof(ManifoldRegion, centre)},
+                                                     {"depth_lower", "f8", offsetof(ManifoldRegion, depth_lower)},
+                                                     {"depth_upper", "f8", offsetof(ManifoldRegion, depth_upper)},
+                                                     {"lost", "f8", offsetof(ManifoldRegion, lost)},
+                                                     {"first", "u4", offsetof(ManifoldRegion, first)},
+                                                     {"count", "u4", offsetof(ManifoldRegion, count)},
+                                                     {"found", "u4", offsetof(ManifoldRegion, found)}}),
+        .manifold_point = structure(sizeof(ManifoldPoint), {{"point_a", "3f8", offsetof(ManifoldPoint, point_a)},
+                                                            {"point_b", "3f8", offsetof(ManifoldPoint, point_b)},
+                                                            {"depth", "f8", offsetof(ManifoldPoint, depth)},
+                                                            {"depth_error", "f8", offsetof(ManifoldPoint, depth_error)},
+                                                            {"feature_a", "u8", offsetof(ManifoldPoint, feature_a)},
+                                                            {"feature_b", "u8", offsetof(ManifoldPoint, feature_b)}}),
+        .near_features = structure(sizeof(NearFeatures), {{"a", "u8", offsetof(NearFeatures, a)},
+                                                          {"b", "u8", offsetof(NearFeatures, b)},
+                                                          {"lower", "f8", offsetof(NearFeatures, lower)},
+                                                          {"upper", "f8", offsetof(NearFeatures, upper)},
+                                                          {"point_a", "3f8", offsetof(NearFeatures, point_a)},
+                                                          {"point_b", "3f8", offsetof(NearFeatures, point_b)}})};
 }
 
 const ResultTypes& result_types()

@@ -155,10 +155,89 @@ py::array penetration_batch(HeldWorld& held, py::handle a, py::handle b)
                     }));
 }
 
+ManifoldOptions options_of(double margin, double normal_spread, std::uint32_t points_per_region,
+                           std::uint32_t regions_per_pair)
+{
+    return {margin, normal_spread, points_per_region, regions_per_pair};
+}
+
+py::tuple manifold(HeldWorld& held, py::handle a, py::handle b, double margin, double normal_spread,
+                   std::uint32_t points_per_region, std::uint32_t regions_per_pair)
+{
+    const char* const call = "World.manifold";
+    const Side first(held, a, {call, "a"}), second(held, b, {call, "b"});
+    const ManifoldOptions options = options_of(margin, normal_spread, points_per_region, regions_per_pair);
+    Manifold found = released(held, call, [&](const World& w) { return w.manifold(first, second, options); });
+    return py::make_tuple(array_of(result_types().region, std::move(found.regions)),
+                          array_of(result_types().manifold_point, std::move(found.points)), found.complete);
+}
+
+py::tuple manifolds(HeldWorld& held, py::handle a, py::handle b, double margin, double normal_spread,
+                    std::uint32_t points_per_region, std::uint32_t regions_per_pair)
+{
+    const char* const call = "World.manifolds";
+    const std::vector<PairOfBodies> pairs = pairs_of(a, b, call);
+    const ManifoldOptions options = options_of(margin, normal_spread, points_per_region, regions_per_pair);
+    ManifoldLists lists;
+    released(held, call, [&](const World& w) { return w.manifolds(pairs, options, lists), 0; });
+    return py::make_tuple(array_of(result_types().region, std::move(lists.regions)),
+                          array_of(result_types().manifold_point, std::move(lists.points)), offsets_of(lists.offsets),
+                          array_of(py::dtype("?"), std::move(lists.complete)));
+}
+
+py::tuple near_features(HeldWorld& held, py::handle a, py::handle b, double dhat)
+{
+    const char* const call = "World.near_features";
+    const std::vector<PairOfBodies> pairs = pairs_of(a, b, call);
+    NearFeatureLists lists;
+    released(held, call, [&](const World& w) { return w.near_features(pairs, dhat, lists), 0; });
+    return py::make_tuple(array_of(result_types().near_features, std::move(lists.features)), offsets_of(lists.offsets));
+}
+
+void bind_world_manifolds(WorldClass& world)
+{
+    using namespace py::literals;
+    const double spread = ManifoldOptions{}.normal_spread;
+    world.def(
+        "manifold", &manifold, "a"_a, "b"_a, "margin"_a = 0.0, "normal_spread"_a = spread, "points_per_region"_a = 4,
+        "regions_per_pair"_a = 16,
+        R"(manifold(self, a, b, margin=0.0, normal_spread=0.174532925199433, points_per_region=4, regions_per_pair=16)
+--
+
+Reduces the contacts for a solver. a, b: as in decide(), of any kind.
+
+margin: metres; parts of surfaces this near are regions, too. normal_spread: radians; faces of one region differ by at
+most twice this. points_per_region, regions_per_pair: at least 1.
+Returns (regions, points, complete). regions: a structured array, the deepest first: kind (uint8: 0 crossing, 1 touching,
+2 enclosed, 3 near), open (bool: a surface is not closed), normal (float64 (3,), unit, from a to b), normal_error
+(radians; pi where no normal has a meaning), area, volume, centre (3,), depth_lower, depth_upper (certified), lost (no
+exact contact is farther than this from the hull of the points), first, count (its points), found (candidates before the
+reduction). points: point_a, point_b (float64 (3,)), depth (> 0 inside), depth_error, feature_a, feature_b (uint64).
+complete: False if regions_per_pair left out a region, or the pair has no manifold. World frame, metres.)");
+    world.def(
+        "manifolds", &manifolds, "a"_a, "b"_a, "margin"_a = 0.0, "normal_spread"_a = spread, "points_per_region"_a = 4,
+        "regions_per_pair"_a = 16,
+        R"(manifolds(self, a, b, margin=0.0, normal_spread=0.174532925199433, points_per_region=4, regions_per_pair=16)
+--
+
+The same for many pairs, on the World's threads. a, b: (N,) ids.
+
+Returns (regions, points, offsets, complete): pair i has regions[offsets[i]:offsets[i + 1]]; complete is bool (N,).)");
+    world.def("near_features", &near_features, "a"_a, "b"_a, "dhat"_a, R"(near_features(self, a, b, dhat)
+--
+
+All pairs of a vertex and a face, or of two edges, at most `dhat` metres apart, of many pairs of bodies with triangles.
+a, b: (N,) ids.
+
+Returns (features, offsets): pair i has features[offsets[i]:offsets[i + 1]], a structured array: a, b (uint64 features,
+as in manifold()), lower, upper (float64, certified bounds of the distance), point_a, point_b (float64 (3,)).)");
+}
+
 } // namespace
 
 void bind_world_pairs(WorldClass& world)
 {
+    bind_world_manifolds(world);
     using namespace py::literals;
     const auto none = py::none();
     const py::int_ all(0xffffffffu);

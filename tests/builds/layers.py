@@ -29,6 +29,7 @@ LAYERS = {
     "narrowphase/inside": ["exact", "obb", "walks"],
     "narrowphase": ["exact", "shapes", "obb", "spheres", "hulls", "inside", "fcl"],
     "narrowphase/pairs": ["", "exact", "shapes", "obb", "walks", "spheres", "inside"],
+    "narrowphase/pairs/manifolds": ["", "exact", "shapes", "obb", "walks", "inside", "pairs"],
     "narrowphase/rays": ["", "exact", "shapes", "obb", "inside"],
     "pipeline": [],
     "pipeline/models": [""],

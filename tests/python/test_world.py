@@ -152,6 +152,26 @@ def test_contacts_are_structured_arrays_of_what_meets(cubes):
     assert world.contacts(cell, ids[2])[0]["cell_a"].tolist() == [3, 0, 0, 1]
 
 
+def test_manifolds_are_regions_and_points():
+    world = oncollide.World()
+    ground = world.add_body(world.add(oncollide.box([5, 5, 1])), at(0, 0, -1))
+    box = world.add(oncollide.box([0.5, 0.25, 0.5]))
+    ids = world.add_bodies(box, np.stack([at(0, 0, 0.499), at(2, 0, 0.51)]))
+    regions, points, complete = world.manifold(ids[0], ground)
+    assert complete and len(regions) == 1 and len(points) == regions[0]["count"] == 4
+    assert np.allclose(regions[0]["normal"], [0, 0, -1]) and abs(regions[0]["area"] - 0.5) < 1e-9
+    assert regions[0]["depth_lower"] <= 0.001 <= regions[0]["depth_upper"] and not regions[0]["open"]
+    assert np.allclose(points["depth"], 0.001) and len(set(points["feature_a"].tolist())) == 4
+    regions, points, offsets, complete = world.manifolds(ids, np.full(2, ground), margin=0.02)
+    assert offsets.tolist() == [0, 1, 2] and complete.tolist() == [True, True]
+    assert regions["kind"].tolist() == [0, 3] and np.allclose(points["depth"][4:], -0.01)
+    features, offsets = world.near_features(ids[1:], np.array([ground]), 0.02)
+    assert offsets.tolist() == [0, len(features)] and len(features) > 0
+    assert (features["lower"] <= features["upper"]).all() and (features["lower"] <= 0.02).all()
+    with pytest.raises(oncollide.Error, match="margin of -1; must be from 0"):
+        world.manifold(ids[0], ground, margin=-1.0)
+
+
 def test_distances_are_certified_intervals(cubes):
     world, model, ids = cubes
     found = world.distance(ids[1], ids[2])

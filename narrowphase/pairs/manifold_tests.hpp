@@ -1,0 +1,16 @@
+// The columns `manifold` and `near_features` of the table of kinds (pair_tests.hpp).
+#pragma once
+#include <oncollide/narrowphase/pairs/pair_tests.hpp>
+
+namespace oncollide {
+
+/// In the order and the frame of the task; decides nothing about swapping.
+void manifold_of_solids(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold);
+
+/// World::manifold() for every two kinds except two half-spaces.
+void manifold_of(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold);
+
+/// World::near_features() for two bodies with triangles or heights.
+void near_features_of(PairWorker& worker, const PairTask& task, double dhat, std::vector<NearFeatures>& found);
+
+} // namespace oncollide

@@ -1,0 +1,189 @@
+// The manifold of two bodies of any kinds.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <oncollide/narrowphase/exact/triangle_distance.hpp>
+#include <oncollide/narrowphase/pairs/manifold_tests.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/near_pairs.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/region_draft.hpp>
+#include <oncollide/narrowphase/pairs/placed_pair.hpp>
+
+namespace oncollide {
+
+using Eigen::Vector3d;
+
+double rounding_of(const PlacedSurface& a, const PlacedSurface& b)
+{
+    return 0x1p-44 * (a.reach() + b.reach());
+}
+
+namespace {
+
+/// True if the computation takes b first: a half-space is first; otherwise the order of the exact level counts.
+bool takes_b_first(const PairTask& task)
+{
+    const bool plane_a = task.a->kind() == Kind::half_space, plane_b = task.b->kind() == Kind::half_space;
+    if (plane_a != plane_b) return plane_b;
+    if (decides_b_first(task)) return true;
+    return !decides_b_first(task.swapped()) && task.b->number() < task.a->number();
+}
+
+/// True if a part of the inner body is inside the outer one.
+bool is_held(const PlacedSurface& inner, const PlacedSurface& outer, PointLocator& locator)
+{
+    return outer.solid() && std::ranges::any_of(inner.part_points(), [&](const Vector3d& p) {
+               return outer.holds(p, locator).value_or(false);
+           });
+}
+
+/// The body inside moves out through the nearest surface.
+void add_enclosed_region(PairWorker& worker, const PlacedSurface& a, const PlacedSurface& b, bool inner_is_a,
+                         const RelativePose& b_to_a, Manifold& manifold)
+{
+    const PlacedSurface &inner = inner_is_a ? a : b, &outer = inner_is_a ? b : a;
+    double gap = 0;
+    Vector3d way = Vector3d::Zero(); // of the inner body
+    a.with_tree([&](auto& tree_a) {
+        b.with_tree([&](auto& tree_b) {
+            const auto found = worker.traversal(tree_a, tree_b).distance(tree_a, tree_b, b_to_a, 0);
+            if (!found.nearest) return;
+            gap = std::max(found.lower, 0.0);
+            const TrianglePoints of_a = a.points(found.nearest->a), of_b = b.points(found.nearest->b);
+            const TrianglePoints& wall = inner_is_a ? of_b : of_a;
+            const NearestPoints points = nearest_points(of_a, of_b);
+            way = inner_is_a ? Vector3d(points.b - points.a) : Vector3d(points.a - points.b);
+            if (gap == 0 || way.norm() <= rounding_of(a, b)) way = (wall[1] - wall[0]).cross(wall[2] - wall[0]);
+        });
+    });
+    way = way.norm() > 0 ? Vector3d(way.normalized()) : Vector3d::UnitZ();
+    ManifoldRegion region{};
+    region.kind = RegionKind::enclosed;
+    region.normal = inner_is_a ? Vector3d(-way) : way;
+    const double rounding = rounding_of(a, b) + a.error() + b.error();
+    region.normal_error = gap > rounding ? std::min(std::numbers::pi, 0x1p-20 + rounding / gap) : 0x1p-20;
+    region.open = !inner.solid();
+    const Vector3d last = inner.farthest(-way), first = outer.farthest(way);
+    const double last_along = way.dot(last);
+    Vector3d wall_point = last;
+    // To the plane through the nearest point of the wall.
+    const double to_wall = way.dot(inner.farthest(way)) + gap - last_along;
+    wall_point = last + to_wall * way;
+    region.depth_upper = std::max(way.dot(first) - last_along, to_wall) + 4 * rounding;
+    region.depth_lower = std::max(gap - rounding, 0.0);
+    region.first = static_cast<std::uint32_t>(manifold.points.size()), region.count = region.found = 1;
+    region.centre = 0.5 * (last + wall_point);
+    const double error = std::max(to_wall - region.depth_lower, region.depth_upper - to_wall);
+    constexpr FeatureBits whole = FeatureBits{3} << 62;
+    manifold.points.push_back(inner_is_a ? ManifoldPoint{last, wall_point, to_wall, error, whole, whole}
+                                         : ManifoldPoint{wall_point, last, to_wall, error, whole, whole});
+    manifold.regions.push_back(region);
+}
+
+/// Pairs that meet elsewhere than at lumps that have regions: without pairs of a lump's triangles, or of neighbours of
+/// these, near the lump's curve.
+std::vector<TrianglePair> other_pairs(std::span<const TrianglePair> pairs, const OverlapPatches& overlap,
+                                      const std::vector<bool>& done, const PlacedSurface& a, const PlacedSurface& b)
+{
+    std::vector<TrianglePair> rest;
+    const double rounding = 16 * rounding_of(a, b);
+    std::array<std::unordered_map<std::uint32_t, std::uint32_t>, 2> lump_of; // by vertex
+    for (const int side : {0, 1})
+        for (const Patch& p : overlap.patches[side])
+            for (const std::uint32_t v : p.corners)
+                if (done[p.lump]) lump_of[side].emplace(v, p.lump);
+    const auto at_lump = [&](int side, const std::array<std::uint32_t, 3>& corners, const Aabb& common) {
+        return std::ranges::any_of(corners, [&](std::uint32_t v) {
+            const auto at = lump_of[side].find(v);
+            return at != lump_of[side].end() && overlap.lumps[at->second].box.overlaps(common);
+        });
+    };
+    for (const TrianglePair& pair : pairs) {
+        Aabb of_a, of_b;
+        for (const Vector3d& p : a.points(pair.a)) of_a.add(p);
+        for (const Vector3d& p : b.points(pair.b)) of_b.add(p);
+        const Aabb common{of_a.min.cwiseMax(of_b.min).array() - rounding,
+                          of_a.max.cwiseMin(of_b.max).array() + rounding};
+        if (!at_lump(0, a.corners(pair.a), common) && !at_lump(1, b.corners(pair.b), common)) rest.push_back(pair);
+    }
+    return rest;
+}
+
+/// Sorts the regions, keeps the deepest, and moves all to the world.
+void complete(Manifold& manifold, const ManifoldOptions& options, const Eigen::Isometry3d& pose)
+{
+    std::vector<ManifoldRegion>& regions = manifold.regions;
+    std::ranges::stable_sort(regions, std::ranges::greater{}, [](const ManifoldRegion& r) { return r.depth_lower; });
+    if (const std::size_t most = std::max(options.regions_per_pair, 1u); regions.size() > most)
+        regions.resize(most), manifold.complete = false;
+    std::vector<ManifoldPoint> points;
+    for (ManifoldRegion& r : regions) {
+        const auto own = std::span(manifold.points).subspan(r.first, r.count);
+        r.first = static_cast<std::uint32_t>(points.size());
+        points.insert(points.end(), own.begin(), own.end());
+        r.normal = pose.linear() * r.normal, r.centre = pose * r.centre;
+    }
+    for (ManifoldPoint& p : points) p.point_a = pose * p.point_a, p.point_b = pose * p.point_b;
+    manifold.points = std::move(points);
+}
+
+void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold)
+{
+    const Kind kind_a = task.a->kind(), kind_b = task.b->kind();
+    if (kind_a == Kind::round && kind_b == Kind::round) return manifold_of_solids(worker, task, options, manifold);
+    const bool round = kind_a == Kind::round || kind_b == Kind::round;
+    bool meet = true;
+    if (round) {
+        const Finding found = tests_for(task).decide(worker, task, {}, nullptr);
+        meet = found.verdict != Verdict::separate;
+        if (!meet && found.bound > options.margin && kind_a != Kind::mesh && kind_b != Kind::mesh &&
+            kind_a != Kind::terrain && kind_b != Kind::terrain)
+            return;
+    }
+    const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+    const RelativePose b_to_a(*task.pose_a, *task.pose_b);
+    const auto box_in = [&](const Model& other, const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
+        Aabb box = other.bounds().box(to.inverse(Eigen::Isometry) * from);
+        box.min.array() -= options.margin, box.max.array() += options.margin;
+        return box;
+    };
+    const PlacedSurface a(*task.a, RelativePose(here, here), box_in(*task.b, *task.pose_b, *task.pose_a));
+    const PlacedSurface b(*task.b, b_to_a, box_in(*task.a, *task.pose_a, *task.pose_b));
+    if (a.empty() || b.empty()) return;
+    std::vector<TrianglePair>& pairs = worker.pairs;
+    a.with_tree([&](auto& tree_a) {
+        b.with_tree([&](auto& tree_b) { worker.traversal(tree_a, tree_b).all_meeting(tree_a, tree_b, b_to_a, pairs); });
+    });
+    const std::vector<TrianglePair> meeting = pairs;
+    if (!meeting.empty() && meet) {
+        OverlapPatches overlap;
+        overlap.find(a, b, meeting, worker.locator);
+        std::vector<bool> done;
+        add_crossing_regions(overlap, a, b, options, manifold, done);
+        if (!round) add_touching_regions(other_pairs(meeting, overlap, done, a, b), a, b, options, manifold);
+    }
+    const auto crosses = [](const ManifoldRegion& r) { return r.kind == RegionKind::crossing; };
+    if (std::ranges::none_of(manifold.regions, crosses)) {
+        const bool a_in_b = is_held(a, b, worker.locator);
+        if (a_in_b || is_held(b, a, worker.locator)) {
+            for (ManifoldRegion& r : manifold.regions) r.normal_error = std::numbers::pi; // touches from inside
+            add_enclosed_region(worker, a, b, a_in_b, b_to_a, manifold);
+        }
+    }
+    if (options.margin > 0) add_near_regions(worker, task, a, b, b_to_a, options, manifold);
+}
+
+} // namespace
+
+void manifold_of(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold)
+{
+    const bool swapped = takes_b_first(task);
+    const PairTask ordered = swapped ? task.swapped() : task;
+    find(worker, ordered, options, manifold);
+    complete(manifold, options, *ordered.pose_a);
+    if (!swapped) return;
+    for (ManifoldRegion& r : manifold.regions) r.normal = -r.normal;
+    for (ManifoldPoint& p : manifold.points) std::swap(p.point_a, p.point_b), std::swap(p.feature_a, p.feature_b);
+}
+
+} // namespace oncollide

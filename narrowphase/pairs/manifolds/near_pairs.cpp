@@ -1,0 +1,287 @@
+#include <oncollide/narrowphase/pairs/manifolds/near_pairs.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <oncollide/narrowphase/pairs/manifold_tests.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/region_draft.hpp>
+#include <oncollide/narrowphase/pairs/placed_pair.hpp>
+
+namespace oncollide {
+
+using Eigen::Vector3d;
+
+namespace {
+
+struct OnTriangle {
+    Vector3d at;
+    std::uint8_t corners;
+};
+
+/// The nearest point of a triangle. Source: Ericson, "Real-Time Collision Detection", 2004, 5.1.5.
+OnTriangle nearest_on(const TrianglePoints& t, const Vector3d& p)
+{
+    const Vector3d ab = t[1] - t[0], ac = t[2] - t[0], ap = p - t[0], bp = p - t[1], cp = p - t[2];
+    const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
+    if (d1 <= 0 && d2 <= 0) return {t[0], 1};
+    if (d3 >= 0 && d4 <= d3) return {t[1], 2};
+    if (d6 >= 0 && d5 <= d6) return {t[2], 4};
+    const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+    if (vc <= 0 && d1 >= 0 && d3 <= 0) return {t[0] + d1 / (d1 - d3) * ab, 3};
+    if (vb <= 0 && d2 >= 0 && d6 <= 0) return {t[0] + d2 / (d2 - d6) * ac, 5};
+    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return {t[1] + (d4 - d3) / (d4 - d3 + (d5 - d6)) * (t[2] - t[1]), 6};
+    const double sum = va + vb + vc;
+    return {t[0] + vb / sum * ab + vc / sum * ac, 7};
+}
+
+FeatureBits feature(const PlacedSurface& surface, std::uint32_t triangle, std::uint8_t corners)
+{
+    if (corners == 7) return surface.face(triangle);
+    const auto v = surface.corners(triangle);
+    std::array<std::uint32_t, 2> of{};
+    int count = 0;
+    for (int k = 0; k < 3; ++k)
+        if (corners >> k & 1) of[count++] = v[k];
+    return count == 2 ? surface.edge(of[0], of[1]) : surface.vertex(of[0]);
+}
+
+/// Nearest points of two segments, as parameters. Source: Ericson, 5.1.9.
+std::pair<double, double> nearest_of(const Vector3d& p, const Vector3d& d, const Vector3d& q, const Vector3d& e)
+{
+    const Vector3d r = p - q;
+    const double a = d.squaredNorm(), c = e.squaredNorm(), f = e.dot(r);
+    if (a == 0) return {0, c == 0 ? 0 : std::clamp(f / c, 0.0, 1.0)};
+    const double b = d.dot(e), g = d.dot(r), denominator = a * c - b * b;
+    if (c == 0) return {std::clamp(-g / a, 0.0, 1.0), 0};
+    double s = denominator > 0 ? std::clamp((b * f - g * c) / denominator, 0.0, 1.0) : 0;
+    double t = (b * s + f) / c;
+    if (t < 0)
+        t = 0, s = std::clamp(-g / a, 0.0, 1.0);
+    else if (t > 1)
+        t = 1, s = std::clamp((b - g) / a, 0.0, 1.0);
+    return {s, t};
+}
+
+/// True if no point of the surface near a feature's point is nearer to `from`.
+bool is_local_minimum(const PlacedSurface& surface, std::uint32_t triangle, std::uint8_t corners, const Vector3d& at,
+                      const Vector3d& from)
+{
+    const Vector3d out = from - at;
+    const double tolerance = 1e-9 * out.norm();
+    const auto falls = [&](std::uint32_t t) { // a point of the triangle is nearer
+        for (const Vector3d& p : surface.points(t))
+            if (const double length = (p - at).norm(); length > 0 && out.dot(p - at) > tolerance * length) return true;
+        return false;
+    };
+    if (corners == 7) return true;
+    if (falls(triangle)) return false;
+    std::uint32_t shared = 0; // the vertex around which triangles are visited
+    const auto own = surface.corners(triangle);
+    const bool edge = std::popcount(corners) == 2;
+    for (int k = 0; k < 3; ++k)
+        if (corners >> k & 1) shared = own[k];
+    if (edge) {
+        for (int k = 0; k < 3; ++k)
+            if ((corners >> k & 1) && (corners >> (k + 1) % 3 & 1))
+                if (const std::uint32_t t = surface.across(triangle, k); t != PlacedSurface::none && falls(t))
+                    return false;
+        return true;
+    }
+    std::uint32_t t = triangle;
+    for (int steps = 0; steps < 64; ++steps) {
+        const auto v = surface.corners(t);
+        const int k = v[0] == shared ? 0 : v[1] == shared ? 1 : 2;
+        t = surface.across(t, k);
+        if (t == PlacedSurface::none || t == triangle) return true;
+        if (falls(t)) return false;
+    }
+    return true;
+}
+
+} // namespace
+
+std::vector<NearPair> near_pairs(PairWorker& worker, const PlacedSurface& a, const PlacedSurface& b,
+                                 const RelativePose& b_to_a, double dhat, double rounding, bool minima_only)
+{
+    std::vector<TrianglePair>& pairs = worker.pairs;
+    a.with_tree([&](auto& tree_a) {
+        b.with_tree([&](auto& tree_b) {
+            worker.traversal(tree_a, tree_b).all_near(tree_a, tree_b, b_to_a, dhat + rounding, pairs);
+        });
+    });
+    std::vector<NearPair> found;
+    for (const auto& [of_a, of_b] : pairs) {
+        const TrianglePoints ta = a.points(of_a), tb = b.points(of_b);
+        const auto add = [&, x = of_a, y = of_b](std::uint8_t corners_a, const Vector3d& at_a, std::uint8_t corners_b,
+                                                 const Vector3d& at_b) {
+            const double distance = (at_a - at_b).norm();
+            if (distance > dhat + rounding) return;
+            found.push_back(
+                {feature(a, x, corners_a), feature(b, y, corners_b), x, y, corners_a, corners_b, at_a, at_b, distance});
+        };
+        const auto corners_a = a.corners(of_a), corners_b = b.corners(of_b);
+        for (int k = 0; k < 3; ++k) {
+            if (!minima_only || a.corner_sticks_out(corners_a[k])) {
+                const auto on_b = nearest_on(tb, ta[k]);
+                add(1 << k, ta[k], on_b.corners, on_b.at);
+            }
+            if (!minima_only || b.corner_sticks_out(corners_b[k])) {
+                const auto on_a = nearest_on(ta, tb[k]);
+                add(on_a.corners, on_a.at, 1 << k, tb[k]);
+            }
+        }
+        for (int i = 0; i < 3; ++i)
+            for (int k = 0; k < 3; ++k) {
+                if (minima_only && (!a.edge_sticks_out(of_a, i) || !b.edge_sticks_out(of_b, k))) continue;
+                const int i2 = (i + 1) % 3, k2 = (k + 1) % 3;
+                const Vector3d d = ta[i2] - ta[i], e = tb[k2] - tb[k];
+                const auto [s, t] = nearest_of(ta[i], d, tb[k], e);
+                const auto spanned = [](int first, int last, double at) {
+                    return std::uint8_t(at <= 0 ? 1 << first : at >= 1 ? 1 << last : 1 << first | 1 << last);
+                };
+                add(spanned(i, i2, s), ta[i] + s * d, spanned(k, k2, t), tb[k] + t * e);
+            }
+    }
+    std::ranges::sort(found, {}, [](const NearPair& p) {
+        return std::tuple(p.a, p.b, p.distance, p.triangle_a, p.triangle_b, p.corners_a, p.corners_b);
+    });
+    const auto same = [](const NearPair& x, const NearPair& y) { return x.a == y.a && x.b == y.b; };
+    found.erase(std::unique(found.begin(), found.end(), same), found.end());
+    return found;
+}
+
+void near_features_of(PairWorker& worker, const PairTask& task, double dhat, std::vector<NearFeatures>& found)
+{
+    const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+    const RelativePose b_to_a(*task.pose_a, *task.pose_b);
+    const PlacedSurface a(*task.a, RelativePose(here, here), {}), b(*task.b, b_to_a, {});
+    const double slack = stretch(*task.pose_a) + stretch(*task.pose_b);
+    const double rounding = 4 * rounding_of(a, b) + slack * dhat + a.error() + b.error();
+    for (const NearPair& p : near_pairs(worker, a, b, b_to_a, dhat, rounding, false))
+        found.push_back({p.a, p.b, std::max(p.distance - rounding, 0.0), p.distance + rounding,
+                         *task.pose_a * p.point_a, *task.pose_a * p.point_b});
+}
+
+namespace {
+
+/// A round solid and another body: along the shortest way between them.
+void add_round_near(PairWorker& worker, const PairTask& task, const PlacedSurface& a, const PlacedSurface& b,
+                    const std::vector<NearPair>& near, const ManifoldOptions& options, Manifold& manifold)
+{
+    const Distance d = tests_for(task).distance(worker, task, 0, options.margin, true);
+    if (!(d.lower > 0) || !(d.upper <= options.margin)) return;
+    const Eigen::Isometry3d into = task.pose_a->inverse(Eigen::Isometry);
+    const Vector3d on_a = into * d.point_a, on_b = into * d.point_b;
+    RegionDraft draft;
+    draft.rounding = rounding_of(a, b);
+    draft.region.kind = RegionKind::near, draft.region.normal = (on_b - on_a).normalized();
+    draft.region.normal_error = std::min(std::numbers::pi, 0x1p-10 + 2 * draft.rounding / d.lower);
+    draft.region.centre = 0.5 * (on_a + on_b), draft.region.depth_upper = -d.lower + draft.rounding;
+    draft.least_depth = -options.margin;
+    const bool of_a = a.round();
+    const PlacedSurface& round = of_a ? a : b;
+    for (const NearPair& p : near) {
+        draft.faces_a.emplace_back(p.triangle_a, a.points(p.triangle_a));
+        draft.faces_b.emplace_back(p.triangle_b, b.points(p.triangle_b));
+    }
+    for (auto* faces : {&draft.faces_a, &draft.faces_b}) {
+        std::ranges::sort(*faces, {}, [](const auto& f) { return f.first; });
+        const auto same = [](const auto& x, const auto& y) { return x.first == y.first; };
+        faces->erase(std::unique(faces->begin(), faces->end(), same), faces->end());
+    }
+    const Vector3d out = of_a ? draft.region.normal : Vector3d(-draft.region.normal);
+    std::uint64_t number = 1;
+    for (const Vector3d& p : support_points(round.model().convex(), round.rotated_back(out))) {
+        const FeatureBits bits = round.vertex(0) | number++;
+        draft.candidates.push_back({round.placed(p), of_a ? ManifoldCandidate::of_a : ManifoldCandidate::of_b,
+                                    of_a ? bits : 0, of_a ? 0 : bits});
+    }
+    const auto misses = [&](const ManifoldCandidate& c) {
+        return std::ranges::none_of(of_a ? draft.faces_b : draft.faces_a, [&](const auto& f) {
+            const TrianglePoints& t = f.second;
+            const Vector3d n = (t[1] - t[0]).cross(t[2] - t[0]);
+            if (!(out.dot(n) < 0)) return false;
+            const Vector3d at = c.at + n.dot(t[0] - c.at) / out.dot(n) * out;
+            return n.dot((t[1] - t[0]).cross(at - t[0])) >= 0 && n.dot((t[2] - t[1]).cross(at - t[1])) >= 0 &&
+                   n.dot((t[0] - t[2]).cross(at - t[2])) >= 0;
+        });
+    };
+    std::erase_if(draft.candidates, misses);
+    if (draft.candidates.empty()) {
+        const double gap = (on_b - on_a).norm();
+        constexpr FeatureBits whole = FeatureBits{3} << 62;
+        draft.candidates.push_back(
+            {0.5 * (on_a + on_b), ManifoldCandidate::of_both, whole, whole, -gap, d.upper - d.lower});
+    }
+    finish(draft, a, b, options, manifold);
+    if (manifold.points.empty()) return;
+    for (ManifoldPoint& p : std::span(manifold.points).subspan(manifold.regions.back().first))
+        if (p.point_a == p.point_b) p.point_a = on_a, p.point_b = on_b;
+}
+
+} // namespace
+
+void add_near_regions(PairWorker& worker, const PairTask& task, const PlacedSurface& a, const PlacedSurface& b,
+                      const RelativePose& b_to_a, const ManifoldOptions& options, Manifold& manifold)
+{
+    const double rounding = 4 * rounding_of(a, b);
+    std::vector<NearPair> near = near_pairs(worker, a, b, b_to_a, options.margin, rounding, true);
+    if (a.round() || b.round()) return add_round_near(worker, task, a, b, near, options, manifold);
+    const auto apart = [&](const NearPair& p) {
+        const Vector3d way = p.point_b - p.point_a; // out of a, into b
+        const auto outward = [&](const PlacedSurface& s, std::uint32_t triangle) {
+            const TrianglePoints t = s.points(triangle);
+            return Vector3d((t[1] - t[0]).cross(t[2] - t[0]).stableNormalized());
+        };
+        if (!(p.distance > rounding)) return false;
+        const double least = -0.5 * p.distance;
+        const double from_a = way.dot(outward(a, p.triangle_a)), to_b = -way.dot(outward(b, p.triangle_b));
+        return from_a > (p.corners_a == 7 ? 0 : least) && to_b > (p.corners_b == 7 ? 0 : least) &&
+               is_local_minimum(a, p.triangle_a, p.corners_a, p.point_a, p.point_b) &&
+               is_local_minimum(b, p.triangle_b, p.corners_b, p.point_b, p.point_a);
+    };
+    std::erase_if(near, [&](const NearPair& p) { return !apart(p); });
+    // Faces first: they define normals best.
+    std::ranges::stable_sort(near, std::ranges::greater{},
+                             [](const NearPair& p) { return p.corners_a == 7 || p.corners_b == 7; });
+    std::vector<std::pair<Vector3d, std::vector<const NearPair*>>> groups;
+    for (const NearPair& p : near) {
+        const Vector3d way = (p.point_b - p.point_a).normalized();
+        auto at = std::ranges::find_if(
+            groups, [&](const auto& g) { return angle_between(g.first, way) <= options.normal_spread; });
+        if (at == groups.end()) groups.push_back({way, {}}), at = groups.end() - 1;
+        at->second.push_back(&p);
+    }
+    for (const auto& [first, members] : groups) {
+        RegionDraft draft;
+        draft.rounding = rounding;
+        ManifoldRegion& region = draft.region;
+        region.kind = RegionKind::near, region.open = !a.solid() || !b.solid();
+        const auto is_face = [](const NearPair* p) { return p->corners_a == 7 || p->corners_b == 7; };
+        const bool faces = is_face(members.front());
+        Vector3d sum = Vector3d::Zero();
+        for (const NearPair* p : members)
+            if (is_face(p) == faces) sum += (p->point_b - p->point_a).normalized();
+        region.normal = sum.norm() > 0.1 ? Vector3d(sum.normalized()) : first;
+        Aabb box;
+        double least = options.margin;
+        for (const NearPair* p : members) {
+            region.normal_error = std::max(region.normal_error, angle_between(p->point_b - p->point_a, region.normal) +
+                                                                    0x1p-40 + rounding / p->distance);
+            const Vector3d middle = 0.5 * (p->point_a + p->point_b);
+            const double depth = region.normal.dot(p->point_a - p->point_b);
+            box.add(middle), least = std::min(least, -depth);
+            const double aside = (p->point_b - p->point_a + depth * region.normal).norm();
+            draft.candidates.push_back({middle, ManifoldCandidate::of_both, p->a, p->b, depth, aside});
+        }
+        region.centre = box.centre(), region.depth_upper = -least + 2 * rounding;
+        finish(draft, a, b, options, manifold);
+        for (ManifoldPoint& p : std::span(manifold.points).subspan(manifold.regions.back().first)) {
+            p.point_a += 0.5 * p.depth * region.normal, p.point_b -= 0.5 * p.depth * region.normal;
+        }
+    }
+}
+
+} // namespace oncollide

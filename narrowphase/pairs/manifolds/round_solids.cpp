@@ -1,0 +1,148 @@
+// Round solids: points of support, and manifolds of two of them.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <oncollide/narrowphase/pairs/manifold_tests.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/region_draft.hpp>
+#include <oncollide/narrowphase/pairs/part_solid.hpp>
+#include <oncollide/narrowphase/pairs/placed_pair.hpp>
+#include <oncollide/narrowphase/shapes/convex_pair.hpp>
+
+namespace oncollide {
+
+using Eigen::Vector3d;
+
+std::vector<Vector3d> support_points(const Convex& c, const Vector3d& d)
+{
+    const Vector3d out = c.radius * d.normalized();
+    const double across = std::hypot(d.x(), d.y());
+    const Vector3d side = across > 1e-9 ? Vector3d(d.x() / across, d.y() / across, 0) : Vector3d::UnitX();
+    const auto disc = [&](double radius, double z, std::vector<Vector3d>& to) {
+        const Vector3d next(-side.y(), side.x(), 0);
+        for (const Vector3d& at : {side, next, Vector3d(-side), Vector3d(-next)})
+            to.emplace_back(radius * at.x(), radius * at.y(), z);
+    };
+    std::vector<Vector3d> points;
+    switch (c.core) {
+    case Convex::Core::box: // a sphere or a capsule
+        points.push_back(c.support(d) + out);
+        if (c.low != c.high) points.push_back(c.low + c.high - c.support(d) + out);
+        break;
+    case Convex::Core::cylinder: {
+        const double z = d.z() < 0 ? -c.high.z() : c.high.z();
+        disc(c.high.x(), z, points);
+        points.emplace_back(c.high.x() * side.x(), c.high.x() * side.y(), -z);
+        break;
+    }
+    case Convex::Core::cone:
+        disc(c.high.x(), -c.high.z(), points);
+        points.emplace_back(0, 0, c.high.z());
+        break;
+    case Convex::Core::points:
+    case Convex::Core::ellipsoid:
+        points.push_back(c.support(d));
+    }
+    return points;
+}
+
+namespace {
+
+/// The ends of the common part of two nearly parallel segments, as parameters of the first; empty for others.
+std::vector<double> shared(const Vector3d& p, const Vector3d& u, const Vector3d& q, const Vector3d& v)
+{
+    const double length2 = u.squaredNorm();
+    const double from = u.dot(q - p) / length2, to = u.dot(q + v - p) / length2;
+    const double low = std::clamp(std::min(from, to), 0.0, 1.0), high = std::clamp(std::max(from, to), 0.0, 1.0);
+    if (u.cross(v).norm() > 0.05 * u.norm() * v.norm() || !(high > low)) return {};
+    return {low, high};
+}
+
+} // namespace
+
+/// The direction of the deepest overlap, the point there, and for two parallel lines their ends.
+void manifold_of_solids(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold)
+{
+    const PlacedPair placed(*task.pose_a, *task.pose_b);
+    const Convex &a = task.a->convex(), &b = task.b->convex();
+    const ConvexPair pair(a, b, placed.b_to_a, placed.slack);
+    const Finding found = tests_for(task).decide(worker, task, {}, nullptr);
+    const bool apart = found.verdict == Verdict::separate;
+    if (apart && found.bound > options.margin) return;
+    const ConvexDistance nearest = pair.distance(nearest_of_all);
+    const double size = a.extent + a.radius + b.extent + b.radius + placed.b_to_a.translation.norm();
+    if (apart && nearest.lower > options.margin) return;
+    const RelativePose& into = placed.b_to_a;
+    const auto width = [&](const Vector3d& n) { // by which b moves along n until they are apart
+        return a.most_along(n) + b.most_along(into.rotation.transpose() * -n) - n.dot(into.translation);
+    };
+    // Apart: from point to point. Overlapping: the direction of least width, from several starts.
+    Vector3d n = nearest.on_b - nearest.on_a;
+    if (!apart) n = -n;
+    if (n.norm() <= 0x1p-40 * size) n = into(b.centre) - a.centre;
+    n = n.norm() > 0 ? Vector3d(n.normalized()) : Vector3d::UnitZ();
+    double least = width(n);
+    const auto look = [&](const Vector3d& direction) {
+        const double w = width(direction);
+        if (w < least) n = direction, least = w;
+    };
+    if (!apart) {
+        if (const Vector3d middle = into(b.centre) - a.centre; middle.norm() > 0x1p-40 * size)
+            look(middle.normalized());
+        for (int axis = 0; axis < 3; ++axis)
+            for (const double sign : {-1.0, 1.0})
+                look(sign * Vector3d::Unit(axis)), look(sign * into.rotation.col(axis).normalized());
+    }
+    for (double step = 0.25; step > 0x1p-30; step /= 2) {
+        const Vector3d from = n, u = n.unitOrthogonal(), v = n.cross(u);
+        for (const Vector3d& side : {u, v, Vector3d(-u), Vector3d(-v)}) look((from + step * side).normalized());
+        if (n != from) step *= 2;
+    }
+    const double rounding = 0x1p-42 * size * (1 + placed.slack);
+    if (-least > options.margin + rounding) return;
+    ManifoldRegion region{};
+    region.kind = least < -rounding   ? RegionKind::near
+                  : least <= rounding ? RegionKind::touching
+                                      : RegionKind::crossing;
+    region.normal = n;
+    region.normal_error =
+        least > rounding ? std::min(std::numbers::pi, std::sqrt(rounding / least) + 0x1p-14) : 0x1p-14;
+    const Vector3d back = into.rotation.transpose() * -n;
+    const std::vector<Vector3d> of_a = support_points(a, n), of_b = support_points(b, back);
+    const auto depth_at = [&](const Vector3d& on_a, const Vector3d& on_b) { return n.dot(on_a - on_b); };
+    const Vector3d tip_a = of_a[0], tip_b = into(of_b[0]);
+    std::vector<std::pair<Vector3d, Vector3d>> points;
+    if (of_a.size() > 1 && of_b.size() > 1) { // lines: of capsules, or along the sides of cylinders
+        const Vector3d end_a = of_a.size() == 2 ? of_a[1] : of_a.back(),
+                       end_b = into(of_b.size() == 2 ? of_b[1] : of_b.back());
+        for (const double t : shared(tip_a, end_a - tip_a, tip_b, end_b - tip_b)) {
+            const Vector3d on_a = tip_a + t * (end_a - tip_a), line = end_b - tip_b;
+            points.emplace_back(on_a, tip_b + std::clamp(line.dot(on_a - tip_b) / line.squaredNorm(), 0.0, 1.0) * line);
+        }
+        std::erase_if(points, [&](const auto& p) {
+            return depth_at(p.first, p.second) < least - 0.5 * std::abs(least) - options.margin - rounding;
+        });
+    }
+    if (points.empty()) {
+        const Vector3d middle = 0.5 * (nearest.on_a + nearest.on_b);
+        points.emplace_back(middle + n * (n.dot(tip_a) - n.dot(middle)), middle + n * (n.dot(tip_b) - n.dot(middle)));
+    }
+    region.count = region.found = static_cast<std::uint32_t>(points.size());
+    region.depth_lower = apart ? least - rounding : 0, region.depth_upper = std::max(least, 0.0) + rounding;
+    if (apart) region.depth_upper = least + rounding;
+    region.centre.setZero();
+    std::uint64_t number = 0;
+    for (const auto& [on_a, on_b] : points) {
+        const double depth = depth_at(on_a, on_b);
+        const FeatureBits feature = FeatureBits{3} << 62 | number++;
+        // The chord through a point is no longer than the width.
+        manifold.points.push_back(
+            {on_a, on_b, depth, std::max(least - depth, 0.0) + std::abs(least) + rounding, feature, feature});
+        region.centre += 0.5 / double(points.size()) * (on_a + on_b);
+    }
+    for (const Vector3d& p : {nearest.on_a, nearest.on_b})
+        region.lost = std::max(region.lost, (p - region.centre).norm());
+    manifold.regions.push_back(region);
+}
+
+} // namespace oncollide

@@ -1,0 +1,122 @@
+// World: manifolds and near features.
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/pipeline/result_hash.hpp>
+#include <oncollide/pipeline/world/query_worker.hpp>
+
+namespace oncollide {
+
+namespace {
+
+void check_options(const ManifoldOptions& options)
+{
+    const auto check = [](const char* name, double value, double most) {
+        if (!(value >= 0 && value <= most))
+            throw Error(ErrorKind::usage, fmt::format("manifolds: {} of {}; must be from 0 to {}", name, value, most));
+    };
+    check("margin", options.margin, 1e15), check("normal_spread", options.normal_spread, std::numbers::pi / 2);
+    for (const auto& [name, value] : {std::pair("points_per_region", options.points_per_region),
+                                      std::pair("regions_per_pair", options.regions_per_pair)})
+        if (value == 0) throw Error(ErrorKind::usage, fmt::format("manifolds: {} of 0; must be at least 1", name));
+}
+
+std::vector<PairTask> tasks_of(auto& impl, std::span<const PairOfBodies> pairs)
+{
+    std::vector<PairTask> tasks;
+    for (std::size_t i = 0; i < pairs.size(); ++i) try {
+            tasks.push_back(impl.checked_task(pairs[i].a, pairs[i].b));
+        } catch (const Error& error) {
+            throw Error(error.kind(), fmt::format("pair {}: {}", i, error.what()));
+        }
+    impl.need_trees(tasks);
+    return tasks;
+}
+
+} // namespace
+
+/// The trees must be there.
+Manifold World::Impl::manifold(QueryWorker& worker, const PairTask& task, const ManifoldOptions& options)
+{
+    const auto on_demand = [&](const Model& model) { return model.cooked() && reads_on_demand(settings); };
+    const auto find = tests_for(task).manifold;
+    Manifold found;
+    if (!find || on_demand(*task.a) || on_demand(*task.b))
+        found.complete = false;
+    else
+        models.with_room([&] { found = {}, find(worker.pairs, task, options, found); });
+    return found;
+}
+
+Manifold World::manifold(PairSide a, PairSide b, const ManifoldOptions& options) const
+{
+    check_options(options);
+    Impl& p = impl();
+    const PairTask task = p.checked_task(a, b);
+    p.need_trees({&task, 1});
+    Impl::Lease worker(p);
+    return p.manifold(*worker, task, options);
+}
+
+void World::manifolds(std::span<const PairOfBodies> pairs, const ManifoldOptions& options, ManifoldLists& lists) const
+{
+    check_options(options);
+    Impl& p = impl();
+    const std::vector<PairTask> tasks = tasks_of(p, pairs);
+    std::vector<Manifold> found(tasks.size());
+    p.each(tasks.size(), 4, [&](auto& worker, std::size_t i) { found[i] = p.manifold(worker, tasks[i], options); });
+    lists.regions.clear(), lists.points.clear(), lists.complete.clear(), lists.offsets.assign(1, 0);
+    for (const Manifold& m : found) {
+        const auto before = static_cast<std::uint32_t>(lists.points.size());
+        for (ManifoldRegion region : m.regions) region.first += before, lists.regions.push_back(region);
+        lists.points.insert(lists.points.end(), m.points.begin(), m.points.end());
+        lists.offsets.push_back(lists.regions.size()), lists.complete.push_back(m.complete);
+    }
+}
+
+void World::near_features(std::span<const PairOfBodies> pairs, double dhat, NearFeatureLists& lists) const
+{
+    if (!(dhat >= 0 && dhat <= 1e15))
+        throw Error(ErrorKind::usage, fmt::format("near_features: dhat of {}; must be from 0 to 1e15", dhat));
+    Impl& p = impl();
+    const std::vector<PairTask> tasks = tasks_of(p, pairs);
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+        const auto on_demand = [&](const Model& model) { return model.cooked() && reads_on_demand(p.settings); };
+        if (!tests_for(tasks[i]).near_features || on_demand(*tasks[i].a) || on_demand(*tasks[i].b))
+            throw Error(ErrorKind::usage, fmt::format("pair {}: near_features: a body is a map, round or a half-space, "
+                                                      "or is read on demand; it needs triangles in memory",
+                                                      i));
+    }
+    p.gather(tasks.size(), 4, lists.features, lists.offsets, [&](auto& worker, std::size_t i, auto& found) {
+        p.models.with_room([&, begin = found.size()] {
+            found.resize(begin);
+            tests_for(tasks[i]).near_features(worker.pairs, tasks[i], dhat, found);
+        });
+    });
+}
+
+std::uint64_t hash_of(const ManifoldLists& lists)
+{
+    std::uint64_t hash = 0;
+    const auto add = [&](double value) { mix(hash, std::bit_cast<std::uint64_t>(value)); };
+    const auto add_vector = [&](const Eigen::Vector3d& v) { add(v.x()), add(v.y()), add(v.z()); };
+    for (const std::size_t offset : lists.offsets) mix(hash, offset);
+    for (const std::uint8_t complete : lists.complete) mix(hash, complete);
+    for (const ManifoldRegion& r : lists.regions) {
+        mix(hash, static_cast<std::uint64_t>(r.kind) << 1 | std::uint64_t{r.open});
+        add_vector(r.normal), add_vector(r.centre);
+        for (const double value : {r.normal_error, r.area, r.volume, r.depth_lower, r.depth_upper, r.lost}) add(value);
+        mix(hash, std::uint64_t{r.first} << 32 | r.count), mix(hash, r.found);
+    }
+    for (const ManifoldPoint& p : lists.points) {
+        add_vector(p.point_a), add_vector(p.point_b), add(p.depth), add(p.depth_error);
+        mix(hash, p.feature_a), mix(hash, p.feature_b);
+    }
+    return hash;
+}
+
+} // namespace oncollide
