@@ -87,7 +87,8 @@ FrameView StoredFrames::play(int frame)
             .delimitation = played.delimitation,
             .trees = played.trees,
             .rounds = played.rounds,
-            .hash = row.hash};
+            .hash = row.hash,
+            .sweeps = {}};
 }
 
 /// Both are sorted by their bodies. Candidates that are not in the file were separate.
