@@ -1,5 +1,6 @@
-
 #include <algorithm>
+
+#include <mpi.h>
 
 #include <oncollide/runs/ranks/ranks.hpp>
 
