@@ -23,6 +23,12 @@ MovingBody moving_body(Model& model, const RigidMotion& motion, double time)
     return {model, state, state.pose * box.centre(), box.half_extent().norm() * (1 + 0x1p-18)};
 }
 
+/// The motion of a half-space counts where the other body is.
+bool is_plane(const MovingBody& body)
+{
+    return body.model.kind() == Kind::half_space;
+}
+
 /// How far the body may be from its linear motion over half a window of duration 2 * half, besides rotation about a
 /// point of it: the centrifugal acceleration, and the error of its poses.
 double bend(const MovingBody& body, double half)
@@ -124,12 +130,13 @@ private:
     /// The time in which the bodies approach each other by no more than the tolerances.
     double tolerance_in(const MotionWindow& window) const
     {
-        const auto speed = [](const MovingBody& body) {
-            const auto& state = body.state;
-            return state.velocity.norm() + state.angular.cross(body.centre - state.pivot).norm() +
-                   state.angular.norm() * body.radius;
+        const MovingBody &a = window.body(true), &b = window.body(false);
+        const auto speed = [](const RigidMotion::State& state, const MovingBody& where) {
+            return state.velocity.norm() + state.angular.cross(where.centre - state.pivot).norm() +
+                   state.angular.norm() * where.radius;
         };
-        const double speeds = (speed(window.body(true)) + speed(window.body(false))) * (1 + 0x1p-16);
+        const double speeds =
+            (speed(a.state, is_plane(a) ? b : a) + speed(b.state, is_plane(b) ? a : b)) * (1 + 0x1p-16);
         return std::min({task_.options.time_tolerance, task_.options.gap_tolerance / speeds, 1.0});
     }
 
@@ -197,15 +204,21 @@ private:
         return true;
     }
 
+    /// Upper bound of how much the distance changes until `end`, where it is at most found_.bound.
     double distance_moved(double begin, double end) const
     {
-        const auto moved = [&](Model& model, const RigidMotion& motion) {
+        const MovingBody a = moving_body(*task_.a, *task_.motion_a, begin),
+                         b = moving_body(*task_.b, *task_.motion_b, begin);
+        const auto travel = [&](const RigidMotion& motion, const MovingBody& body, const Vector3d& centre,
+                                double radius) {
             if (motion.rests()) return 0.0;
-            if (model.kind() == Kind::half_space) return motion.travel(begin, end, Vector3d::Zero(), 0);
-            const Aabb box = bounds_of(model.geometry());
-            return motion.travel(begin, end, box.centre(), box.half_extent().norm());
+            return motion.travel(begin, end, body.state.pose.inverse(Eigen::Isometry) * centre, radius);
         };
-        return moved(*task_.a, *task_.motion_a) + moved(*task_.b, *task_.motion_b);
+        double of_a = is_plane(a) ? 0 : travel(*task_.motion_a, a, a.centre, a.radius);
+        double of_b = is_plane(b) ? 0 : travel(*task_.motion_b, b, b.centre, b.radius);
+        if (is_plane(a)) of_a = travel(*task_.motion_a, a, b.centre, b.radius + of_b + found_.bound);
+        if (is_plane(b)) of_b = travel(*task_.motion_b, b, a.centre, a.radius + of_a + found_.bound);
+        return of_a + of_b;
     }
     void place(double time)
     {

@@ -42,6 +42,27 @@ TEST(WorldSweep, OneAndManyAgree)
     EXPECT_LT(contacts, 35u);
 }
 
+/// A half-space moves fast where the other body is, also while its origin rests.
+TEST(WorldSweep, TheGapOfAHalfSpaceThatRotatesIsABound)
+{
+    World world;
+    const ModelId floor = world.add(Shape(HalfSpace{})), ball = world.add(Shape(Sphere{0.5}));
+    Isometry3d tilted = Isometry3d::Identity();
+    tilted.linear() = Eigen::AngleAxisd(0.6, Vector3d(0, -1, 0)).toRotationMatrix();
+    for (const double x : {3.0, 100.0, 1e4}) {
+        const RigidMotion turn(Isometry3d::Identity(), tilted), rest(at(x, 0, 0.3 * x));
+        for (const bool swap : {false, true}) {
+            const MovingModel plane{floor, turn}, body{ball, rest};
+            const SweepResult found = swap ? world.sweep(body, plane) : world.sweep(plane, body);
+            ASSERT_EQ(found.verdict, Verdict::colliding) << x;
+            const Distance left =
+                world.distance(PlacedModel{floor, turn.pose(found.clear_until)}, PlacedModel{ball, at(x, 0, 0.3 * x)});
+            EXPECT_LE(left.lower, found.gap) << x << " " << swap;
+            EXPECT_LE(found.gap, 1e-4 * (1 + 1e-3)) << x;
+        }
+    }
+}
+
 TEST(WorldSweep, ACastOfAModelFindsTheFirstBody)
 {
     World world;
