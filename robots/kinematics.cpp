@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/text/printable.hpp>
+#include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {
 
@@ -18,7 +19,7 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v)
     return m;
 }
 
-[[noreturn]] void refuse_joint(const RobotDescription& robot, const RobotJoint& joint, const char* what)
+[[noreturn]] void refuse_joint(const RobotDescription& robot, const RobotJoint& joint, const std::string& what)
 {
     refuse(fmt::format("robot '{}': joint '{}'", printable(robot.name), printable(joint.name)), what);
 }
@@ -46,6 +47,7 @@ Kinematics::Kinematics(const RobotDescription& robot)
     for (std::uint32_t i = 0; i < joints; ++i) {
         const RobotJoint& joint = robot.joints[i];
         if (joint.parent >= links || joint.child >= links) refuse_joint(robot, joint, "its link does not exist");
+        if (const std::string why = why_not_rigid(joint.origin); !why.empty()) refuse_joint(robot, joint, why);
         if (above[joint.child] != none) refuse_joint(robot, joint, "another joint leads to its child");
         above[joint.child] = i;
         if (joint.mimics >= static_cast<std::int32_t>(joints) ||

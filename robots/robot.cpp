@@ -42,6 +42,9 @@ double limited(const RobotJoint& joint, double value)
 Robot::Impl::Impl(World& world, RobotDescription given, const Eigen::Isometry3d& base_pose)
     : description(std::move(given)), tree(description), base(base_pose)
 {
+    check_pose("base", base);
+    for (const RobotLink& link : description.links)
+        for (const LinkGeometry& collision : link.collision) check_pose("link '" + link.name + "'", collision.pose);
     const bool solid = world.settings().mode == Mode::solid;
     std::map<const Geometry*, ModelId> models;
     for (std::uint32_t i = 0; i < description.links.size(); ++i) {
@@ -54,7 +57,7 @@ Robot::Impl::Impl(World& world, RobotDescription given, const Eigen::Isometry3d&
         if (first == parts.size()) continue;
         add_group(first);
         if (parts.size() - first >= many_parts)
-            groups.back().model = world.add(Sphere{groups.back().whole.radius * (1 + 1e-9)}); // for rounding
+            groups.back().model = world.add(Sphere{groups.back().whole.radius * stretch()});
     }
     attached_from = parts.size(), spheres_of_links = spheres.size();
     if (parts.empty()) refuse(fmt::format("robot '{}'", printable(description.name)), "no link has collision geometry");
@@ -147,6 +150,12 @@ void Robot::Impl::check_world(const World& world) const
     if (!world.contains(any_model)) fail("the World is not the one that the robot was made for");
 }
 
+void Robot::Impl::check_pose(const std::string& of, const Eigen::Isometry3d& pose) const
+{
+    if (const std::string why = why_not_rigid(pose); !why.empty())
+        refuse(fmt::format("robot '{}': {}", printable(description.name), printable(of)), why);
+}
+
 void Robot::Impl::check_width(std::size_t numbers) const
 {
     if (numbers != tree.width())
@@ -176,6 +185,7 @@ const std::vector<std::string>& Robot::names() const
 }
 void Robot::set_base(const Eigen::Isometry3d& base)
 {
+    impl_->check_pose("base", base);
     impl_->base = base;
 }
 

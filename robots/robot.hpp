@@ -124,7 +124,8 @@ struct RobotCheck {
 class ONCOLLIDE_API Robot {
 public:
     /// Adds the geometries of all links to the World. `base` is the pose of the root link.
-    /// Throws Error{bad_data} for a description that is not a tree or names links or joints that do not exist.
+    /// Throws Error{bad_data} for a description that is not a tree or names links or joints that do not exist, and for
+    /// poses that are not rigid.
     Robot(World& world, RobotDescription description, const Eigen::Isometry3d& base = Eigen::Isometry3d::Identity());
     ~Robot();
     Robot(Robot&&) noexcept;
@@ -145,7 +146,8 @@ public:
     void check_configuration(std::span<const double> configuration, bool limits) const;
     /// Sets the pose of each link in the world. Cost: 20 to 50 nanoseconds per joint.
     void link_poses(std::span<const double> configuration, std::span<Eigen::Isometry3d> poses) const;
-    void set_base(const Eigen::Isometry3d& base); ///< for the calls after it
+    /// Sets the pose of the root link. Throws Error{bad_data} for a pose that is not rigid.
+    void set_base(const Eigen::Isometry3d& base);
 
     /// Fixes a model of the World to a link, as an object in a gripper. Pairs of the object with that link, and with
     /// the links in `touching`, are not tested. Returns its number. Not while the robot has bodies.

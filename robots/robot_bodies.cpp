@@ -24,6 +24,7 @@ std::uint32_t Robot::attach(World& world, std::uint32_t link, ModelId model, con
     p.check_world(world);
     refuse_with_bodies(p.bodies, "attach");
     if (link >= p.description.links.size()) throw Error(ErrorKind::usage, "robot: attach: there is no such link");
+    p.check_pose("attached object", pose);
     const Aabb box = world.bounds(model, Eigen::Isometry3d::Identity());
     p.add_part(link, model, pose, cover_box(box, spheres_of_object), touching);
     p.add_group(static_cast<std::uint32_t>(p.parts.size() - 1));

@@ -13,7 +13,7 @@
 namespace oncollide {
 
 SphereCull::SphereCull(const Robot::Impl& robot, double clearance)
-    : robot_(robot), clearance_(clearance), groups_(robot.groups.size()),
+    : robot_(robot), clearance_(clearance), stretch_(robot.stretch()), groups_(robot.groups.size()),
       spheres_(robot.spheres.size() + robot.parts.size()), placed_(robot.parts.size())
 {
 }
@@ -21,9 +21,8 @@ SphereCull::SphereCull(const Robot::Impl& robot, double clearance)
 SphereCull::Placed SphereCull::placed(const CoverSphere& sphere, std::uint32_t link) const
 {
     const Eigen::Vector3d at = links_[link] * sphere.centre;
-    // Rounding of the poses and of this product; poses are rigid to about 1e-15.
     const double slack = 1e-12 * (links_[link].translation().cwiseAbs().sum() + sphere.centre.cwiseAbs().sum());
-    return {at.x(), at.y(), at.z(), sphere.radius + slack};
+    return {at.x(), at.y(), at.z(), sphere.radius * stretch_ + slack};
 }
 
 void SphereCull::place(const Eigen::Isometry3d* links)

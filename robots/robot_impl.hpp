@@ -48,11 +48,17 @@ struct Robot::Impl {
     void sort_pairs();
     /// Throws Error{usage} if the World is not this robot's.
     void check_world(const World& world) const;
+    /// Throws Error{bad_data} for a pose that is not rigid.
+    void check_pose(const std::string& of, const Eigen::Isometry3d& pose) const;
     void check_width(std::size_t numbers) const;
     Eigen::Isometry3d pose_of(const Part& part, const Eigen::Isometry3d* links) const
     {
         return links[part.link] * part.pose;
     }
+
+    /// Upper bound of the factor by which the poses of parts stretch lengths: the base, the origins and the part's own
+    /// pose each count as rigid up to 1e-6 (why_not_rigid()).
+    double stretch() const { return 1 + 2e-6 * static_cast<double>(description.joints.size() + 2); }
 
     RobotDescription description;
     Kinematics tree;
@@ -88,7 +94,7 @@ private:
     Placed placed(const CoverSphere& sphere, std::uint32_t link) const;
 
     const Robot::Impl& robot_;
-    const double clearance_;
+    const double clearance_, stretch_;
     const Eigen::Isometry3d* links_ = nullptr;
     std::vector<Placed> groups_, spheres_; ///< spheres_: of each part the whole one, then the others
     std::vector<std::uint8_t> placed_;     ///< by part

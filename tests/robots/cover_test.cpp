@@ -103,6 +103,43 @@ TEST(Cover, NoContactOfSpheresIsRuledOut)
     }
 }
 
+/// Poses may stretch or shrink by as much as a World accepts. Then needles whose tips meet can be farther apart than
+/// their spheres.
+TEST(Cover, NoContactIsRuledOutWherePosesAreNotQuiteRigid)
+{
+    const auto needle = [](double half) {
+        return std::make_shared<const Geometry>(
+            Geometry{"needle", make_mesh("needle", {{-half, 0, 0}, {half, 0, 0}, {0, 1e-9, 0}}, {{0, 1, 2}}), {}});
+    };
+    Isometry3d turned = Isometry3d::Identity(), shrunk = turned;
+    turned.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+    shrunk.linear() *= 1 - 4e-7;
+    RobotDescription robot;
+    robot.name = "needles";
+    robot.links = {{"fixed", {{needle(1), Isometry3d::Identity()}}}, {"moving", {{needle(0.01), turned}}}};
+    RobotJoint joint;
+    joint.name = "slide", joint.kind = JointKind::prismatic, joint.child = 1;
+    robot.joints = {joint};
+    World world;
+    const Robot made(world, robot, shrunk);
+    const ModelId fixed = world.add(robot.links[0].collision[0].geometry),
+                  moving = world.add(robot.links[1].collision[0].geometry);
+    std::vector<double> numbers;
+    for (int i = -10; i <= 10; ++i) numbers.push_back(1.01 + 1e-7 * i);
+    std::vector<RobotFinding> found(numbers.size());
+    made.check(world, numbers, found);
+    std::size_t contacts = 0;
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        std::vector<Isometry3d> links(2);
+        made.link_poses({&numbers[i], 1}, links);
+        const Finding alone = world.decide(PlacedModel{fixed, links[0]}, PlacedModel{moving, links[1] * turned});
+        EXPECT_EQ(found[i].verdict, alone.verdict) << numbers[i];
+        contacts += alone.verdict == Verdict::colliding;
+    }
+    EXPECT_GT(contacts, 16u);
+    EXPECT_LT(contacts, numbers.size());
+}
+
 /// The same with the environment, and with links of so many parts that a sphere around them is tested first.
 TEST(Cover, NoContactOfALinkOfManyPartsIsRuledOut)
 {

@@ -212,6 +212,28 @@ TEST_F(RobotTest, OwnBodiesDoNotCount)
     EXPECT_THROW(robot.check(other, std::vector<double>{0, 0, 0}, found), Error);
 }
 
+TEST_F(RobotTest, PosesThatAreNotRigidAreRefused)
+{
+    Isometry3d far = Isometry3d::Identity(), mirrored = far, larger = far;
+    far.translation().x() = std::nan(""), mirrored.linear().col(0) *= -1, larger.linear() *= 1.01;
+    for (const Isometry3d& bad : {far, mirrored, larger}) {
+        World world;
+        EXPECT_THROW(Robot(world, description, bad), Error);
+        Robot robot(world, description);
+        EXPECT_THROW(robot.set_base(bad), Error);
+        EXPECT_THROW(robot.attach(world, 3, world.add(Sphere{0.1}), bad), Error);
+        RobotDescription changed = description;
+        changed.joints[1].origin = bad;
+        EXPECT_THROW(Robot(world, changed), Error);
+        changed = description;
+        changed.links[1].collision[0].pose = bad;
+        EXPECT_THROW(Robot(world, changed), Error);
+        std::vector<RobotFinding> found(1);
+        robot.check(world, std::vector<double>{0.01, 0.02, 0.05}, found); // nothing has changed
+        EXPECT_EQ(found[0].verdict, Verdict::separate);
+    }
+}
+
 TEST_F(RobotTest, AnAttachedObjectCollidesButNotWithWhatHoldsIt)
 {
     World world;
