@@ -25,6 +25,16 @@ CoverSphere enclosing_sphere(std::span<const Eigen::Vector3d> points)
     return {best, std::sqrt(least) * (1 + 1e-12) + 1e-15 * best.cwiseAbs().maxCoeff()};
 }
 
+CoverSphere around_spheres(std::span<const CoverSphere> spheres)
+{
+    Aabb box;
+    for (const CoverSphere& sphere : spheres) box.add(sphere.centre);
+    CoverSphere whole{box.centre(), 0};
+    for (const CoverSphere& sphere : spheres)
+        whole.radius = std::max(whole.radius, (sphere.centre - whole.centre).norm() + sphere.radius);
+    return whole;
+}
+
 std::vector<CoverSphere> cover_triangles(const Mesh& mesh, std::size_t count)
 {
     const auto middle = [&](std::uint32_t t) {

@@ -68,32 +68,20 @@ Robot::Impl::Impl(World& world, RobotDescription given, const Eigen::Isometry3d&
 void Robot::Impl::add_part(std::uint32_t link, ModelId model, const Eigen::Isometry3d& pose,
                            std::vector<CoverSphere> cover, std::span<const std::uint32_t> touching)
 {
-    Part part{link, model, pose, {}, {touching.begin(), touching.end()}};
-    Aabb box;
-    for (CoverSphere& sphere : cover) {
-        sphere.centre = pose * sphere.centre;
-        box.add(sphere.centre);
-    }
-    part.cover = {
-        static_cast<std::uint32_t>(spheres.size()), static_cast<std::uint32_t>(cover.size()), {box.centre(), 0}};
-    for (const CoverSphere& sphere : cover)
-        part.cover.whole.radius =
-            std::max(part.cover.whole.radius, (sphere.centre - box.centre()).norm() + sphere.radius);
+    for (CoverSphere& sphere : cover) sphere.centre = pose * sphere.centre;
+    const PartSpheres own{static_cast<std::uint32_t>(spheres.size()), static_cast<std::uint32_t>(cover.size()),
+                          around_spheres(cover)};
     spheres.insert(spheres.end(), cover.begin(), cover.end());
-    parts.push_back(std::move(part));
+    parts.push_back({link, model, pose, own, {touching.begin(), touching.end()}});
 }
 
 void Robot::Impl::add_group(std::uint32_t first)
 {
     Group group{first, static_cast<std::uint32_t>(parts.size()), parts[first].link, parts[first].cover.whole};
     if (group.end - first > 1) {
-        Aabb box;
-        for (std::uint32_t i = first; i < group.end; ++i) box.add(parts[i].cover.whole.centre);
-        group.whole = {box.centre(), 0};
-        for (std::uint32_t i = first; i < group.end; ++i) {
-            const CoverSphere& one = parts[i].cover.whole;
-            group.whole.radius = std::max(group.whole.radius, (one.centre - box.centre()).norm() + one.radius);
-        }
+        std::vector<CoverSphere> wholes;
+        for (std::uint32_t i = first; i < group.end; ++i) wholes.push_back(parts[i].cover.whole);
+        group.whole = around_spheres(wholes);
     }
     groups.push_back(group);
 }

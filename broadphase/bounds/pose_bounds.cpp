@@ -174,10 +174,7 @@ Aabb PoseBounds::box(const RigidMotion& motion, bool tight) const
         }
         const int parts = std::max(1, static_cast<int>(std::ceil(angle / most_turn)));
         Aabb of_piece = at(begin);
-        for (int k = 1; k <= parts; ++k) {
-            const Aabb next = at(k == parts ? end : begin + (end - begin) * k / parts);
-            of_piece.min = of_piece.min.cwiseMin(next.min), of_piece.max = of_piece.max.cwiseMax(next.max);
-        }
+        for (int k = 1; k <= parts; ++k) of_piece.add(at(k == parts ? end : begin + (end - begin) * k / parts));
         // A point leaves the straight line between two poses by at most a^2 r / 8.
         const double off_axis =
             spin > 0 ? state.angular.cross(state.pose * centre_ - state.pivot).norm() / spin + radius_ : 0;
@@ -186,7 +183,7 @@ Aabb PoseBounds::box(const RigidMotion& motion, bool tight) const
                               2 * state.rotation_error * (centre_.norm() + radius_)) *
                              (1 + 0x1p-18);
         of_piece.min.array() -= bulge, of_piece.max.array() += bulge;
-        all.min = all.min.cwiseMin(of_piece.min), all.max = all.max.cwiseMax(of_piece.max);
+        all.add(of_piece);
     }
     return all;
 }

@@ -2,6 +2,8 @@
 #pragma once
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/narrowphase/rays/segment_query.hpp>
@@ -56,6 +58,42 @@ private:
 
 /// Throws Error{bad_data}, which begins with the call's name, for a segment that is not finite or goes beyond 1e15 m.
 void check_ends(const char* call, std::span<const Segment> segments);
+
+/// Throws Error{usage} if there is not room for as many `results`, such as "hits", as there are `items`.
+void same_room(const char* call, const char* items, std::size_t count, const char* results, std::size_t room);
+
+/// Rethrows errors of check() with the number of the item, and the name of its part unless that is null: "pair 3: a: ".
+template <class Check>
+void naming(const char* item, std::size_t number, const char* part, Check check)
+{
+    try {
+        check();
+    } catch (const Error& error) {
+        throw Error(error.kind(),
+                    fmt::format("{} {}: {}{}{}", item, number, part ? part : "", part ? ": " : "", error.what()));
+    }
+}
+
+/// Throws, with the number of the pair and its side, for an id or a pose that is refused.
+template <class Pairs>
+void World::Impl::check_pairs(const Pairs& pairs)
+{
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        naming("pair", i, "a", [&] { check_side(pairs[i].a); });
+        naming("pair", i, "b", [&] { check_side(pairs[i].b); });
+    }
+}
+
+/// Checks the pairs and makes their trees.
+template <class Pairs>
+std::vector<PairTask> World::Impl::ready_tasks(const Pairs& pairs)
+{
+    check_pairs(pairs);
+    std::vector<PairTask> tasks;
+    for (const auto& pair : pairs) tasks.push_back(task_of(pair.a, pair.b));
+    need_trees(tasks);
+    return tasks;
+}
 
 /// Calls work(worker, i) for each item on the World's threads.
 template <class Work>

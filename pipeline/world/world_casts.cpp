@@ -107,9 +107,7 @@ std::optional<CastHit> World::cast(const Segment& segment, const QueryFilter& fi
 void World::cast(std::span<const Segment> segments, const QueryFilter& filter, std::span<CastHit> hits) const
 {
     Impl& p = impl();
-    if (segments.size() != hits.size())
-        throw Error(ErrorKind::usage, fmt::format("cast: {} segments, room for {} hits; must be of one length",
-                                                  segments.size(), hits.size()));
+    same_room("cast", "segments", segments.size(), "hits", hits.size());
     check_segments(segments);
     p.bring_up_to_date();
     p.each(segments.size(), 64, [&](auto& worker, std::size_t i) {

@@ -64,6 +64,16 @@ struct World::Impl {
     void check_side(const PairSide& side);                  ///< throws for an id or a pose that is refused
     PairTask task_of(const PairSide& a, const PairSide& b); ///< of sides that were checked
     PairTask checked_task(const PairSide& a, const PairSide& b);
+    template <class Pairs>
+    void check_pairs(const Pairs& pairs);
+    template <class Pairs>
+    std::vector<PairTask> ready_tasks(const Pairs& pairs);
+    /// True if a body of the pair is in a cooked file and read on demand.
+    bool reads_a_part(const PairTask& task) const
+    {
+        const auto on_demand = [&](const Model& model) { return model.cooked() && reads_on_demand(settings); };
+        return on_demand(*task.a) || on_demand(*task.b);
+    }
     /// Makes the trees that contacts and distances are found with, where a walk does not make them.
     void need_trees(std::span<const PairTask> tasks);
     void decide(QueryWorker& worker);

@@ -25,27 +25,14 @@ void check_options(const ManifoldOptions& options)
         if (value == 0) throw Error(ErrorKind::usage, fmt::format("manifolds: {} of 0; must be at least 1", name));
 }
 
-std::vector<PairTask> tasks_of(auto& impl, std::span<const PairOfBodies> pairs)
-{
-    std::vector<PairTask> tasks;
-    for (std::size_t i = 0; i < pairs.size(); ++i) try {
-            tasks.push_back(impl.checked_task(pairs[i].a, pairs[i].b));
-        } catch (const Error& error) {
-            throw Error(error.kind(), fmt::format("pair {}: {}", i, error.what()));
-        }
-    impl.need_trees(tasks);
-    return tasks;
-}
-
 } // namespace
 
 /// The trees must be there.
 Manifold World::Impl::manifold(QueryWorker& worker, const PairTask& task, const ManifoldOptions& options)
 {
-    const auto on_demand = [&](const Model& model) { return model.cooked() && reads_on_demand(settings); };
     const auto find = tests_for(task).manifold;
     Manifold found;
-    if (!find || on_demand(*task.a) || on_demand(*task.b))
+    if (!find || reads_a_part(task))
         found.complete = false;
     else
         models.with_room([&] { found = {}, find(worker.pairs, task, options, found); });
@@ -66,7 +53,7 @@ void World::manifolds(std::span<const PairOfBodies> pairs, const ManifoldOptions
 {
     check_options(options);
     Impl& p = impl();
-    const std::vector<PairTask> tasks = tasks_of(p, pairs);
+    const std::vector<PairTask> tasks = p.ready_tasks(pairs);
     std::vector<Manifold> found(tasks.size());
     p.each(tasks.size(), 4, [&](auto& worker, std::size_t i) { found[i] = p.manifold(worker, tasks[i], options); });
     lists.regions.clear(), lists.points.clear(), lists.complete.clear(), lists.offsets.assign(1, 0);
@@ -83,14 +70,12 @@ void World::near_features(std::span<const PairOfBodies> pairs, double dhat, Near
     if (!(dhat >= 0 && dhat <= 1e15))
         throw Error(ErrorKind::usage, fmt::format("near_features: dhat of {}; must be from 0 to 1e15", dhat));
     Impl& p = impl();
-    const std::vector<PairTask> tasks = tasks_of(p, pairs);
-    for (std::size_t i = 0; i < tasks.size(); ++i) {
-        const auto on_demand = [&](const Model& model) { return model.cooked() && reads_on_demand(p.settings); };
-        if (!tests_for(tasks[i]).near_features || on_demand(*tasks[i].a) || on_demand(*tasks[i].b))
+    const std::vector<PairTask> tasks = p.ready_tasks(pairs);
+    for (std::size_t i = 0; i < tasks.size(); ++i)
+        if (!tests_for(tasks[i]).near_features || p.reads_a_part(tasks[i]))
             throw Error(ErrorKind::usage, fmt::format("pair {}: near_features: a body is a map, round or a half-space, "
                                                       "or is read on demand; it needs triangles in memory",
                                                       i));
-    }
     p.gather(tasks.size(), 4, lists.features, lists.offsets, [&](auto& worker, std::size_t i, auto& found) {
         p.models.with_room([&, begin = found.size()] {
             found.resize(begin);

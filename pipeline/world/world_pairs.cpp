@@ -21,13 +21,6 @@ const Number* entry(std::span<const Number> column, std::size_t width, std::size
     return column.data() + (column.size() > width ? width * i : 0);
 }
 
-void same_room(const char* call, std::size_t pairs, std::size_t room)
-{
-    if (pairs != room)
-        throw Error(ErrorKind::usage,
-                    fmt::format("{}: {} pairs, room for {} results; must be of one length", call, pairs, room));
-}
-
 void check_columns(const char* call, const ModelPairColumns& columns, std::size_t room)
 {
     const auto check = [&](const char* name, std::size_t numbers, std::size_t width) {
@@ -47,18 +40,14 @@ double least_gap(const Aabb& a, const Aabb& b)
     return gap.norm() * (1 - 0x1p-50);
 }
 
-/// Rethrows errors of `check` with the number of the pair and its side.
-template <class Check>
-void naming(std::size_t pair, const char* side, Check check)
-{
-    try {
-        check();
-    } catch (const Error& error) {
-        throw Error(error.kind(), fmt::format("pair {}: {}: {}", pair, side, error.what()));
-    }
-}
-
 } // namespace
+
+void same_room(const char* call, const char* items, std::size_t count, const char* results, std::size_t room)
+{
+    if (count != room)
+        throw Error(ErrorKind::usage,
+                    fmt::format("{}: {} {}, room for {} {}; must be of one length", call, count, items, room, results));
+}
 
 World::Impl::QueryWorker::QueryWorker(Impl& impl)
     : levels(impl.settings, impl.models), context{.settings = impl.settings,
@@ -105,11 +94,7 @@ template <class Pairs, class Work>
 void World::Impl::in_batches(const Pairs& pairs, std::size_t count, Work work)
 {
     constexpr bool columns = std::is_same_v<Pairs, ModelPairColumns>;
-    if constexpr (!columns)
-        for (std::size_t i = 0; i < count; ++i) {
-            naming(i, "a", [&] { check_side(pairs[i].a); });
-            naming(i, "b", [&] { check_side(pairs[i].b); });
-        }
+    if constexpr (!columns) check_pairs(pairs);
     const int threads = frame.context.threads;
     const std::size_t batch =
         threads == 1 ? largest_batch
@@ -127,7 +112,7 @@ void World::Impl::in_batches(const Pairs& pairs, std::size_t count, Work work)
                                           Eigen::Isometry3d& pose) {
                         const ModelId id = *entry(ids, 1, first + i);
                         pose.matrix() = RowByRow(entry(rows, 16, first + i));
-                        naming(first + i, name, [&] { check_model(id), check_pose("", pose); });
+                        naming("pair", first + i, name, [&] { check_model(id), check_pose("", pose); });
                         return &models[id];
                     };
                     Eigen::Isometry3d &pose_a = worker->poses[2 * i], &pose_b = worker->poses[2 * i + 1];
@@ -174,7 +159,7 @@ Finding World::decide(PairSide a, PairSide b) const
 
 void World::decide(std::span<const PairOfBodies> pairs, std::span<Finding> found) const
 {
-    same_room("decide", pairs.size(), found.size());
+    same_room("decide", "pairs", pairs.size(), "results", found.size());
     impl().in_batches(pairs, pairs.size(), [&](Impl::QueryWorker& worker, std::size_t first) {
         impl_->decide(worker);
         std::ranges::copy(worker.refined, found.begin() + static_cast<std::ptrdiff_t>(first));
@@ -183,7 +168,7 @@ void World::decide(std::span<const PairOfBodies> pairs, std::span<Finding> found
 
 void World::decide(std::span<const PairOfModels> pairs, std::span<Finding> found) const
 {
-    same_room("decide", pairs.size(), found.size());
+    same_room("decide", "pairs", pairs.size(), "results", found.size());
     impl().in_batches(pairs, pairs.size(), [&](Impl::QueryWorker& worker, std::size_t first) {
         impl_->decide(worker);
         std::ranges::copy(worker.refined, found.begin() + static_cast<std::ptrdiff_t>(first));
@@ -260,7 +245,7 @@ void World::distances(std::span<const PairOfBodies> pairs, std::span<Distance> f
                       double cutoff) const
 {
     check_distance(tolerance, cutoff);
-    same_room("distances", pairs.size(), found.size());
+    same_room("distances", "pairs", pairs.size(), "results", found.size());
     impl().in_batches(pairs, pairs.size(), find_distances(*impl_, found, tolerance, cutoff));
 }
 
@@ -268,7 +253,7 @@ void World::distances(std::span<const PairOfModels> pairs, std::span<Distance> f
                       double cutoff) const
 {
     check_distance(tolerance, cutoff);
-    same_room("distances", pairs.size(), found.size());
+    same_room("distances", "pairs", pairs.size(), "results", found.size());
     impl().in_batches(pairs, pairs.size(), find_distances(*impl_, found, tolerance, cutoff));
 }
 
@@ -305,13 +290,7 @@ namespace {
 template <class Pairs>
 void find_contacts(auto& impl, const Pairs& pairs, ContactLists& lists)
 {
-    std::vector<PairTask> tasks;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-        naming(i, "a", [&] { impl.check_side(pairs[i].a); });
-        naming(i, "b", [&] { impl.check_side(pairs[i].b); });
-        tasks.push_back(impl.task_of(pairs[i].a, pairs[i].b));
-    }
-    impl.need_trees(tasks);
+    const std::vector<PairTask> tasks = impl.ready_tasks(pairs);
     impl.gather(tasks.size(), 16, lists.contacts, lists.offsets,
                 [&](auto& worker, std::size_t i, auto& found) { impl.contacts(worker, tasks[i], found); });
 }
@@ -331,9 +310,8 @@ void World::contacts(std::span<const PairOfModels> pairs, ContactLists& lists) c
 /// The trees must be there.
 Penetration World::Impl::penetration(QueryWorker& worker, const PairTask& task)
 {
-    const auto on_demand = [&](const Model& model) { return model.cooked() && reads_on_demand(settings); };
     const auto measure = tests_for(task).penetration;
-    if (!measure || on_demand(*task.a) || on_demand(*task.b)) {
+    if (!measure || reads_a_part(task)) {
         Penetration none;
         none.supported = false;
         return none;
@@ -355,14 +333,8 @@ namespace {
 template <class Pairs>
 void find_penetrations(auto& impl, const Pairs& pairs, std::span<Penetration> found)
 {
-    same_room("penetration", pairs.size(), found.size());
-    std::vector<PairTask> tasks;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-        naming(i, "a", [&] { impl.check_side(pairs[i].a); });
-        naming(i, "b", [&] { impl.check_side(pairs[i].b); });
-        tasks.push_back(impl.task_of(pairs[i].a, pairs[i].b));
-    }
-    impl.need_trees(tasks);
+    same_room("penetration", "pairs", pairs.size(), "results", found.size());
+    const std::vector<PairTask> tasks = impl.ready_tasks(pairs);
     impl.each(tasks.size(), 4, [&](auto& worker, std::size_t i) { found[i] = impl.penetration(worker, tasks[i]); });
 }
 

@@ -209,11 +209,8 @@ std::vector<QueryHit> World::query(ModelId model, const Eigen::Isometry3d& pose,
 void World::query(std::span<const ModelQuery> queries, QueryHits& out) const
 {
     Impl& p = impl();
-    for (std::size_t i = 0; i < queries.size(); ++i) try {
-            p.check_model(queries[i].model), p.check_pose("", queries[i].pose);
-        } catch (const Error& error) {
-            throw Error(error.kind(), fmt::format("query {}: {}", i, error.what()));
-        }
+    for (std::size_t i = 0; i < queries.size(); ++i)
+        naming("query", i, nullptr, [&] { p.check_model(queries[i].model), p.check_pose("", queries[i].pose); });
     p.bring_up_to_date();
     p.gather(queries.size(), 64, out.hits, out.offsets, [&](auto& worker, std::size_t i, auto& hits) {
         const ModelQuery& query = queries[i];

@@ -48,18 +48,14 @@ void World::sweep(std::span<const PairOfMovingModels> pairs, std::span<SweepResu
                   const SweepOptions& options) const
 {
     Impl& p = impl();
-    if (pairs.size() != found.size())
-        throw Error(ErrorKind::usage, fmt::format("sweep: {} pairs, room for {} results; must be of one length",
-                                                  pairs.size(), found.size()));
+    same_room("sweep", "pairs", pairs.size(), "results", found.size());
     p.check_sweep("sweep", options);
     std::vector<SweepTask> tasks;
     std::vector<PairTask> of_trees;
-    for (std::size_t i = 0; i < pairs.size(); ++i) try {
-            tasks.push_back(p.task_of(pairs[i].a, pairs[i].b, options));
-            of_trees.push_back({0, tasks.back().a, tasks.back().b, nullptr, nullptr});
-        } catch (const Error& error) {
-            throw Error(error.kind(), fmt::format("pair {}: {}", i, error.what()));
-        }
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        naming("pair", i, nullptr, [&] { tasks.push_back(p.task_of(pairs[i].a, pairs[i].b, options)); });
+        of_trees.push_back({0, tasks.back().a, tasks.back().b, nullptr, nullptr});
+    }
     p.need_trees(of_trees);
     p.each(tasks.size(), 4, [&](auto& worker, std::size_t i) { found[i] = p.sweep(worker, tasks[i]); });
 }
@@ -113,15 +109,9 @@ void World::cast(std::span<const MovingModel> models, const QueryFilter& filter,
                  const SweepOptions& options) const
 {
     Impl& p = impl();
-    if (models.size() != hits.size())
-        throw Error(ErrorKind::usage, fmt::format("cast: {} models, room for {} hits; must be of one length",
-                                                  models.size(), hits.size()));
+    same_room("cast", "models", models.size(), "hits", hits.size());
     p.check_sweep("cast", options);
-    for (std::size_t i = 0; i < models.size(); ++i) try {
-            p.check_model(models[i].model);
-        } catch (const Error& error) {
-            throw Error(error.kind(), fmt::format("cast {}: {}", i, error.what()));
-        }
+    for (std::size_t i = 0; i < models.size(); ++i) naming("cast", i, nullptr, [&] { p.check_model(models[i].model); });
     p.bring_up_to_date();
     p.each(models.size(), 4,
            [&](auto& worker, std::size_t i) { hits[i] = p.first_cast(worker, models[i], filter, options); });

@@ -65,10 +65,9 @@ void add_enclosed_region(PairWorker& worker, const PlacedSurface& a, const Place
     region.open = !inner.solid();
     const Vector3d last = inner.farthest(-way), first = outer.farthest(way);
     const double last_along = way.dot(last);
-    Vector3d wall_point = last;
     // To the plane through the nearest point of the wall.
     const double to_wall = way.dot(inner.farthest(way)) + gap - last_along;
-    wall_point = last + to_wall * way;
+    const Vector3d wall_point = last + to_wall * way;
     region.depth_upper = std::max(way.dot(first) - last_along, to_wall) + 4 * rounding;
     region.depth_lower = std::max(gap - rounding, 0.0);
     region.first = static_cast<std::uint32_t>(manifold.points.size()), region.count = region.found = 1;
