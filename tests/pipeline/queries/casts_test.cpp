@@ -6,14 +6,13 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/numbers/random.hpp>
-#include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 
 #include "every_kind.hpp"
+#include "pipeline/queries/cooked_hills.hpp"
 #include "random_pose.hpp"
-#include "temporary_folder.hpp"
 
 namespace oncollide::casts_test {
 namespace {
@@ -156,17 +155,11 @@ TEST(Casts, NameTheTriangleTheCellAndThePoint)
 
 TEST(Casts, OfCookedMeshesAreThoseOfTheWhole)
 {
-    const test::TemporaryFolder folder;
-    const Mesh hills = make_hills_mesh(200, 1, 20, 3, 0, 0, 200);
-    cook_mesh(hills, folder.path() / "hills.cooked");
-    World whole, parts;
-    whole.add_body({.model = whole.add(hills)});
-    parts.add_body({.model = parts.add(std::make_shared<const CookedMesh>(folder.path() / "hills.cooked"))});
+    test::CookedHills hills;
     std::size_t hits = 0;
     for (std::uint64_t k = 0; k < 100; ++k) {
-        const Segment segment{Vector3d(40 * u01(7, k, 0), 200 * u01(7, k, 1), 20 * u01(7, k, 2)),
-                              Vector3d(40 * u01(7, k, 3), 200 * u01(7, k, 4), 20 * u01(7, k, 5))};
-        const std::optional<CastHit> a = whole.cast(segment), b = parts.cast(segment);
+        const Segment segment = test::CookedHills::segment(k);
+        const std::optional<CastHit> a = hills.whole.cast(segment), b = hills.parts.cast(segment);
         ASSERT_EQ(a.has_value(), b.has_value()) << k;
         if (!a) continue;
         ++hits;
