@@ -119,7 +119,7 @@ private:
         LargeVector<float> blocks;         ///< see AabbLevelView
         std::vector<std::uint16_t> moving; ///< by node of the level above: bit k: child k is or holds a moving body
         std::uint32_t count = 0;
-        // By node, for levels above 0:
+        // Columns by node, for levels above 0.
         std::vector<Node> nodes;
         std::vector<std::uint32_t> layers, masks; ///< bitwise or over the bodies below; empty if unknown
         double volume = 0;                        ///< of all nodes

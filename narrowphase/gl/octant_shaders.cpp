@@ -24,7 +24,7 @@ layout(location = 0) uniform uint row_count;
 layout(location = 1) uniform uint tile_room;
 layout(location = 2) uniform uint entry_room;
 
-// What a row says, besides its cell: the parent's list (none: every primitive), its octant or the number of
+// A row holds, besides its cell, the parent's list (none: every primitive), its octant or the number of
 // primitives, and its own list (none: not kept).
 uint first_primitive(uint row) { return rows[3 * row + 2].x; }
 uint parent_list(uint row) { return rows[3 * row + 2].y; }

@@ -35,7 +35,7 @@ public:
         slots_.clear();
     }
     bool contains(std::uint32_t slot) const { return marks_[slot]; }
-    /// By slot: 1 for a body in it. Empty if there is none.
+    /// A column by slot: 1 for a body in it. Empty if there is none.
     std::span<const std::uint8_t> marks() const { return slots_.empty() ? std::span<const std::uint8_t>{} : marks_; }
 
 private:

@@ -419,7 +419,7 @@ TEST_P(EveryBroadPhase, FindsAllBoxesThatASegmentMeets)
     }
 }
 
-/// With several threads the share of each thread, and so its memory, is not deterministic.
+/// One thread: the share of each of several threads, and so its memory, is not deterministic.
 class BroadPhaseOfOneThread : public EveryBroadPhase {};
 
 TEST_P(BroadPhaseOfOneThread, AllocatesNothingInAWarmFrame)

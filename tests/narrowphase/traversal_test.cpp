@@ -412,7 +412,8 @@ TEST(OrientedBoxKernel, PartsBoxesByTheirEdges)
     }
 }
 
-/// By halving, sorting or cutting between slices; also with many triangles at one position along an axis.
+/// The triangles are divided by halving, sorting or cutting between slices; also with many triangles at one position
+/// along an axis.
 TEST(TriangleParts, DoNotDependOnTheOrderOfTheTriangles)
 {
     const Mesh meshes[] = {make_terrain_mesh(10, 1, 20, 3), make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 800),

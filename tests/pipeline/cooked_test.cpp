@@ -34,7 +34,7 @@ std::string read(const fs::path& file)
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// With vertices that no triangle uses, duplicate triangles, and triangles without area.
+/// The mesh has vertices that no triangle uses, duplicate triangles, and triangles without area.
 Mesh odd_mesh(std::size_t triangles)
 {
     std::vector<Eigen::Vector3d> vertices;

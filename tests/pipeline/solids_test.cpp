@@ -27,7 +27,7 @@ TEST(Differential, FaultsOfOldStayMended)
     for (const std::uint64_t seed : {271814, 2054478}) EXPECT_EQ(tools::fault_in(tools::draw_scene(seed)), "") << seed;
 }
 
-/// With two spheres in solid mode as the artificial fault, nothing else remains in the scene.
+/// The artificial fault is two spheres in solid mode: nothing else remains in the scene.
 TEST(Differential, AFaultIsShrunkToWhatItNeeds)
 {
     const auto faulty = [](const tools::DrawnScene& drawn) {

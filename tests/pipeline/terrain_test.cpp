@@ -129,7 +129,7 @@ TEST(Terrain, HasTheVerdictsOfTheSameSurfaceAsAMesh)
     EXPECT_GT(verdicts[std::size_t(Verdict::colliding)], 100);
 }
 
-/// With an error bound: pairs reported separate are separate.
+/// Pairs that are reported separate within an error are separate.
 TEST(Terrain, IsWithinTheErrorOrSeparate)
 {
     for (const GeometryData& other : bodies()) {

@@ -15,7 +15,7 @@
 namespace oncollide {
 namespace {
 
-/// With a sink, makes the scene without its bodies, which go to the sink.
+/// Makes the scene whole, or without its bodies, which go to a sink.
 struct MakeScene {
     std::function<Scene()> whole;
     std::function<SceneInfo(BodySink&)> passed;

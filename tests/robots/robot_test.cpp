@@ -132,7 +132,7 @@ std::vector<BodyId> add_posts(World& world)
     return posts;
 }
 
-/// By frames of a World in which the robot is bodies, each configuration.
+/// Each configuration is also tested by frames of a World in which the robot is bodies.
 TEST_F(RobotTest, BatchesFindWhatFramesFind)
 {
     for (const int threads : {1, 2}) {

@@ -35,7 +35,7 @@ std::optional<Value> optional_from(const json& value)
     return value.is_null() ? std::nullopt : std::optional(value.get<Value>());
 }
 
-/// With absolute paths: the results may be read from another folder.
+/// Paths are absolute: the results may be read from another folder.
 std::string source_json(const SceneOptions& o)
 {
     const auto placed = [](const std::string& path) {

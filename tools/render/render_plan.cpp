@@ -66,7 +66,7 @@ std::vector<ImagePlan> images_from(const RenderOptions& o, const Scene& scene)
     return images;
 }
 
-/// By its name, or by its label: "body 3".
+/// Finds a body by its name, or by its label: "body 3".
 SceneBodyId body_of(const Scene& scene, const std::string& name)
 {
     if (const std::optional<SceneBodyId> body = scene.find(name)) return *body;

@@ -76,7 +76,7 @@ std::vector<Dial> dials_of(const StudyOptions& o, double size)
     return dials;
 }
 
-/// Where the cells come from: a backend by name; gl-query once per viewport.
+/// A source of cells: a backend by name; gl-query once per viewport.
 struct Source {
     std::string prefix; ///< of variant names; empty for the cpu
     SettingsOptions settings;

@@ -29,7 +29,7 @@ public:
     const Eigen::Vector3d& origin() const { return origin_; } ///< poses are relative to it
     /// Bodies whose poses are stored per frame: bodies that may move.
     const std::vector<std::uint32_t>& moving() const { return moving_; }
-    /// By geometry: the number of its bodies' pairs that were not separate.
+    /// The number of pairs that were not separate, by the geometry of their bodies.
     const std::vector<std::uint64_t>& touched() const { return touched_; }
 
     /// Bytes of a frame without pairs.

@@ -231,7 +231,7 @@ TEST(SegmentQuery, TheFirstPointInARoundShapeIsOnItsSurface)
     EXPECT_EQ(query.first(plane, {{0, 0, 0}, {0, 0, 1}}, false)->entry.upper, 0) << "begins on the plane";
 }
 
-/// Where a segment crosses the plane of a triangle, about.
+/// The approximate fraction at which a segment crosses the plane of a triangle.
 double fraction_of(const Segment& s, const TrianglePoints& t)
 {
     const Vector3d normal = (t[1] - t[0]).cross(t[2] - t[0]);

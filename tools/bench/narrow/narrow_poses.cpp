@@ -112,7 +112,7 @@ public:
     }
 
     /// The position with this distance, to 1e-7 of the diagonal, at or after `low`, where the distance is not larger.
-    /// By the Illinois method, a false position method that always converges.
+    /// Uses the Illinois method, a false position method that always converges.
     double apart(const Approach& approach, double distance, double low) const
     {
         double high = reach_ + distance; // at position 0 the AABBs overlap

@@ -54,7 +54,8 @@ void take_edges(const TriangleL& a, const TriangleL& b, Nearest& nearest)
             const Vector3l &p = a[i], &q = b[j], &p_end = a[(i + 1) % 3], &q_end = b[(j + 1) % 3];
             nearest.take(p, foot(q, q_end, p)), nearest.take(foot(p, p_end, q), q);
             const Vector3l u = p_end - p, v = q_end - q, across = u.cross(v);
-            // Where the lines are nearest; then each point is computed again from the other, which reduces rounding.
+            // The nearest points of the lines; then each point is computed again from the other, which reduces
+            // rounding.
             Vector3l on_p = p + unit_part((q - p).cross(v).dot(across) / across.squaredNorm()) * u;
             const Vector3l on_q = foot(q, q_end, on_p);
             on_p = foot(p, p_end, on_q);
