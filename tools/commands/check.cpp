@@ -1,9 +1,9 @@
 #include "cli/command.hpp"
 #include "cli/log.hpp"
-#include "common/numbers.hpp"
 #include "cli/options.hpp"
 #include "cli/progress.hpp"
 #include "cli/system.hpp"
+#include "common/numbers.hpp"
 #include "play/play.hpp"
 
 #include <algorithm>
@@ -36,21 +36,13 @@ struct CheckOptions {
     bool quiet = false;
 };
 
-/// Reads "x y z qx qy qz qw" (or with commas). Empty text is the identity.
-Eigen::Isometry3d parse_pose(const std::string& option, const std::string& text, std::vector<std::string>& warnings)
+/// Warns if the quaternion was not of length 1.
+Eigen::Isometry3d pose_of(const std::string& option, const std::string& text, std::vector<std::string>& warnings)
 {
-    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    if (text.empty()) return pose;
-    constexpr const char* form = "x y z qx qy qz qw";
-    const std::vector<double> numbers = parse_numbers(option, text, 7, form);
-    Eigen::Quaterniond rotation(numbers[6], numbers[3], numbers[4], numbers[5]);
-    const double norm = rotation.coeffs().stableNorm();
-    if (!(norm > 1e-12) || !std::isfinite(norm)) refuse_numbers(option, text, "the quaternion has no direction", form);
-    if (std::abs(norm - 1) > 1e-6)
-        warnings.push_back(fmt::format("{}: the quaternion has length {:.9g}; normalised", option, norm));
-    rotation.coeffs() /= norm;
-    pose.linear() = rotation.normalized().toRotationMatrix();
-    pose.translation() << numbers[0], numbers[1], numbers[2];
+    double length;
+    const Eigen::Isometry3d pose = parse_pose(option, text, length);
+    if (std::abs(length - 1) > 1e-6)
+        warnings.push_back(fmt::format("{}: the quaternion has length {:.9g}; normalised", option, length));
     return pose;
 }
 
@@ -66,8 +58,8 @@ Scene load_pair(const CheckOptions& options)
 {
     Scene scene;
     scene.name = fmt::format("{} against {}", options.a, options.b);
-    const Eigen::Isometry3d pose_a = parse_pose("--pose-a", options.pose_a, scene.warnings);
-    const Eigen::Isometry3d pose_b = parse_pose("--pose-b", options.pose_b, scene.warnings);
+    const Eigen::Isometry3d pose_a = pose_of("--pose-a", options.pose_a, scene.warnings);
+    const Eigen::Isometry3d pose_b = pose_of("--pose-b", options.pose_b, scene.warnings);
     const std::string name_b = options.a == options.b ? options.b + " (second)" : options.b;
     const SceneReading cache = reading_with(options.cache);
     const GeometryId a = add_file(scene, options.a, options.a, cache);
@@ -159,9 +151,9 @@ void set_motions(World& world, const CheckOptions& options)
 {
     std::vector<std::string> warnings;
     if (!options.to_pose_a.empty())
-        world.set_motion(world.body_at(0), parse_pose("--to-pose-a", options.to_pose_a, warnings));
+        world.set_motion(world.body_at(0), pose_of("--to-pose-a", options.to_pose_a, warnings));
     if (!options.to_pose_b.empty())
-        world.set_motion(world.body_at(1), parse_pose("--to-pose-b", options.to_pose_b, warnings));
+        world.set_motion(world.body_at(1), pose_of("--to-pose-b", options.to_pose_b, warnings));
     for (const std::string& warning : warnings) log(LogLevel::warning, warning);
 }
 

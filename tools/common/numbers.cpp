@@ -38,4 +38,21 @@ std::vector<double> parse_numbers(const std::string& option, const std::string& 
     return numbers;
 }
 
+Eigen::Isometry3d parse_pose(const std::string& option, const std::string& text, double& length)
+{
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    length = 1;
+    if (text.empty()) return pose;
+    constexpr const char* form = "x y z qx qy qz qw";
+    const std::vector<double> numbers = parse_numbers(option, text, 7, form);
+    Eigen::Quaterniond rotation(numbers[6], numbers[3], numbers[4], numbers[5]);
+    length = rotation.coeffs().stableNorm();
+    if (!(length > 1e-12) || !std::isfinite(length))
+        refuse_numbers(option, text, "the quaternion has no direction", form);
+    rotation.coeffs() /= length;
+    pose.linear() = rotation.normalized().toRotationMatrix();
+    pose.translation() << numbers[0], numbers[1], numbers[2];
+    return pose;
+}
+
 } // namespace oncollide::tools

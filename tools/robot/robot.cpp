@@ -129,8 +129,8 @@ int check_robot(const RobotCommand& options)
     const Robot robot(environment.world(), std::move(description), base_of(options.robot));
     const std::vector<double> numbers = open_configurations(options.configurations, robot);
     const std::size_t width = robot.width(), count = width ? numbers.size() / width : 1;
-    for (std::size_t i = 0; i < count; ++i) try {
-            robot.check_configuration(std::span(numbers).subspan(i * width, width), options.limits);
+    for (std::size_t i = 0; options.limits && i < count; ++i) try { // check() checks the rest
+            robot.check_configuration(std::span(numbers).subspan(i * width, width), true);
         } catch (const Error& error) {
             throw Error(error.kind(), fmt::format("configuration {}: {}", i, error.what()));
         }

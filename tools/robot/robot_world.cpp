@@ -52,15 +52,10 @@ RobotDescription open_robot(const RobotOptions& options)
 
 Eigen::Isometry3d base_of(const RobotOptions& options)
 {
-    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    if (options.base.empty()) return pose;
-    constexpr const char* form = "x y z qx qy qz qw";
-    const std::vector<double> n = parse_numbers("--base", options.base, 7, form);
-    const Eigen::Quaterniond rotation(n[6], n[3], n[4], n[5]);
-    if (!(std::abs(rotation.norm() - 1) <= 1e-3))
-        refuse_numbers("--base", options.base, "the quaternion is not of length 1", form);
-    pose.linear() = rotation.normalized().toRotationMatrix();
-    pose.translation() << n[0], n[1], n[2];
+    double length;
+    const Eigen::Isometry3d pose = parse_pose("--base", options.base, length);
+    if (!(std::abs(length - 1) <= 1e-3))
+        refuse_numbers("--base", options.base, "the quaternion is not of length 1", "x y z qx qy qz qw");
     return pose;
 }
 
