@@ -26,7 +26,7 @@
 #include <oncollide/narrowphase/spheres/ocst.hpp>
 #include <oncollide/narrowphase/spheres/surface.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
-#include <oncollide/scenes/model/map_access.hpp>
+#include <oncollide/scenes/model/map/map_access.hpp>
 
 namespace oncollide {
 

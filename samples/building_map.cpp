@@ -7,7 +7,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/numbers/random.hpp>
-#include <oncollide/scenes/model/map_access.hpp>
+#include <oncollide/scenes/model/map/map_access.hpp>
 
 namespace oncollide {
 

@@ -24,7 +24,7 @@ PLOTS = {
     "gpu": ("Grey cells on a GPU", "grey-cells-on-a-gpu"),
     "reading": ("Reading files", "reading-files"),
 }
-DATA = {"study": "study_many.csv", "gpu": "gpu/llvmpipe.json"}  # of plots that several files are behind: the first
+DATA = {"study": "study/many.csv", "gpu": "gpu/llvmpipe.json"}  # of plots that several files are behind: the first
 DOXYFILE = """
 PROJECT_NAME = oncollide
 INPUT = {inputs}
@@ -54,15 +54,16 @@ def gather(pages):
     """Copies the pages. Links to sources and to the README become plain text, because the site does not have these files."""
     for folder in ("data", "pictures"):
         shutil.copytree(DOCS / folder, pages / folder)
-    (pages / "notes").mkdir()
-    for page in [*DOCS.glob("*.md"), *DOCS.glob("notes/*.md")]:
+    for page in DOCS.glob("**/*.md"):
+        to = pages / page.relative_to(DOCS)
+        to.parent.mkdir(exist_ok=True)
         text = page.read_text(encoding="utf-8")
-        outside = r"\.\./" if page.parent == DOCS else r"\.\./\.\./"
+        outside = r"\.\./" * len(page.relative_to(SOURCE).parent.parts)
         text = re.sub(rf"\[([^\]]*)\]\({outside}([^)]*)\)", r"\1 (`\2`)", text)
         text = text.replace("```cpp fcl\n", "```cpp\n")  # a mark for the tests
         # Cells of HTML tables hold Markdown.
         text = text.replace("<td>\n", '<td markdown="block">\n').replace("<table>", '<table markdown="block">')
-        (pages / page.relative_to(DOCS)).write_text(for_mkdocs(text), encoding="utf-8")
+        to.write_text(for_mkdocs(text), encoding="utf-8")
 
 
 def write_reference(pages, command):
@@ -109,7 +110,7 @@ def write_api(pages, out, complete):
 
 def check_links(site):
     """Every link and picture inside the site must lead somewhere, to its place in the page too, which MkDocs does not check."""
-    pages = {page: page.read_text(encoding="utf-8") for page in [*site.glob("*.html"), *site.glob("notes/*.html")]}
+    pages = {page: page.read_text(encoding="utf-8") for page in [*site.glob("*.html"), *site.glob("notes/*.html"), *site.glob("from/*.html")]}
     names = {page: set(re.findall(r'\bid="([^"]+)"', text)) for page, text in pages.items()}
     wrong = []
     for page, text in pages.items():

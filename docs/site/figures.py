@@ -287,8 +287,8 @@ def narrow_large():
     return medians("narrow_large")
 
 
-STUDIES = {"study_paper": "`paper --every 8`, four bodies of 1,500 triangles", "study_many": "`many --frames 6`, 1,000 bodies",
-           "study_poses": "`--poses --every 3 --age 1000000`, bunny and cow"}
+STUDIES = {"study/paper": "`paper --every 8`, four bodies of 1,500 triangles", "study/many": "`many --frames 6`, 1,000 bodies",
+           "study/poses": "`--poses --every 3 --age 1000000`, bunny and cow"}
 
 
 def study():
@@ -618,7 +618,7 @@ BLOCK = re.compile(r"(<!-- figures: (\w+) -->\n)(.*?)(<!-- end -->)", re.S)
 
 def update(write):
     wrong, typed, seen = [], [], set()
-    for page in [DOCS.parent / "README.md", *sorted(DOCS.glob("*.md")), *sorted(DOCS.glob("notes/*.md"))]:
+    for page in [DOCS.parent / "README.md", *sorted(DOCS.glob("**/*.md"))]:
         text = page.read_text(encoding="utf-8")
 
         def block(match):

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <span>
 
-#include <oncollide/narrowphase/exact/triangle_distance_kernel.hpp>
+#include <oncollide/narrowphase/exact/kernels/triangle_distance_kernel.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 
 namespace oncollide {

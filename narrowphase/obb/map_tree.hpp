@@ -5,7 +5,7 @@
 
 #include <oncollide/base/aabb.hpp>
 #include <oncollide/narrowphase/obb/hierarchy.hpp>
-#include <oncollide/scenes/model/map_access.hpp>
+#include <oncollide/scenes/model/map/map_access.hpp>
 
 namespace oncollide {
 

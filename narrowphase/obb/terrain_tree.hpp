@@ -13,7 +13,7 @@
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 #include <oncollide/narrowphase/obb/hierarchy.hpp>
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
-#include <oncollide/scenes/model/terrain_access.hpp>
+#include <oncollide/scenes/model/terrain/terrain_access.hpp>
 
 namespace oncollide {
 

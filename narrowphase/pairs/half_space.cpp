@@ -6,7 +6,7 @@
 #include <span>
 
 #include <oncollide/scenes/model/box_corners.hpp>
-#include <oncollide/scenes/model/map_access.hpp>
+#include <oncollide/scenes/model/map/map_access.hpp>
 
 namespace oncollide {
 

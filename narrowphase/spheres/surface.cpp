@@ -1,5 +1,5 @@
 #include <oncollide/narrowphase/spheres/surface.hpp>
-#include <oncollide/scenes/model/map_access.hpp>
+#include <oncollide/scenes/model/map/map_access.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include <oncollide/narrowphase/obb/shape_tree.hpp>
 #include <oncollide/narrowphase/shapes/convex_pair.hpp>
 #include <oncollide/narrowphase/walks/triangle_tests.hpp>
-#include <oncollide/scenes/model/map_access.hpp>
+#include <oncollide/scenes/model/map/map_access.hpp>
 
 namespace oncollide {
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include <oncollide/base/simd/cpu_features.hpp>
+#include <oncollide/narrowphase/exact/kernels/segment_kernel.hpp>
+#include <oncollide/narrowphase/exact/kernels/triangle_kernel.hpp>
 #include <oncollide/narrowphase/exact/relative_pose.hpp>
-#include <oncollide/narrowphase/exact/segment_kernel.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
-#include <oncollide/narrowphase/exact/triangle_kernel.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 #include <oncollide/narrowphase/obb/obb_tree.hpp>
 #include <oncollide/narrowphase/obb/terrain_tree.hpp>

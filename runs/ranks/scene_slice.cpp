@@ -10,7 +10,7 @@
 #include <oncollide/scenes/cooked/cooked_map.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
-#include <oncollide/scenes/model/map_access.hpp>
+#include <oncollide/scenes/model/map/map_access.hpp>
 
 namespace oncollide {
 

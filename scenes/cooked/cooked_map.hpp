@@ -10,8 +10,8 @@
 #include <oncollide/base/threads/lock_order.hpp>
 #include <oncollide/scenes/cooked/chunk_budget.hpp>
 #include <oncollide/scenes/cooked/cooked_file.hpp>
-#include <oncollide/scenes/model/map_access.hpp>
-#include <oncollide/scenes/model/map_chunks.hpp>
+#include <oncollide/scenes/model/map/map_access.hpp>
+#include <oncollide/scenes/model/map/map_chunks.hpp>
 
 namespace oncollide {
 

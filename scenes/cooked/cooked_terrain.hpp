@@ -11,7 +11,7 @@
 #include <oncollide/base/threads/lock_order.hpp>
 #include <oncollide/scenes/cooked/chunk_budget.hpp>
 #include <oncollide/scenes/cooked/cooked_file.hpp>
-#include <oncollide/scenes/model/terrain_chunks.hpp>
+#include <oncollide/scenes/model/terrain/terrain_chunks.hpp>
 
 namespace oncollide {
 

@@ -9,7 +9,7 @@
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
 #include <oncollide/scenes/files/generators.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
-#include <oncollide/scenes/model/map_access.hpp>
+#include <oncollide/scenes/model/map/map_access.hpp>
 
 namespace oncollide {
 

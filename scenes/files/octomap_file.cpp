@@ -11,7 +11,7 @@
 #include <oncollide/scenes/cooked/cooked_map.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/octomap_nodes.hpp>
-#include <oncollide/scenes/model/map_access.hpp>
+#include <oncollide/scenes/model/map/map_access.hpp>
 
 namespace oncollide {
 

@@ -8,7 +8,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/scenes/files/mesh/mesh_source.hpp>
-#include <oncollide/scenes/model/map_change.hpp>
+#include <oncollide/scenes/model/map/map_change.hpp>
 
 namespace oncollide {
 

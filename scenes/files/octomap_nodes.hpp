@@ -2,7 +2,7 @@
 #include <string>
 #include <string_view>
 
-#include <oncollide/scenes/model/cell_tree.hpp>
+#include <oncollide/scenes/model/map/cell_tree.hpp>
 
 namespace oncollide {
 

@@ -63,7 +63,7 @@ build(tutorial_native ${WORK}/tutorial_source ${COMPILER})
 run_as_shown(${page} ${WORK}/tutorial_native/yard)
 set(FLAGS "${plain}")
 
-set(page ${SOURCE}/docs/from-fcl.md)
+set(page ${SOURCE}/docs/from/fcl.md)
 foreach(library IN ITEMS fcl oncollide)
   set(fence cpp)
   set(target oncollide::oncollide)

@@ -13,7 +13,7 @@
 #ifdef ONCOLLIDE_HDF5
 #include "hdf5_inputs.hpp"
 #endif
-#include "scenes/xml_writers.hpp"
+#include "scenes/files/xml_writers.hpp"
 #include "seeds.hpp"
 #include "tools/run_command.hpp"
 #include <oncollide/base/error.hpp>

@@ -10,7 +10,7 @@
 
 #include "formats.hpp"
 #include "load_with_samples.hpp"
-#include "scenes/hdf5_writers.hpp"
+#include "scenes/files/hdf5_writers.hpp"
 #include "temporary_folder.hpp"
 #include <oncollide/base/files/checksum.hpp>
 #include <oncollide/scenes/files/tables/results_file.hpp>

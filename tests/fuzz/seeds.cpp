@@ -7,14 +7,14 @@
 #include <fmt/format.h>
 #include <octomap/OcTree.h>
 
-#include "scenes/mesh_writers.hpp"
-#include "scenes/xml_writers.hpp"
+#include "scenes/files/mesh_writers.hpp"
+#include "scenes/files/xml_writers.hpp"
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/tile_index.hpp>
-#include <oncollide/scenes/model/map_access.hpp>
+#include <oncollide/scenes/model/map/map_access.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
 namespace oncollide::test {

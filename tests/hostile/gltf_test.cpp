@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 
 #include "hostile/structure.hpp"
-#include "scenes/mesh_writers.hpp"
+#include "scenes/files/mesh_writers.hpp"
 #include "scenes/test_files.hpp"
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>

@@ -1,7 +1,7 @@
 // Names that would act on a terminal or break an output, numbers that overflow, byte-order marks.
 #include <new>
 
-#include "scenes/mesh_writers.hpp"
+#include "scenes/files/mesh_writers.hpp"
 #include "tools/command_fixture.hpp"
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/text/printable.hpp>

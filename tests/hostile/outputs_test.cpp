@@ -1,7 +1,7 @@
 // Outputs that would destroy data: an input, another user's permissions, a folder full of leftovers.
 #include <sys/stat.h>
 
-#include "scenes/mesh_writers.hpp"
+#include "scenes/files/mesh_writers.hpp"
 #include "tools/command_fixture.hpp"
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/samples/generators.hpp>

@@ -13,7 +13,7 @@ def blocks(page, fence):
     return "".join(re.findall(rf"^```{fence}\n(.*?)^```", (SOURCE / page).read_text(), re.DOTALL | re.MULTILINE))
 
 
-@pytest.mark.parametrize("page", ["python", "planner", "from-trimesh"])
+@pytest.mark.parametrize("page", ["python", "planner", "from/trimesh"])
 def test_pages_print_what_they_show(page, run_python):
     program, shown = blocks(f"docs/{page}.md", "python"), blocks(f"docs/{page}.md", "text")
     assert program and shown

@@ -1,4 +1,4 @@
-#include <oncollide/scenes/model/cell_tree.hpp>
+#include <oncollide/scenes/model/map/cell_tree.hpp>
 
 #include <algorithm>
 #include <random>

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
-#include <oncollide/scenes/model/map_access.hpp>
+#include <oncollide/scenes/model/map/map_access.hpp>
 #include <oncollide/scenes/scene.hpp>
 
 namespace oncollide::test {

@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include <oncollide/base/numbers/random.hpp>
-#include <oncollide/scenes/model/terrain_access.hpp>
+#include <oncollide/scenes/model/terrain/terrain_access.hpp>
 
 namespace oncollide {
 

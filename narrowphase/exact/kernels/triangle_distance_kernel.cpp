@@ -1,0 +1,121 @@
+// Compiled once per instruction set; see oncollide_add_kernel.
+//
+// The nearest points of two triangles that do not meet are on two edges, or at a corner and on a face. Source: Ericson,
+// "Real-Time Collision Detection", 2004, 5.1.5 and 5.1.9; but divisors are squares of cross products: where edges are
+// nearly parallel, rounding leaves them twice as many digits as differences of products. An undefined quotient
+// (parallel edges, or points) counts as 0.
+#include <oncollide/narrowphase/exact/kernels/triangle_lanes.hpp>
+
+#include <oncollide/narrowphase/exact/kernels/triangle_distance_kernel.hpp>
+
+namespace oncollide::ONCOLLIDE_ISA {
+namespace {
+
+inline F64 clamp(F64 v)
+{
+    return min(max(v, F64{}), F64{} + 1);
+}
+/// p + s u
+inline Vec along(const Vec& p, F64 s, const Vec& u)
+{
+    return {p.x + s * u.x, p.y + s * u.y, p.z + s * u.z};
+}
+
+struct Nearest {
+    Vec a{}, b{};
+    F64 distance2 = F64{} + __builtin_inf();
+
+    void take(I64 where, const Vec& p, const Vec& q)
+    {
+        const Vec between = p - q;
+        const F64 d2 = dot(between, between);
+        const I64 nearer = where & (d2 < distance2);
+        a = select(nearer, p, a), b = select(nearer, q, b), distance2 = nearer ? d2 : distance2;
+    }
+};
+
+struct Edge {
+    Vec from, along;
+    F64 per_length2;
+
+    Edge(const Vec& p, const Vec& q) : from(p), along(q - p), per_length2(1 / dot(along, along)) {}
+};
+
+inline void take_edges(Nearest& nearest, const Edge& a, const Edge& b)
+{
+    const Vec w = a.from - b.from, n = cross(a.along, b.along);
+    const F64 uv = dot(a.along, b.along), uw = dot(a.along, w), vw = dot(b.along, w);
+    F64 s = clamp(dot(cross(b.along, w), n) / dot(n, n));
+    const F64 t = clamp((vw + uv * s) * b.per_length2);
+    s = clamp((uv * t - uw) * a.per_length2);
+    nearest.take(~I64{}, along(a.from, s, a.along), along(b.from, t, b.along));
+}
+
+/// A triangle, prepared for comparison with corners.
+struct Face {
+    Vec from, u, v, across_u, across_v; ///< in the triangle's plane, orthogonal to u and to v
+    F64 n2, per_n2;
+
+    explicit Face(const Corners& t) : from(t.p), u(t.q - t.p), v(t.r - t.p)
+    {
+        const Vec n = cross(u, v);
+        across_u = cross(n, u), across_v = cross(v, n);
+        n2 = dot(n, n), per_n2 = 1 / n2;
+    }
+    /// Sets q to the projection of p onto the face. False if it is outside the face.
+    I64 below(const Vec& p, Vec& q) const
+    {
+        const Vec w = p - from;
+        const F64 s = dot(w, across_v), r = dot(w, across_u);
+        q = along(along(from, s * per_n2, u), r * per_n2, v);
+        return (s >= 0) & (r >= 0) & (s + r <= n2) & (n2 > 0);
+    }
+};
+
+inline Nearest nearest_points(const Corners& a, const Corners& b)
+{
+    Nearest nearest;
+    const Edge of_a[3] = {{a.p, a.q}, {a.q, a.r}, {a.r, a.p}}, of_b[3] = {{b.p, b.q}, {b.q, b.r}, {b.r, b.p}};
+    for (const Edge& u : of_a)
+        for (const Edge& v : of_b) take_edges(nearest, u, v);
+    const Face face_a(a), face_b(b);
+    Vec below{};
+    for (const Edge& v : of_b) {
+        const I64 is_below = face_a.below(v.from, below);
+        nearest.take(is_below, below, v.from);
+    }
+    for (const Edge& u : of_a) {
+        const I64 is_below = face_b.below(u.from, below);
+        nearest.take(is_below, u.from, below);
+    }
+    return nearest;
+}
+
+inline void store(double* to, F64 v)
+{
+    __builtin_memcpy(to, &v, sizeof v);
+}
+inline void store(double (&to)[3][8], unsigned first, const Vec& v)
+{
+    store(to[0] + first, v.x), store(to[1] + first, v.y), store(to[2] + first, v.z);
+}
+
+void measure(const CornersOfPairs& corners, const double* rotation, const double* translation, unsigned count,
+             NearestOfPairs& out)
+{
+    for (unsigned first = 0; first < count; first += width) {
+        const auto [a, b] = corners_of(corners, first, rotation, translation);
+        const Nearest nearest = nearest_points(a, b);
+        store(out.a, first, nearest.a), store(out.b, first, nearest.b);
+        store(out.distance2 + first, nearest.distance2);
+    }
+}
+
+} // namespace
+
+MeasurePairs* measure_pairs()
+{
+    return measure;
+}
+
+} // namespace oncollide::ONCOLLIDE_ISA
