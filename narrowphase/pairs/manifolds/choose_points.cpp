@@ -134,31 +134,41 @@ private:
     double size_ = 0;
 };
 
+/// Squared distance of a point from the hull of points: at most that from the triangles tried.
+double hull_distance2(const Vector3d& p, std::span<const Vector3d> points)
+{
+    double least = unbounded;
+    const std::size_t count = points.size();
+    if (count < 3) return distance2(p, points.front(), points.back(), points.back());
+    const std::size_t firsts = count > 6 ? 1 : count; // all triangles where they are few, else a fan
+    for (std::size_t i = 0; i < firsts; ++i)
+        for (std::size_t j = i + 1; j < count; ++j)
+            for (std::size_t k = j + 1; k < count && least > 0; ++k)
+                least = std::min(least, distance2(p, points[i], points[j], points[k]));
+    return least;
+}
+
 double farthest_lost(const RegionDraft& draft, std::span<const ManifoldPoint> kept)
 {
     std::vector<Vector3d> points;
-    for (const ManifoldPoint& p : kept) points.push_back(0.5 * (p.point_a + p.point_b));
-    const auto distance = [&](const Vector3d& p) {
-        double least = unbounded;
-        const std::size_t count = points.size();
-        if (count < 3) return distance2(p, points.front(), points.back(), points.back());
-        const std::size_t firsts = count > 6 ? 1 : count; // all triangles where they are few, else a fan
-        for (std::size_t i = 0; i < firsts; ++i)
-            for (std::size_t j = i + 1; j < count; ++j)
-                for (std::size_t k = j + 1; k < count && least > 0; ++k)
-                    least = std::min(least, distance2(p, points[i], points[j], points[k]));
-        return least;
-    };
+    for (const ManifoldPoint& p : kept) points.push_back(middle_of(p));
     double lost = 0;
     for (const Vector3d& p : draft.contacts) {
         double nearest = unbounded; // a point of the hull: mostly near enough to decide
         for (const Vector3d& q : points) nearest = std::min(nearest, (p - q).squaredNorm());
-        if (nearest > lost) lost = std::max(lost, distance(p));
+        if (nearest > lost) lost = std::max(lost, hull_distance2(p, points));
     }
     return std::sqrt(lost) + draft.rounding;
 }
 
 } // namespace
+
+double distance_from_hull(const Vector3d& point, std::span<const ManifoldPoint> hull)
+{
+    std::vector<Vector3d> points;
+    for (const ManifoldPoint& p : hull) points.push_back(middle_of(p));
+    return std::sqrt(hull_distance2(point, points));
+}
 
 double angle_between(const Vector3d& u, const Vector3d& v)
 {

@@ -124,6 +124,7 @@ void complete(Manifold& manifold, const ManifoldOptions& options, const Eigen::I
     }
     for (ManifoldPoint& p : points) p.point_a = pose * p.point_a, p.point_b = pose * p.point_b;
     manifold.points = std::move(points);
+    limit_points(manifold, options.points_per_pair);
 }
 
 void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold)

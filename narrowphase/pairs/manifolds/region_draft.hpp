@@ -50,6 +50,14 @@ std::vector<Eigen::Vector3d> support_points(const Convex& solid, const Eigen::Ve
 /// The angle between directions, within rounding; pi if a vector has no length.
 double angle_between(const Eigen::Vector3d& u, const Eigen::Vector3d& v);
 
+inline Eigen::Vector3d middle_of(const ManifoldPoint& p)
+{
+    return 0.5 * (p.point_a + p.point_b);
+}
+
+/// An upper bound of the distance of a point from the hull of these points (at least one): between their middles.
+double distance_from_hull(const Eigen::Vector3d& point, std::span<const ManifoldPoint> hull);
+
 /// A bound of the rounding of coordinates of the pair, metres.
 double rounding_of(const PlacedSurface& a, const PlacedSurface& b);
 
