@@ -206,7 +206,8 @@ struct ManifoldOptions {
     double normal_spread = 0.174532925199433; ///< radians: faces of one region differ by at most twice this
     std::uint32_t points_per_region = 4, regions_per_pair = 16; ///< at least 1
     std::uint32_t points_per_pair = 64; ///< at least 1; regions share them in turn, the deepest region first
-    /// Of all pairs in one call of World::manifolds(); pairs share them in turn, the deepest pair first. 0: no limit.
+    /// Points of all pairs of one call of World::manifolds(). Pairs share the points in turn, the deepest pair first.
+    /// 0: no limit.
     std::uint32_t points_in_all = 0;
 };
 

@@ -1,5 +1,6 @@
 // Limits of the number of points of a pair, and of many pairs.
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include <oncollide/narrowphase/pairs/manifold_tests.hpp>
@@ -7,11 +8,9 @@
 
 namespace oncollide {
 
-using Eigen::Vector3d;
-
 namespace {
 
-/// Shares for which takers stand in line: each in turn takes one until it has what it wants, or none is left.
+/// The share of each taker. The takers take one piece in turn. A taker stops at the number that the list gives for it.
 std::vector<std::uint32_t> shares_in_turn(std::span<const std::uint32_t> wanted, std::size_t most)
 {
     std::vector<std::uint32_t> shares(wanted.size(), 0);
@@ -37,11 +36,12 @@ void limit_points(Manifold& manifold, std::size_t most)
         ManifoldRegion& r = manifold.regions[i];
         const auto own = std::span<const ManifoldPoint>(manifold.points).subspan(r.first, r.count);
         const auto first = own.first(shares[i]);
-        // The distance from a hull is convex: what was near the hull of all is near the hull of the kept, within this.
+        // The distance from a hull is convex, so the hull of all points is no farther from the hull of the kept points
+        // than the farthest dropped point.
         double moved = 0;
-        for (const ManifoldPoint& p : own.subspan(shares[i]))
-            if (!first.empty()) moved = std::max(moved, distance_from_hull(middle_of(p), first));
-        r.lost += moved * (1 + 0x1p-40);
+        if (const PointHull hull(first); !first.empty())
+            for (const ManifoldPoint& p : own.subspan(shares[i])) moved = std::max(moved, hull.distance2(middle_of(p)));
+        r.lost += std::sqrt(moved) * (1 + 0x1p-40);
         r.first = static_cast<std::uint32_t>(kept.size()), r.count = shares[i];
         kept.insert(kept.end(), first.begin(), first.end());
     }
