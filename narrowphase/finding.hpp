@@ -205,13 +205,17 @@ struct ManifoldOptions {
     double margin = 0;                        ///< metres: parts of surfaces this near are regions, too
     double normal_spread = 0.174532925199433; ///< radians: faces of one region differ by at most twice this
     std::uint32_t points_per_region = 4, regions_per_pair = 16; ///< at least 1
+    std::uint32_t points_per_pair = 64; ///< at least 1; regions share them in turn, the deepest region first
+    /// Points of all pairs of one call of World::manifolds(). Pairs share the points in turn, the deepest pair first.
+    /// 0: no limit.
+    std::uint32_t points_in_all = 0;
 };
 
 /// The manifold of one pair.
 struct Manifold {
     std::vector<ManifoldRegion> regions; ///< the deepest first
     std::vector<ManifoldPoint> points;
-    /// False if regions_per_pair left out a region; or for two half-spaces, and for cooked meshes that are read on
+    /// False if a limit left out a region or a point; or for two half-spaces, and for cooked meshes that are read on
     /// demand, which have no manifold.
     bool complete = true;
 };

@@ -19,9 +19,9 @@ int leading_sign(const TrianglePoints& t)
 
 } // namespace
 
-int moved_side(const TrianglePoints& t, const Eigen::Vector3d& point, bool of_b)
+int moved_side(const TrianglePoints& t, int exact, bool of_b)
 {
-    if (const int side = orient3d(t[0], t[1], t[2], point)) return side;
+    if (exact) return exact;
     return of_b ? -leading_sign(t) : leading_sign(t);
 }
 

@@ -11,8 +11,9 @@ namespace oncollide {
 
 /// The side of a triangle's plane that a point of the other body is on: 1 where its normal points, else -1; 0 if the
 /// triangle has no area.
-/// @param of_b  the triangle is B's, and the point A's
-int moved_side(const TrianglePoints& triangle, const Eigen::Vector3d& point, bool of_b);
+/// @param exact  orient3d() of the triangle and the point
+/// @param of_b   the triangle is B's, and the point A's
+int moved_side(const TrianglePoints& triangle, int exact, bool of_b);
 
 /// True if B moves towards the side to which the triangle's normal points.
 bool moves_along(const TrianglePoints& triangle);

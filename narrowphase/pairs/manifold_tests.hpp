@@ -10,6 +10,11 @@ void manifold_of_solids(PairWorker& worker, const PairTask& task, const Manifold
 /// World::manifold() for every two kinds except two half-spaces.
 void manifold_of(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold);
 
+/// Keeps at most this many points: regions share them in turn, the deepest first, and lose their last points.
+void limit_points(Manifold& manifold, std::size_t most);
+/// The same for the points of all: pairs share them in turn, the deepest first.
+void limit_points(std::span<Manifold> manifolds, std::size_t most);
+
 /// World::near_features() for two bodies with triangles or heights.
 void near_features_of(PairWorker& worker, const PairTask& task, double dhat, std::vector<NearFeatures>& found);
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <vector>
 
 #include <oncollide/narrowphase/inside/point_location.hpp>
@@ -48,6 +49,8 @@ constexpr std::uint32_t most_points = 1024;
 
 } // namespace operand
 
+struct ManifoldMemory;
+
 /// One thread's working memory for the tests of all kinds of pairs: a walk for each two hierarchies that are compared.
 class PairWorker {
 public:
@@ -78,6 +81,7 @@ public:
     PenetrationDepth penetration;
     std::vector<TrianglePair> pairs;
     std::vector<Contact> meetings;
+    std::shared_ptr<ManifoldMemory> manifold_memory; ///< made by the first manifold
 
     /// Counts of the walks; see Traversal::Counts. Primitives of all kinds count as triangles.
     Traversal::Counts counts() const;

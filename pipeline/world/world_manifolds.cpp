@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/narrowphase/pairs/manifold_tests.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
 #include <oncollide/pipeline/world/query_worker.hpp>
 
@@ -21,7 +22,8 @@ void check_options(const ManifoldOptions& options)
     };
     check("margin", options.margin, 1e15), check("normal_spread", options.normal_spread, std::numbers::pi / 2);
     for (const auto& [name, value] : {std::pair("points_per_region", options.points_per_region),
-                                      std::pair("regions_per_pair", options.regions_per_pair)})
+                                      std::pair("regions_per_pair", options.regions_per_pair),
+                                      std::pair("points_per_pair", options.points_per_pair)})
         if (value == 0) throw Error(ErrorKind::usage, fmt::format("manifolds: {} of 0; must be at least 1", name));
 }
 
@@ -56,6 +58,7 @@ void World::manifolds(std::span<const PairOfBodies> pairs, const ManifoldOptions
     const std::vector<PairTask> tasks = p.ready_tasks(pairs);
     std::vector<Manifold> found(tasks.size());
     p.each(tasks.size(), 4, [&](auto& worker, std::size_t i) { found[i] = p.manifold(worker, tasks[i], options); });
+    if (options.points_in_all > 0) limit_points(found, options.points_in_all);
     lists.regions.clear(), lists.points.clear(), lists.complete.clear(), lists.offsets.assign(1, 0);
     for (const Manifold& m : found) {
         const auto before = static_cast<std::uint32_t>(lists.points.size());

@@ -156,28 +156,31 @@ py::array penetration_batch(HeldWorld& held, py::handle a, py::handle b)
 }
 
 ManifoldOptions options_of(double margin, double normal_spread, std::uint32_t points_per_region,
-                           std::uint32_t regions_per_pair)
+                           std::uint32_t regions_per_pair, std::uint32_t points_per_pair)
 {
-    return {margin, normal_spread, points_per_region, regions_per_pair};
+    return {margin, normal_spread, points_per_region, regions_per_pair, points_per_pair};
 }
 
 py::tuple manifold(HeldWorld& held, py::handle a, py::handle b, double margin, double normal_spread,
-                   std::uint32_t points_per_region, std::uint32_t regions_per_pair)
+                   std::uint32_t points_per_region, std::uint32_t regions_per_pair, std::uint32_t points_per_pair)
 {
     const char* const call = "World.manifold";
     const Side first(held, a, {call, "a"}), second(held, b, {call, "b"});
-    const ManifoldOptions options = options_of(margin, normal_spread, points_per_region, regions_per_pair);
+    const ManifoldOptions options =
+        options_of(margin, normal_spread, points_per_region, regions_per_pair, points_per_pair);
     Manifold found = released(held, call, [&](const World& w) { return w.manifold(first, second, options); });
     return py::make_tuple(array_of(result_types().region, std::move(found.regions)),
                           array_of(result_types().manifold_point, std::move(found.points)), found.complete);
 }
 
 py::tuple manifolds(HeldWorld& held, py::handle a, py::handle b, double margin, double normal_spread,
-                    std::uint32_t points_per_region, std::uint32_t regions_per_pair)
+                    std::uint32_t points_per_region, std::uint32_t regions_per_pair, std::uint32_t points_per_pair,
+                    std::uint32_t points_in_all)
 {
     const char* const call = "World.manifolds";
     const std::vector<PairOfBodies> pairs = pairs_of(a, b, call);
-    const ManifoldOptions options = options_of(margin, normal_spread, points_per_region, regions_per_pair);
+    ManifoldOptions options = options_of(margin, normal_spread, points_per_region, regions_per_pair, points_per_pair);
+    options.points_in_all = points_in_all;
     ManifoldLists lists;
     released(held, call, [&](const World& w) { return w.manifolds(pairs, options, lists), 0; });
     return py::make_tuple(array_of(result_types().region, std::move(lists.regions)),
@@ -200,27 +203,29 @@ void bind_world_manifolds(WorldClass& world)
     const double spread = ManifoldOptions{}.normal_spread;
     world.def(
         "manifold", &manifold, "a"_a, "b"_a, "margin"_a = 0.0, "normal_spread"_a = spread, "points_per_region"_a = 4,
-        "regions_per_pair"_a = 16,
-        R"(manifold(self, a, b, margin=0.0, normal_spread=0.174532925199433, points_per_region=4, regions_per_pair=16)
+        "regions_per_pair"_a = 16, "points_per_pair"_a = 64,
+        R"(manifold(self, a, b, margin=0.0, normal_spread=0.174532925199433, points_per_region=4, regions_per_pair=16, points_per_pair=64)
 --
 
 Reduces the contacts for a solver. a, b: as in decide(), of any kind.
 
 margin: metres; parts of surfaces this near are regions, too. normal_spread: radians; faces of one region differ by at
-most twice this. points_per_region, regions_per_pair: at least 1.
+most twice this. points_per_region, regions_per_pair, points_per_pair: at least 1; regions share the points of a pair in
+turn, the deepest first.
 Returns (regions, points, complete). regions: a structured array, the deepest first: kind (uint8: 0 crossing, 1 touching,
 2 enclosed, 3 near), open (bool: a surface is not closed), normal (float64 (3,), unit, from a to b), normal_error
 (radians; pi where no normal has a meaning), area, volume, centre (3,), depth_lower, depth_upper (certified), lost (no
 exact contact is farther than this from the hull of the points), first, count (its points), found (candidates before the
 reduction). points: point_a, point_b (float64 (3,)), depth (> 0 inside), depth_error, feature_a, feature_b (uint64).
-complete: False if regions_per_pair left out a region, or the pair has no manifold. World frame, metres.)");
+complete: False if a limit left out a region or a point, or the pair has no manifold. World frame, metres.)");
     world.def(
         "manifolds", &manifolds, "a"_a, "b"_a, "margin"_a = 0.0, "normal_spread"_a = spread, "points_per_region"_a = 4,
-        "regions_per_pair"_a = 16,
-        R"(manifolds(self, a, b, margin=0.0, normal_spread=0.174532925199433, points_per_region=4, regions_per_pair=16)
+        "regions_per_pair"_a = 16, "points_per_pair"_a = 64, "points_in_all"_a = 0,
+        R"(manifolds(self, a, b, margin=0.0, normal_spread=0.174532925199433, points_per_region=4, regions_per_pair=16, points_per_pair=64, points_in_all=0)
 --
 
-The same for many pairs, on the World's threads. a, b: (N,) ids.
+The same for many pairs, on the World's threads. a, b: (N,) ids. points_in_all: limit of the points of all pairs, which
+share them in turn, the deepest first; 0: no limit.
 
 Returns (regions, points, offsets, complete): pair i has regions[offsets[i]:offsets[i + 1]]; complete is bool (N,).)");
     world.def("near_features", &near_features, "a"_a, "b"_a, "dhat"_a, R"(near_features(self, a, b, dhat)
@@ -287,7 +292,8 @@ World frame, metres.)");
     world.def("contacts_batch", &contacts_batch, "a"_a, "b"_a, R"(contacts_batch(self, a, b)
 --
 
-The same for many pairs, on the World's threads. a, b: (N,) ids.
+The same for many pairs, on the World's threads. a, b: (N,) ids. points_in_all: limit of the points of all pairs, which
+share them in turn, the deepest first; 0: no limit.
 
 Returns (contacts, offsets): pair i has contacts[offsets[i]:offsets[i + 1]]; offsets is int64 (N + 1,).)");
     world.def("penetration", &penetration, "a"_a, "b"_a, R"(penetration(self, a, b)

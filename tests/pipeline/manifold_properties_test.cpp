@@ -246,7 +246,7 @@ TEST(Manifolds, CapsAreToldAndBadOptionsAreErrors)
     EXPECT_FALSE(one.complete);
     EXPECT_EQ(one.regions.size(), 1u);
     EXPECT_LE(one.points.size(), 2u);
-    const Manifold many = two.manifold({.points_per_region = 12});
+    const Manifold many = two.manifold({.points_per_region = 12, .points_per_pair = 1000});
     check(many, "many");
     EXPECT_LE(many.regions[0].lost, two.manifold().regions[0].lost + 1e-12);
     EXPECT_THROW((void)two.manifold({.margin = -1}), Error);
@@ -256,6 +256,45 @@ TEST(Manifolds, CapsAreToldAndBadOptionsAreErrors)
     const BodyId gone = two.b;
     two.world.remove_body(two.b);
     EXPECT_THROW((void)two.world.manifold(two.a, gone), Error);
+}
+
+TEST(Manifolds, RegionsAndPairsShareTheLimitOfPointsInTurn)
+{
+    const Mesh knot = make_torus_knot_mesh(2, 3, 0.4, 0.2, 0.08, 600);
+    const Two two(knot, at(0, 0, 0), knot, random_pose(3, 0.1));
+    const Manifold all = two.manifold({.points_per_pair = 1000});
+    ASSERT_GT(all.regions.size(), 3u);
+    EXPECT_TRUE(all.complete);
+    for (const std::uint32_t most : {1u, 3u, 7u, 20u}) {
+        const std::string where = std::to_string(most);
+        const Manifold m = two.manifold({.points_per_pair = most});
+        check(m, where);
+        EXPECT_FALSE(m.complete) << where;
+        EXPECT_LE(m.points.size(), most) << where;
+        EXPECT_GE(m.points.size(), std::min<std::size_t>(most, m.regions.size())) << where;
+    }
+    // Two pairs: a deep one with many points, and a box on another with four. Each gets its share.
+    World world({.threads = 1});
+    const ModelId model = world.add(knot), box = world.add(make_box_mesh({1, 1, 1}));
+    const std::vector<BodyId> bodies = {
+        world.add_body({.model = model}), world.add_body({.model = model, .pose = random_pose(3, 0.1)}),
+        world.add_body({.model = box, .pose = at(9, 0, 0)}), world.add_body({.model = box, .pose = at(9, 0.1, 1.999)})};
+    const std::vector<PairOfBodies> pairs = {{bodies[0], bodies[1]}, {bodies[2], bodies[3]}};
+    ManifoldLists lists;
+    for (const std::uint32_t most : {1u, 2u, 6u, 10u}) {
+        world.manifolds(pairs, {.points_in_all = most}, lists);
+        ASSERT_EQ(lists.points.size(), most);
+        EXPECT_FALSE(lists.complete[0]);
+        std::size_t of_box = 0;
+        for (std::size_t k = lists.offsets[1]; k < lists.offsets[2]; ++k) of_box += lists.regions[k].count;
+        EXPECT_EQ(of_box, std::min(most / 2, 4u)) << most;
+        EXPECT_EQ(lists.complete[1] != 0, of_box == 4) << most;
+        for (std::size_t k = lists.offsets[1]; k < lists.offsets[2]; ++k)
+            if (of_box == 3) {
+                EXPECT_GT(lists.regions[k].lost, 1);
+            }
+    }
+    EXPECT_THROW((void)two.manifold({.points_per_pair = 0}), Error);
 }
 
 TEST(Manifolds, SizesAndTrianglesWithoutArea)

@@ -149,7 +149,7 @@ TEST(Rest, ConcaveMeshesComeToRest)
         solver.bodies.push_back(
             example::box_body(world.add_body({.model = gear, .pose = at(p)}), {0.35, 0.35, 0.1}, 300));
     }
-    const Moved moved = play(world, solver, 1200);
+    const Moved moved = play(world, solver, 1600);
     const std::string where =
         fmt::format("creep {} m/s, depth {}, {} points, {} ms", moved.creep, moved.depth, moved.most_points, moved.ms);
     EXPECT_LE(moved.creep, 1e-3) << where;

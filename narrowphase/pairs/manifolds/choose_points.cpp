@@ -9,156 +9,190 @@
 
 namespace oncollide {
 
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 namespace {
 
 constexpr double same = 1e-6; ///< share of a region's size that no point needs to be apart
 
-/// The nearest of the faces that the line p + t direction crosses outward, as seen from the body that the faces bound.
-struct Opposite {
-    double depth = unbounded, error = unbounded;
-    std::uint32_t triangle = 0;
-};
-Opposite opposite_of(const Vector3d& p, const Vector3d& direction, double rounding,
-                     const std::vector<std::pair<std::uint32_t, TrianglePoints>>& faces)
+auto key_of(const ManifoldCandidate& c)
 {
-    Opposite best;
-    for (const auto& [number, t] : faces) {
-        const Vector3d u = t[1] - t[0], v = t[2] - t[0], n = u.cross(v);
-        const double length = n.norm(), slope = direction.dot(n);
-        if (!(slope > 1e-6 * length)) continue;
-        const double depth = n.dot(t[0] - p) / slope;
-        const Vector3d w = p + depth * direction - t[0];
-        const double s = n.dot(w.cross(v)) / (length * length), r = n.dot(u.cross(w)) / (length * length);
-        if (s < -1e-9 || r < -1e-9 || s + r > 1 + 1e-9) continue;
-        if (std::abs(depth) < std::abs(best.depth)) best = {depth, rounding * length / slope, number};
-    }
-    return best;
+    return std::tuple(c.a, c.b, c.of, c.at.x(), c.at.y(), c.at.z());
 }
 
-/// Squared distance of a point from a triangle.
-double distance2(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c)
+double turn(const Vector2d& u, const Vector2d& v)
 {
-    const auto from_segment = [&](const Vector3d& u, const Vector3d& v) {
-        const Vector3d d = v - u;
-        const double length2 = d.squaredNorm(), at = length2 > 0 ? std::clamp(d.dot(p - u) / length2, 0.0, 1.0) : 0;
-        return (p - u - at * d).squaredNorm();
-    };
-    double least = std::min({from_segment(a, b), from_segment(b, c), from_segment(c, a)});
-    const Vector3d n = (b - a).cross(c - a);
-    if (const double n2 = n.squaredNorm(); n2 > 0) {
-        const auto side = [&](const Vector3d& u, const Vector3d& v) { return n.dot((v - u).cross(p - u)) >= 0; };
-        if (side(a, b) && side(b, c) && side(c, a)) least = std::min(least, std::pow(n.dot(p - a), 2) / n2);
-    }
-    return least;
-}
-
-/// Indices of the candidates to keep, the deepest first.
-class Choice {
-public:
-    Choice(const std::vector<ManifoldCandidate>& all, const Vector3d& normal, std::size_t most)
-        : all_(all), normal_(normal)
-    {
-        for (const ManifoldCandidate& c : all) flat_.push_back(c.at - normal.dot(c.at) * normal);
-        Aabb box;
-        for (const Vector3d& p : flat_) box.add(p);
-        size_ = box.diagonal();
-        Vector3d middle = Vector3d::Zero();
-        for (const Vector3d& p : flat_) middle += p / double(flat_.size());
-        double deepest = -unbounded;
-        for (const ManifoldCandidate& c : all) deepest = std::max(deepest, c.depth);
-        const auto outermost = [&](std::size_t i) { // of the deepest
-            return all_[i].depth >= deepest - same * size_ ? (flat_[i] - middle).norm() : -1;
-        };
-        take(outermost, -unbounded, same * size_);
-        if (most > 1) // the farthest
-            take([&](std::size_t i) { return (flat_[i] - kept_point(0)).norm(); }, same * size_, same * size_);
-        const auto area = [&](std::size_t i) {
-            return normal_.dot((kept_point(1) - kept_point(0)).cross(flat_[i] - kept_point(0)));
-        };
-        if (most > 2 && kept_.size() == 2) { // the largest triangle
-            const double least = same * size_ * (kept_point(1) - kept_point(0)).norm();
-            take([&](std::size_t i) { return std::abs(area(i)); }, least, least);
-        }
-        while (kept_.size() > 2 && kept_.size() < most) { // the most area added
-            const std::size_t before = kept_.size();
-            find_edges();
-            take([&](std::size_t i) { return outside(i); }, same * size_ * size_, same * size_ * size_);
-            if (kept_.size() == before) break;
-        }
-    }
-    const std::vector<std::size_t>& kept() const { return kept_; }
-
-private:
-    const Vector3d& kept_point(std::size_t k) const { return flat_[kept_[k]]; }
-    /// Keeps the candidate of the largest value above `least`; of nearly equal ones the deepest, then the first.
-    void take(auto value, double least, double tie)
-    {
-        double most = -unbounded;
-        for (std::size_t i = 0; i < all_.size(); ++i) most = std::max(most, value(i));
-        if (!(most > least) && !kept_.empty()) return;
-        std::size_t best = all_.size();
-        for (std::size_t i = 0; i < all_.size(); ++i)
-            if (value(i) >= most - tie && (best == all_.size() || all_[i].depth > all_[best].depth + 1e-9 * size_))
-                best = i;
-        kept_.push_back(best);
-    }
-    /// The edges of the polygon around the kept points, as their lengths times the outward normals.
-    void find_edges()
-    {
-        edges_.clear();
-        for (std::size_t u = 0; u < kept_.size(); ++u)
-            for (std::size_t v = 0; v < kept_.size(); ++v) {
-                if (u == v) continue;
-                const Vector3d out = (kept_point(v) - kept_point(u)).cross(normal_);
-                bool all_inside = true;
-                for (std::size_t w = 0; w < kept_.size(); ++w)
-                    all_inside &= w == u || w == v || out.dot(kept_point(w) - kept_point(u)) <= 0;
-                if (all_inside) edges_.emplace_back(kept_point(u), out);
-            }
-    }
-    /// The largest area that the point adds outside an edge.
-    double outside(std::size_t i) const
-    {
-        double most = 0;
-        for (const auto& [from, out] : edges_) most = std::max(most, out.dot(flat_[i] - from));
-        return most;
-    }
-
-    const std::vector<ManifoldCandidate>& all_;
-    const Vector3d& normal_;
-    std::vector<Vector3d> flat_;
-    std::vector<std::size_t> kept_;
-    std::vector<std::pair<Vector3d, Vector3d>> edges_;
-    double size_ = 0;
-};
-
-double farthest_lost(const RegionDraft& draft, std::span<const ManifoldPoint> kept)
-{
-    std::vector<Vector3d> points;
-    for (const ManifoldPoint& p : kept) points.push_back(0.5 * (p.point_a + p.point_b));
-    const auto distance = [&](const Vector3d& p) {
-        double least = unbounded;
-        const std::size_t count = points.size();
-        if (count < 3) return distance2(p, points.front(), points.back(), points.back());
-        const std::size_t firsts = count > 6 ? 1 : count; // all triangles where they are few, else a fan
-        for (std::size_t i = 0; i < firsts; ++i)
-            for (std::size_t j = i + 1; j < count; ++j)
-                for (std::size_t k = j + 1; k < count && least > 0; ++k)
-                    least = std::min(least, distance2(p, points[i], points[j], points[k]));
-        return least;
-    };
-    double lost = 0;
-    for (const Vector3d& p : draft.contacts) {
-        double nearest = unbounded; // a point of the hull: mostly near enough to decide
-        for (const Vector3d& q : points) nearest = std::min(nearest, (p - q).squaredNorm());
-        if (nearest > lost) lost = std::max(lost, distance(p));
-    }
-    return std::sqrt(lost) + draft.rounding;
+    return u.x() * v.y() - u.y() * v.x();
 }
 
 } // namespace
+
+void FacesAhead::set(const std::vector<std::pair<std::uint32_t, TrianglePoints>>& all, const Vector3d& direction)
+{
+    faces.clear();
+    if (!all.empty()) origin = all.front().second[0];
+    for (const auto& [number, t] : all) {
+        const Vector3d from = t[0] - origin, u = t[1] - t[0], v = t[2] - t[0], n = u.cross(v);
+        const double length = n.norm(), slope = direction.dot(n);
+        if (!(slope > 1e-6 * length)) continue;
+        Face face{-n / slope, v.cross(direction) / slope, direction.cross(u) / slope, 0, 0, 0, length / slope, number};
+        face.depth_0 = -face.depth.dot(from);
+        face.second_0 = -face.second.dot(from), face.third_0 = -face.third.dot(from);
+        faces.push_back(face);
+    }
+}
+
+const FacesAhead::Face* FacesAhead::nearest(const Vector3d& p, double& depth) const
+{
+    const Vector3d at = p - origin;
+    const Face* nearest = nullptr;
+    depth = unbounded;
+    for (const Face& face : faces) {
+        const double s = face.second.dot(at) + face.second_0, r = face.third.dot(at) + face.third_0;
+        if (s < -1e-9 || r < -1e-9 || s + r > 1 + 1e-9) continue;
+        const double d = face.depth.dot(at) + face.depth_0;
+        if (std::abs(d) < std::abs(depth)) depth = d, nearest = &face;
+    }
+    return nearest;
+}
+
+void RegionDraft::clear()
+{
+    ManifoldRegion blank{};
+    blank.normal.setZero(), blank.centre.setZero();
+    region = blank, candidates.clear(), contacts.clear(), faces_a.clear(), faces_b.clear();
+    rounding = 0, least_depth = 0;
+    shared_.clear(), candidate_of_.clear();
+}
+
+void RegionDraft::add_shared(const ManifoldCandidate& candidate)
+{
+    bool is_new;
+    const std::uint32_t number = shared_.add(candidate.a ^ std::rotl(candidate.b, 23), is_new);
+    if (is_new) {
+        candidate_of_.push_back(static_cast<std::uint32_t>(candidates.size()));
+    } else if (const ManifoldCandidate& known = candidates[candidate_of_[number]];
+               known.a == candidate.a && known.b == candidate.b) {
+        return;
+    }
+    candidates.push_back(candidate);
+}
+
+/// Keeps the candidate of the largest value above `least`; of nearly equal ones the deepest, then the first by its key,
+/// so that ties do not depend on the order of the candidates.
+void PointChoice::take(auto value, double least, double tie)
+{
+    const std::vector<ManifoldCandidate>& all = *all_;
+    double most = -unbounded, deepest = -unbounded;
+    for (std::size_t i = 0; i < all.size(); ++i) most = std::max(most, values_[i] = value(i));
+    if (!(most > least) && !kept_.empty()) return;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        if (values_[i] >= most - tie) deepest = std::max(deepest, all[i].depth);
+    auto best = static_cast<std::uint32_t>(all.size());
+    for (std::uint32_t i = 0; i < all.size(); ++i)
+        if (values_[i] >= most - tie && all[i].depth >= deepest - 1e-9 * size_ &&
+            (best == all.size() || key_of(all[i]) < key_of(all[best])))
+            best = i;
+    kept_.push_back(best);
+}
+
+/// The edges of the polygon around the kept points, as their lengths times the outward normals.
+void PointChoice::find_edges()
+{
+    edges_.clear();
+    for (const std::uint32_t u : kept_)
+        for (const std::uint32_t v : kept_) {
+            if (u == v) continue;
+            const Vector2d way = flat_[v] - flat_[u], out(way.y(), -way.x());
+            const auto inside = [&](std::uint32_t w) { return w == u || w == v || out.dot(flat_[w] - flat_[u]) <= 0; };
+            if (std::ranges::all_of(kept_, inside)) edges_.emplace_back(flat_[u], out);
+        }
+}
+
+const std::vector<std::uint32_t>& PointChoice::choose(const std::vector<ManifoldCandidate>& all, const Vector3d& normal,
+                                                      std::size_t most)
+{
+    all_ = &all, flat_.clear(), kept_.clear(), values_.resize(all.size());
+    const Vector3d u = normal.unitOrthogonal(), v = normal.cross(u);
+    Vector2d low(unbounded, unbounded), high = -low, middle(0, 0);
+    double deepest = -unbounded;
+    for (const ManifoldCandidate& c : all) {
+        flat_.emplace_back(u.dot(c.at), v.dot(c.at));
+        low = low.cwiseMin(flat_.back()), high = high.cwiseMax(flat_.back()), middle += flat_.back();
+        deepest = std::max(deepest, c.depth);
+    }
+    size_ = (high - low).norm(), middle /= double(all.size());
+    const auto outermost = [&](std::size_t i) { // of the deepest
+        return all[i].depth >= deepest - same * size_ ? (flat_[i] - middle).norm() : -1;
+    };
+    take(outermost, -unbounded, same * size_);
+    if (most > 1) // the farthest
+        take([&](std::size_t i) { return (flat_[i] - flat_[kept_[0]]).norm(); }, same * size_, same * size_);
+    if (most > 2 && kept_.size() == 2) { // the largest triangle
+        const Vector2d from = flat_[kept_[0]], way = flat_[kept_[1]] - from;
+        const double least = same * size_ * way.norm();
+        take([&](std::size_t i) { return std::abs(turn(way, flat_[i] - from)); }, least, least);
+    }
+    while (kept_.size() > 2 && kept_.size() < most) { // the most area added outside an edge
+        const std::size_t before = kept_.size();
+        find_edges();
+        const auto outside = [&](std::size_t i) {
+            double area = 0;
+            for (const auto& [from, out] : edges_) area = std::max(area, out.dot(flat_[i] - from));
+            return area;
+        };
+        take(outside, same * size_ * size_, same * size_ * size_);
+        if (kept_.size() == before) break;
+    }
+    return kept_;
+}
+
+PointHull::PointHull(std::span<const ManifoldPoint> points)
+{
+    for (const ManifoldPoint& p : points) points_.push_back(middle_of(p));
+    const std::size_t count = points_.size();
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t j = i + 1; j < count; ++j) {
+            const Vector3d way = points_[j] - points_[i];
+            const double length2 = way.squaredNorm();
+            sides_.push_back({points_[i], way, length2 > 0 ? 1 / length2 : 0});
+        }
+    const std::size_t firsts = count > 6 ? 1 : count; // all triangles where they are few, else a fan
+    for (std::size_t i = 0; i < firsts; ++i)
+        for (std::size_t j = i + 1; j < count; ++j)
+            for (std::size_t k = j + 1; k < count; ++k) {
+                const Vector3d n = (points_[j] - points_[i]).cross(points_[k] - points_[i]);
+                if (!(n.squaredNorm() > 0)) continue;
+                Face face{n.normalized(), {}, {}, 0};
+                const std::size_t corners[] = {i, j, k};
+                for (int e = 0; e < 3; ++e) {
+                    const Vector3d &from = points_[corners[e]], &to = points_[corners[(e + 1) % 3]];
+                    face.inward[e] = face.normal.cross(to - from), face.least[e] = face.inward[e].dot(from);
+                }
+                face.height = face.normal.dot(points_[i]);
+                faces_.push_back(face);
+            }
+}
+
+double PointHull::distance2(const Vector3d& p, double enough) const
+{
+    double least = unbounded;
+    for (const Vector3d& q : points_) least = std::min(least, (p - q).squaredNorm());
+    for (const Face& f : faces_) {
+        if (least <= enough) return least;
+        if (f.inward[0].dot(p) < f.least[0] || f.inward[1].dot(p) < f.least[1] || f.inward[2].dot(p) < f.least[2])
+            continue;
+        const double height = f.normal.dot(p) - f.height;
+        least = std::min(least, height * height);
+    }
+    for (const Side& s : sides_) {
+        if (least <= enough) return least;
+        const double at = std::clamp(s.way.dot(p - s.from) * s.inverse, 0.0, 1.0);
+        least = std::min(least, (p - s.from - at * s.way).squaredNorm());
+    }
+    return least;
+}
 
 double angle_between(const Vector3d& u, const Vector3d& v)
 {
@@ -166,54 +200,65 @@ double angle_between(const Vector3d& u, const Vector3d& v)
     return u.isZero(0) || v.isZero(0) ? std::numbers::pi : angle;
 }
 
-void finish(RegionDraft& draft, const PlacedSurface& a, const PlacedSurface& b, const ManifoldOptions& options,
-            Manifold& manifold)
+std::size_t most_regions(const ManifoldOptions& options)
+{
+    const std::size_t points = std::max(options.points_per_region, 1u);
+    return std::max<std::size_t>(std::min<std::size_t>(options.regions_per_pair, options.points_per_pair / points), 1);
+}
+
+namespace {
+
+/// Drops candidates that face nothing, or are too shallow, if others are left.
+void drop_idle(RegionDraft& draft)
 {
     auto& all = draft.candidates;
+    if (std::ranges::any_of(all, &ManifoldCandidate::opposite))
+        std::erase_if(all, [](const auto& c) { return !c.opposite; });
+    const auto deep = [&](const ManifoldCandidate& c) { return c.depth >= draft.least_depth; };
+    if (std::ranges::any_of(all, deep)) std::erase_if(all, [&](const auto& c) { return !deep(c); });
+}
+
+/// Estimates depths as if the surfaces were flat beside their common curve.
+void estimate_depths(std::vector<ManifoldCandidate>& all, const Vector3d& n)
+{
+    double height = 0, points = 0;
+    for (const ManifoldCandidate& c : all)
+        if (c.of == ManifoldCandidate::of_both) height += n.dot(c.at), ++points;
+    for (ManifoldCandidate& c : all)
+        if (c.of != ManifoldCandidate::of_both && points > 0)
+            c.depth = (c.of == ManifoldCandidate::of_a ? 1 : -1) * (n.dot(c.at) - height / points);
+}
+
+} // namespace
+
+void finish(ManifoldMemory& memory, const PlacedSurface& a, const PlacedSurface& b, const ManifoldOptions& options,
+            Manifold& manifold)
+{
+    RegionDraft& draft = memory.draft;
+    auto& all = draft.candidates;
     const Vector3d n = draft.region.normal;
-    // One of each two features; sorted, so that ties do not depend on the order in which pairs were found.
-    const auto key = [&](const ManifoldCandidate& c) {
-        return std::tuple(c.a, c.b, c.of, c.at.x(), c.at.y(), c.at.z());
-    };
-    std::ranges::sort(all, {}, key);
-    all.erase(std::unique(all.begin(), all.end(), [&](const auto& x, const auto& y) { return key(x) == key(y); }),
-              all.end());
+    memory.ahead_a.set(draft.faces_a, n), memory.ahead_b.set(draft.faces_b, -n);
     const auto resolve = [&](ManifoldCandidate& c) {
         if (c.of == ManifoldCandidate::of_both) return;
         const bool of_a = c.of == ManifoldCandidate::of_a;
-        const Opposite found =
-            opposite_of(c.at, of_a ? Vector3d(-n) : n, draft.rounding, of_a ? draft.faces_b : draft.faces_a);
-        if (found.depth < unbounded) {
-            c.depth = found.depth, c.error = found.error;
-            (of_a ? c.b : c.a) = (of_a ? b : a).face(found.triangle);
+        double depth;
+        if (const auto* found = (of_a ? memory.ahead_b : memory.ahead_a).nearest(c.at, depth)) {
+            c.depth = depth, c.error = draft.rounding * found->error;
+            (of_a ? c.b : c.a) = (of_a ? b : a).face(found->triangle);
         } else {
             c.depth = 0, c.error = draft.region.depth_upper + draft.rounding, c.opposite = false;
         }
     };
     constexpr std::size_t most_rays = 1 << 10;
     const bool early = all.size() * (draft.faces_a.size() + draft.faces_b.size()) <= most_rays;
-    if (early) {
-        std::ranges::for_each(all, resolve);
-        if (std::ranges::any_of(all, &ManifoldCandidate::opposite))
-            std::erase_if(all, [](const auto& c) { return !c.opposite; });
-        if (std::ranges::any_of(all, [&](const auto& c) { return c.depth >= draft.least_depth; }))
-            std::erase_if(all, [&](const auto& c) { return c.depth < draft.least_depth; });
-    }
+    if (early) std::ranges::for_each(all, resolve), drop_idle(draft);
     if (all.empty()) return;
-    if (!early) { // as if the surfaces were flat beside their common curve
-        double height = 0, points = 0;
-        for (const ManifoldCandidate& c : all)
-            if (c.of == ManifoldCandidate::of_both) height += n.dot(c.at), ++points;
-        for (ManifoldCandidate& c : all)
-            if (c.of != ManifoldCandidate::of_both && points > 0)
-                c.depth = (c.of == ManifoldCandidate::of_a ? 1 : -1) * (n.dot(c.at) - height / points);
-    }
-    const Choice choice(all, n, std::max(options.points_per_region, 1u));
+    if (!early) estimate_depths(all, n);
     ManifoldRegion& region = draft.region;
     region.first = static_cast<std::uint32_t>(manifold.points.size());
     region.found = static_cast<std::uint32_t>(all.size());
     region.depth_lower = -unbounded;
-    for (const std::size_t i : choice.kept()) {
+    for (const std::uint32_t i : memory.choice.choose(all, n, std::max(options.points_per_region, 1u))) {
         ManifoldCandidate c = all[i];
         if (!early) resolve(c);
         // Support points of a round solid are on its true surface.
@@ -228,7 +273,10 @@ void finish(RegionDraft& draft, const PlacedSurface& a, const PlacedSurface& b, 
     region.count = static_cast<std::uint32_t>(manifold.points.size()) - region.first;
     if (region.kind != RegionKind::near) region.depth_lower = std::max(region.depth_lower, 0.0);
     region.depth_upper = std::max(region.depth_upper, region.depth_lower);
-    region.lost = farthest_lost(draft, std::span(manifold.points).subspan(region.first));
+    const PointHull hull(std::span(manifold.points).subspan(region.first));
+    double lost = 0;
+    for (const Vector3d& p : draft.contacts) lost = std::max(lost, hull.distance2(p, lost));
+    region.lost = std::sqrt(lost) + draft.rounding;
     manifold.regions.push_back(region);
 }
 

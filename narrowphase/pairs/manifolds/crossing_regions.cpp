@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <tuple>
+#include <numeric>
 
 #include <oncollide/narrowphase/pairs/manifolds/region_draft.hpp>
 
@@ -12,101 +12,120 @@ using Eigen::Vector3d;
 
 namespace {
 
-using Patches = std::vector<const Patch*>;
+constexpr std::uint32_t none = OverlapPatches::none;
+using Numbers = std::span<const std::uint32_t>;
 
-/// The patches of one lump.
-struct LumpPatches {
-    Patches a, b;
-    std::vector<const CurvePoint*> curve;
+/// Patches of both bodies, and points of the curve, by their numbers: of a lump, or of one direction of it.
+struct Part {
+    Numbers a, b, curve;
 };
 
 /// A direction in which faces of both bodies are opposite each other.
 struct Facing {
     Vector3d direction;
     double area_a = 0, area_b = 0;
-    Patches a{}, b{};
+    Vector3d moment_a = Vector3d::Zero(), moment_b = Vector3d::Zero();
+
     double matched() const { return std::min(area_a, area_b); }
     /// The distance of the middles of both sides.
-    double thickness() const
+    double thickness() const { return std::abs((moment_a / area_a - moment_b / area_b).dot(direction)); }
+    void add(const Facing& other)
     {
-        const auto height = [&](const Patches& patches, double area) {
-            Vector3d moment = Vector3d::Zero();
-            for (const Patch* p : patches) moment += p->moment;
-            return moment.dot(direction) / area;
-        };
-        return std::abs(height(a, area_a) - height(b, area_b));
+        area_a += other.area_a, area_b += other.area_b, moment_a += other.moment_a, moment_b += other.moment_b;
     }
 };
 
-/// Sorts the patches by directions, the largest first, and returns the directions in which both bodies have area.
-/// Patches such as the sides of a box that has sunk into the ground face nothing.
-std::vector<Facing> facings(const LumpPatches& lump, double spread)
-{
-    struct Part {
-        const Patch* patch;
-        bool of_a;
-    };
-    std::vector<Part> parts;
-    for (const Patch* p : lump.a) parts.push_back({p, true});
-    for (const Patch* p : lump.b) parts.push_back({p, false});
-    std::ranges::sort(parts, {}, [](const Part& p) { return std::tuple(-p.patch->area, !p.of_a, p.patch->triangle); });
+/// The directions of a lump, and for each number that its patches have the direction that took it in.
+struct LumpFacings {
     std::vector<Facing> all;
+    std::vector<std::uint32_t> number; ///< none: faces nothing
+};
+
+/// Joins directions within `spread` of a larger one.
+void join_facings(std::vector<Facing>& all, std::vector<std::uint32_t>& number, double spread)
+{
+    std::vector<std::uint32_t> order(all.size()), now(all.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::stable_sort(order, std::ranges::greater{},
+                             [&](std::uint32_t i) { return all[i].area_a + all[i].area_b; });
+    std::vector<Facing> joined;
+    const double least_cosine = std::cos(spread);
+    for (const std::uint32_t i : order) {
+        const auto near = [&](const Facing& f) { return f.direction.dot(all[i].direction) >= least_cosine; };
+        auto at = std::ranges::find_if(joined, near);
+        if (at == joined.end())
+            joined.push_back(all[i]), at = joined.end() - 1;
+        else
+            at->add(all[i]);
+        now[i] = static_cast<std::uint32_t>(at - joined.begin());
+    }
+    for (std::uint32_t& n : number)
+        if (n != none) n = now[n];
+    all = std::move(joined);
+}
+
+/// Sorts the patches by directions, the largest first, and finds the directions in which both bodies have area. Patches
+/// such as the sides of a box that has sunk into the ground face nothing.
+LumpFacings facings_of(ManifoldMemory& memory, const Part& lump, double spread)
+{
+    const auto& patches = memory.overlap.patches;
+    auto& by_area = memory.by_area;
+    by_area.clear();
+    for (const std::uint32_t i : lump.a) by_area.emplace_back(-patches[0][i].area, 2 * i);
+    for (const std::uint32_t i : lump.b) by_area.emplace_back(-patches[1][i].area, 2 * i + 1);
+    std::ranges::sort(by_area);
+    LumpFacings found;
+    std::vector<Facing>& all = found.all;
     constexpr std::size_t most = 64;
     const double least_cosine = std::cos(spread);
-    for (const auto& [patch, of_a] : parts) {
-        if (!(patch->area > 0)) continue;
-        const Vector3d direction = of_a ? patch->normal : Vector3d(-patch->normal);
+    for (const auto& [area, i] : by_area) {
+        if (!(area < 0)) continue;
+        const bool of_a = i % 2 == 0;
+        const Patch& patch = patches[i % 2][i / 2];
+        const Vector3d direction = of_a ? patch.normal : Vector3d(-patch.normal);
         auto at =
             std::ranges::find_if(all, [&](const Facing& f) { return f.direction.dot(direction) >= least_cosine; });
         if (at == all.end()) {
             if (all.size() == most) continue;
             all.push_back({direction}), at = all.end() - 1;
         }
-        (of_a ? at->area_a : at->area_b) += patch->area;
-        (of_a ? at->a : at->b).push_back(patch);
+        (of_a ? at->area_a : at->area_b) += patch.area;
+        (of_a ? at->moment_a : at->moment_b) += patch.moment;
+        memory.facing[i % 2][i / 2] = static_cast<std::uint32_t>(at - all.begin());
     }
-    double largest = 0;
+    double largest = 0, thinnest = unbounded;
     for (const Facing& f : all) largest = std::max(largest, f.matched());
     constexpr double enough = 0.05; // of the largest
-    std::erase_if(all, [&](const Facing& f) { return f.matched() <= enough * largest; });
+    const auto matches = [&](const Facing& f) { return f.matched() > enough * largest; };
+    for (const Facing& f : all)
+        if (matches(f)) thinnest = std::min(thinnest, f.thickness());
     // Opposite sides of the overlap of two boxes are no contact.
-    double thinnest = unbounded;
-    for (const Facing& f : all) thinnest = std::min(thinnest, f.thickness());
-    std::erase_if(all, [&](const Facing& f) {
-        return f.thickness() > 4 * thinnest && f.thickness() > 0.1 * std::sqrt(f.matched());
-    });
-    for (Facing& f : all) std::ranges::sort(f.a), std::ranges::sort(f.b);
-    return all;
-}
-
-void add_corners(RegionDraft& draft, const Patch& patch, const PlacedSurface& surface, bool of_a)
-{
-    for (int k = 0; k < 3; ++k) {
-        if (patch.inside[k] <= 0) continue;
-        const FeatureBits v = surface.vertex(patch.corners[k]);
-        draft.candidates.push_back(
-            {patch.points[k], of_a ? ManifoldCandidate::of_a : ManifoldCandidate::of_b, of_a ? v : 0, of_a ? 0 : v});
+    const auto thin = [&](const Facing& f) {
+        return f.thickness() <= 4 * thinnest || f.thickness() <= 0.1 * std::sqrt(f.matched());
+    };
+    std::vector<Facing> kept;
+    for (const Facing& f : all) {
+        const bool keep = matches(f) && thin(f);
+        found.number.push_back(keep ? static_cast<std::uint32_t>(kept.size()) : none);
+        if (keep) kept.push_back(f);
     }
-}
-
-Vector3d sum_of(const Patches& patches)
-{
-    Vector3d area = Vector3d::Zero();
-    for (const Patch* p : patches) area += p->area * p->normal;
-    return area;
+    all = std::move(kept);
+    return found;
 }
 
 /// The centre of the patches of both bodies across the normal, weighted with their area as seen along it.
-Vector3d centre_of(const Patches& of_a, const Patches& of_b, const Vector3d& normal, const Vector3d& otherwise)
+Vector3d centre_of(const OverlapPatches& overlap, const Part& part, const Vector3d& normal, const Vector3d& otherwise)
 {
     Vector3d sum = Vector3d::Zero();
     int sides = 0;
-    for (const auto& [patches, out] : {std::pair(&of_a, normal), std::pair(&of_b, Vector3d(-normal))}) {
+    for (const int side : {0, 1}) {
+        const Vector3d out = side == 0 ? normal : Vector3d(-normal);
         Vector3d moment = Vector3d::Zero();
         double area = 0, all = 0;
-        for (const Patch* p : *patches) {
-            const double across = p->area * p->normal.dot(out);
-            area += across, all += std::abs(across), moment += p->moment * p->normal.dot(out);
+        for (const std::uint32_t i : side == 0 ? part.a : part.b) {
+            const Patch& p = overlap.patches[side][i];
+            const double slope = p.normal.dot(out), across = p.area * slope;
+            area += across, all += std::abs(across), moment += p.moment * slope;
         }
         if (area > 0x1p-20 * all && (moment / area).allFinite()) sum += moment / area, ++sides;
     }
@@ -120,32 +139,34 @@ struct Extent {
 };
 
 struct RegionBuilder {
-    const OverlapPatches& overlap;
+    ManifoldMemory& memory;
     const PlacedSurface &a, &b;
     const ManifoldOptions& options;
     Manifold& manifold;
     bool keeps_curve = false; ///< of a round solid whose support points do not reach the other body
 
-    void add(const Lump& lump, const LumpPatches& parts, const Patches& of_a, const Patches& of_b, double share,
-             bool whole, std::span<const CurvePoint* const> others = {});
-    /// True if a point of the curve is on one of these patches, which are sorted by address.
-    bool is_of(const CurvePoint& c, const Patches& of_a, const Patches& of_b) const
+    /// @param whole   the part is the whole lump
+    /// @param others  points of the curve that are no candidates
+    void add(const Lump& lump, const Part& part, double share, bool whole, Numbers others = {});
+    Vector3d sum_of(int side, Numbers numbers) const
     {
-        return std::ranges::binary_search(of_a, &overlap.patches[0][c.patch_a]) ||
-               std::ranges::binary_search(of_b, &overlap.patches[1][c.patch_b]);
+        Vector3d area = Vector3d::Zero();
+        for (const std::uint32_t i : numbers) {
+            const Patch& p = memory.overlap.patches[side][i];
+            area += p.area * p.normal;
+        }
+        return area;
     }
-    void set_normal(ManifoldRegion& region, const Lump& lump, const Patches& of_a, const Patches& of_b,
-                    bool whole) const;
-    void collect(RegionDraft& draft, const LumpPatches& parts, const Patches& of_a, const Patches& of_b) const;
-    void exchange_round(RegionDraft& draft, const PlacedSurface& round, bool of_a, Extent& extent) const;
+    void set_normal(ManifoldRegion& region, const Lump& lump, const Part& part, bool whole) const;
+    void collect(const Part& part);
+    void exchange_round(const PlacedSurface& round, bool of_a, Extent& extent) const;
 };
 
 /// Sets the normal, its error and the area from the area vector.
-void RegionBuilder::set_normal(ManifoldRegion& region, const Lump& lump, const Patches& of_a, const Patches& of_b,
-                               bool whole) const
+void RegionBuilder::set_normal(ManifoldRegion& region, const Lump& lump, const Part& part, bool whole) const
 {
     const bool any_round = a.round() || b.round();
-    const Vector3d area_a = whole ? lump.area_a : sum_of(of_a), area_b = whole ? lump.area_b : sum_of(of_b);
+    const Vector3d area_a = whole ? lump.area_a : sum_of(0, part.a), area_b = whole ? lump.area_b : sum_of(1, part.b);
     // A round solid's own patches have the directions of its bounding mesh.
     const Vector3d area = a.round() ? Vector3d(-area_b) : b.round() ? area_a : Vector3d(0.5 * (area_a - area_b));
     const double gap = whole && !any_round ? (area_a + area_b).norm() : 0, error = lump.rounding + gap;
@@ -153,8 +174,9 @@ void RegionBuilder::set_normal(ManifoldRegion& region, const Lump& lump, const P
     region.normal = region.area > 0 ? Vector3d(area / region.area) : Vector3d::UnitX();
     region.normal_error = region.area > 2 * error ? std::asin(error / region.area) + 0x1p-50 : std::numbers::pi;
     if (any_round) // the true patch is a part of this one, whose normals enclose the true direction
-        for (const Patch* p : a.round() ? of_b : of_a) {
-            const double angle = angle_between(a.round() ? Vector3d(-p->normal) : p->normal, region.normal);
+        for (const std::uint32_t i : a.round() ? part.b : part.a) {
+            const Vector3d& n = memory.overlap.patches[a.round() ? 1 : 0][i].normal;
+            const double angle = angle_between(a.round() ? Vector3d(-n) : n, region.normal);
             region.normal_error = std::min(std::numbers::pi, std::max(region.normal_error, 2 * angle + 0x1p-40));
         }
     constexpr double least_share = 0.5;
@@ -163,27 +185,45 @@ void RegionBuilder::set_normal(ManifoldRegion& region, const Lump& lump, const P
 }
 
 /// Adds the candidates, the contacts and the faces of a region.
-void RegionBuilder::collect(RegionDraft& draft, const LumpPatches& parts, const Patches& of_a,
-                            const Patches& of_b) const
+void RegionBuilder::collect(const Part& part)
 {
-    for (const Patch* p : of_a) add_corners(draft, *p, a, true), draft.faces_a.emplace_back(p->triangle, p->points);
-    for (const Patch* p : of_b) add_corners(draft, *p, b, false), draft.faces_b.emplace_back(p->triangle, p->points);
-
-    const bool all = of_a.size() == parts.a.size() && of_b.size() == parts.b.size();
-    for (const CurvePoint* c : parts.curve) {
-        if (!all && !is_of(*c, of_a, of_b)) continue;
-        draft.contacts.push_back(c->at);
-        draft.candidates.push_back({c->at, ManifoldCandidate::of_both, c->a, c->b});
+    RegionDraft& draft = memory.draft;
+    for (const int side : {0, 1}) {
+        const PlacedSurface& surface = side == 0 ? a : b;
+        auto& faces = side == 0 ? draft.faces_a : draft.faces_b;
+        memory.vertices.clear();
+        for (const std::uint32_t i : side == 0 ? part.a : part.b) {
+            const Patch& p = memory.overlap.patches[side][i];
+            faces.emplace_back(p.triangle, p.points);
+            for (int k = 0; k < 3; ++k) {
+                if (p.inside[k] <= 0) continue;
+                bool is_new;
+                memory.vertices.add(p.corners[k], is_new);
+                if (!is_new) continue;
+                const FeatureBits v = surface.vertex(p.corners[k]);
+                if (side == 0)
+                    draft.candidates.push_back({p.points[k], ManifoldCandidate::of_a, v, 0});
+                else
+                    draft.candidates.push_back({p.points[k], ManifoldCandidate::of_b, 0, v});
+            }
+        }
+    }
+    for (const std::uint32_t i : part.curve) {
+        const CurvePoint& c = memory.overlap.curve[i];
+        const std::size_t before = draft.candidates.size();
+        draft.add_shared({c.at, ManifoldCandidate::of_both, c.a, c.b});
+        if (draft.candidates.size() > before) draft.contacts.push_back(c.at);
     }
 }
 
 /// Exchanges a round solid's candidates for points of its true surface.
-void RegionBuilder::exchange_round(RegionDraft& draft, const PlacedSurface& round, bool of_a, Extent& extent) const
+void RegionBuilder::exchange_round(const PlacedSurface& round, bool of_a, Extent& extent) const
 {
+    if (keeps_curve) return;
+    RegionDraft& draft = memory.draft;
     const Vector3d out = of_a ? draft.region.normal : Vector3d(-draft.region.normal);
     const auto own = of_a ? ManifoldCandidate::of_a : ManifoldCandidate::of_b;
     const std::vector<Vector3d> points = support_points(round.model().convex(), round.rotated_back(out));
-    if (keeps_curve) return;
     std::erase_if(draft.candidates, [&](const auto& c) { return c.of == own || c.of == ManifoldCandidate::of_both; });
     for (std::size_t i = 0; i < points.size(); ++i) {
         const FeatureBits feature = round.vertex(0) | i;
@@ -192,18 +232,18 @@ void RegionBuilder::exchange_round(RegionDraft& draft, const PlacedSurface& roun
     extent.add(draft.region.normal.dot(round.farthest(out)));
 }
 
-void RegionBuilder::add(const Lump& lump, const LumpPatches& parts, const Patches& of_a, const Patches& of_b,
-                        double share, bool whole, std::span<const CurvePoint* const> others)
+void RegionBuilder::add(const Lump& lump, const Part& part, double share, bool whole, Numbers others)
 {
-    RegionDraft draft;
-    for (const CurvePoint* c : others) draft.contacts.push_back(c->at);
+    RegionDraft& draft = memory.draft;
+    draft.clear();
+    for (const std::uint32_t i : others) draft.contacts.push_back(memory.overlap.curve[i].at);
     draft.rounding = rounding_of(a, b);
     ManifoldRegion& region = draft.region;
     region.kind = RegionKind::crossing, region.open = lump.open || !a.solid() || !b.solid();
-    set_normal(region, lump, of_a, of_b, whole);
+    set_normal(region, lump, part, whole);
     region.volume = lump.open ? 0 : share * std::max(lump.volume, 0.0);
     const Vector3d n = region.normal;
-    collect(draft, parts, of_a, of_b);
+    collect(part);
     Extent extent_a, extent_b;
     Aabb box;
     for (const ManifoldCandidate& c : draft.candidates) {
@@ -212,13 +252,13 @@ void RegionBuilder::add(const Lump& lump, const LumpPatches& parts, const Patche
         box.add(c.at);
     }
     if (draft.candidates.empty()) return;
-    region.centre = centre_of(of_a, of_b, n, box.centre());
-    if (a.round()) exchange_round(draft, a, true, extent_a);
-    if (b.round()) exchange_round(draft, b, false, extent_b);
+    region.centre = centre_of(memory.overlap, part, n, box.centre());
+    if (a.round()) exchange_round(a, true, extent_a);
+    if (b.round()) exchange_round(b, false, extent_b);
     draft.least_depth = -options.margin - 0x1p-30 * box.diagonal();
     region.depth_upper = std::max(extent_a.most - extent_b.least, 0.0) + 4 * draft.rounding + a.error() + b.error();
     const std::size_t before = manifold.regions.size();
-    finish(draft, a, b, options, manifold);
+    finish(memory, a, b, options, manifold);
     if (manifold.regions.size() == before || keeps_curve || (!a.round() && !b.round())) return;
     // The bounding mesh may reach where the solid does not.
     const std::uint32_t first = manifold.regions.back().first;
@@ -227,44 +267,110 @@ void RegionBuilder::add(const Lump& lump, const LumpPatches& parts, const Patche
         manifold.points.resize(first), manifold.regions.pop_back();
 }
 
+/// Sorts numbers of patches and of points of the curve by their lumps.
+void sort_by_lump(ManifoldMemory& memory)
+{
+    const OverlapPatches& overlap = memory.overlap;
+    const std::size_t lumps = overlap.lumps.size();
+    for (const int list : {0, 1, 2}) {
+        const std::size_t count = list == 2 ? overlap.curve.size() : overlap.patches[list].size();
+        const auto lump_of = [&](std::size_t i) {
+            return list == 2 ? overlap.patches[0][overlap.curve[i].patch_a].lump : overlap.patches[list][i].lump;
+        };
+        auto &offsets = memory.offsets[list], &order = memory.order[list];
+        offsets.assign(lumps + 1, 0), order.resize(count);
+        for (std::size_t i = 0; i < count; ++i) ++offsets[lump_of(i)];
+        std::exclusive_scan(offsets.begin(), offsets.end(), offsets.begin(), 0u);
+        for (std::size_t i = 0; i < count; ++i) order[offsets[lump_of(i)]++] = static_cast<std::uint32_t>(i);
+        std::shift_right(offsets.begin(), offsets.end(), 1), offsets[0] = 0;
+    }
+}
+
+Part part_of(const ManifoldMemory& memory, std::size_t lump)
+{
+    const auto numbers = [&](int list) {
+        const auto& offsets = memory.offsets[list];
+        return Numbers(memory.order[list]).subspan(offsets[lump], offsets[lump + 1] - offsets[lump]);
+    };
+    return {numbers(0), numbers(1), numbers(2)};
+}
+
+/// Adds a region for each direction of a lump.
+void add_directions(RegionBuilder& builder, const Lump& lump, const Part& part, const LumpFacings& facings)
+{
+    ManifoldMemory& memory = builder.memory;
+    const OverlapPatches& overlap = memory.overlap;
+    const auto facing_of = [&](int side, std::uint32_t patch) {
+        const std::uint32_t f = memory.facing[side][patch];
+        return f == none ? none : facings.number[f];
+    };
+    double matched = 0;
+    for (const Facing& f : facings.all) matched += f.matched();
+    std::vector<std::uint32_t> rest; // contacts of faces that face nothing count for the first region
+    for (const std::uint32_t i : part.curve) {
+        const CurvePoint& c = overlap.curve[i];
+        if (facing_of(0, c.patch_a) == none && facing_of(1, c.patch_b) == none) rest.push_back(i);
+    }
+    for (std::uint32_t number = 0; number < facings.all.size(); ++number) {
+        auto& of = memory.of_region;
+        for (auto& list : of) list.clear();
+        for (const std::uint32_t i : part.a)
+            if (facing_of(0, i) == number) of[0].push_back(i);
+        for (const std::uint32_t i : part.b)
+            if (facing_of(1, i) == number) of[1].push_back(i);
+        for (const std::uint32_t i : part.curve) {
+            const CurvePoint& c = overlap.curve[i];
+            if (facing_of(0, c.patch_a) == number || facing_of(1, c.patch_b) == number) of[2].push_back(i);
+        }
+        builder.add(lump, {of[0], of[1], of[2]}, facings.all[number].matched() / matched, false, rest);
+        rest.clear();
+    }
+}
+
 } // namespace
 
-void add_crossing_regions(const OverlapPatches& overlap, const PlacedSurface& a, const PlacedSurface& b,
-                          const ManifoldOptions& options, Manifold& manifold, std::vector<bool>& done)
+void add_crossing_regions(ManifoldMemory& memory, const PlacedSurface& a, const PlacedSurface& b,
+                          const ManifoldOptions& options, Manifold& manifold)
 {
-    std::vector<LumpPatches> lumps(overlap.lumps.size());
-    for (const Patch& p : overlap.patches[0]) lumps[p.lump].a.push_back(&p);
-    for (const Patch& p : overlap.patches[1]) lumps[p.lump].b.push_back(&p);
-    for (const CurvePoint& c : overlap.curve) lumps[overlap.patches[0][c.patch_a].lump].curve.push_back(&c);
-    done.assign(lumps.size(), false);
-    RegionBuilder builder{overlap, a, b, options, manifold};
+    const OverlapPatches& overlap = memory.overlap;
+    const std::size_t count = overlap.lumps.size();
+    sort_by_lump(memory);
+    for (const int side : {0, 1}) memory.facing[side].assign(overlap.patches[side].size(), none);
+    memory.done.assign(count, false);
+    RegionBuilder builder{memory, a, b, options, manifold};
+    const bool any_round = a.round() || b.round();
     const double rounding = rounding_of(a, b);
-    for (std::size_t i = 0; i < lumps.size(); ++i) {
+    std::vector<LumpFacings> facings(count);
+    std::size_t regions = 0;
+    for (std::size_t i = 0; i < count; ++i) {
         const Lump& lump = overlap.lumps[i];
-        const LumpPatches& parts = lumps[i];
         if (!lump.open && lump.volume <= 16 * rounding * std::max(lump.pieces_a, lump.pieces_b)) continue; // touching
-        done[i] = true;
-        const std::vector<Facing> directions =
-            lump.open || a.round() || b.round() ? std::vector<Facing>() : facings(parts, options.normal_spread);
-        if (directions.size() < 2) {
-            builder.add(lump, parts, parts.a, parts.b, 1, true);
-            continue;
-        }
-        double matched = 0;
-        for (const Facing& f : directions) matched += f.matched();
-        LumpPatches rest = parts; // contacts of faces that face nothing count for the first region
-        std::erase_if(rest.curve, [&](const CurvePoint* c) {
-            return std::ranges::any_of(directions, [&](const Facing& f) { return builder.is_of(*c, f.a, f.b); });
-        });
-        for (const Facing& f : directions) {
-            builder.add(lump, parts, f.a, f.b, f.matched() / matched, false, rest.curve);
-            rest.curve.clear();
+        memory.done[i] = true;
+        if (!lump.open && !any_round) facings[i] = facings_of(memory, part_of(memory, i), options.normal_spread);
+        regions += std::max<std::size_t>(facings[i].all.size(), 1);
+    }
+    // More directions than regions: faces of one region differ more.
+    constexpr double most_spread = std::numbers::pi / 3;
+    for (double spread = std::max(options.normal_spread, 0.05);
+         regions > most_regions(options) && spread < most_spread;) {
+        spread = std::min(1.5 * spread, most_spread), regions = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            if (facings[i].all.size() > 1) join_facings(facings[i].all, facings[i].number, spread);
+            regions += memory.done[i] ? std::max<std::size_t>(facings[i].all.size(), 1) : 0;
         }
     }
-    if (!manifold.regions.empty() || (!a.round() && !b.round())) return;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (!memory.done[i]) continue;
+        const Part part = part_of(memory, i);
+        if (facings[i].all.size() < 2)
+            builder.add(overlap.lumps[i], part, 1, true);
+        else
+            add_directions(builder, overlap.lumps[i], part, facings[i]);
+    }
+    if (!manifold.regions.empty() || !any_round) return;
     builder.keeps_curve = true;
-    for (std::size_t i = 0; i < lumps.size(); ++i)
-        if (done[i]) builder.add(overlap.lumps[i], lumps[i], lumps[i].a, lumps[i].b, 1, true);
+    for (std::size_t i = 0; i < count; ++i)
+        if (memory.done[i]) builder.add(overlap.lumps[i], part_of(memory, i), 1, true);
 }
 
 } // namespace oncollide

@@ -29,6 +29,12 @@ bool takes_b_first(const PairTask& task)
     return !decides_b_first(task.swapped()) && task.b->number() < task.a->number();
 }
 
+ManifoldMemory& memory_of(PairWorker& worker)
+{
+    if (!worker.manifold_memory) worker.manifold_memory = std::make_shared<ManifoldMemory>();
+    return *worker.manifold_memory;
+}
+
 /// True if a part of the inner body is inside the outer one.
 bool is_held(const PlacedSurface& inner, const PlacedSurface& outer, PointLocator& locator)
 {
@@ -81,30 +87,40 @@ void add_enclosed_region(PairWorker& worker, const PlacedSurface& a, const Place
 
 /// Pairs that meet elsewhere than at lumps that have regions: without pairs of a lump's triangles, or of neighbours of
 /// these, near the lump's curve.
-std::vector<TrianglePair> other_pairs(std::span<const TrianglePair> pairs, const OverlapPatches& overlap,
-                                      const std::vector<bool>& done, const PlacedSurface& a, const PlacedSurface& b)
+std::vector<TrianglePair> other_pairs(ManifoldMemory& memory, const PlacedSurface& a, const PlacedSurface& b)
 {
+    const OverlapPatches& overlap = memory.overlap;
     std::vector<TrianglePair> rest;
+    for (std::size_t i = 0; i < memory.meeting.size(); ++i)
+        if (const std::uint32_t patch = overlap.crossing[i];
+            patch == OverlapPatches::none || !memory.done[overlap.patches[0][patch].lump])
+            rest.push_back(memory.meeting[i]);
+    if (rest.empty() || std::ranges::find(memory.done, true) == memory.done.end()) return rest;
     const double rounding = 16 * rounding_of(a, b);
-    std::array<std::unordered_map<std::uint32_t, std::uint32_t>, 2> lump_of; // by vertex
-    for (const int side : {0, 1})
+    const auto drop = [&](int side) {
+        const PlacedSurface& surface = side == 0 ? a : b;
+        memory.vertices.clear();
+        std::vector<std::uint32_t>& lump_of = memory.of_region[0]; // by number of a vertex
+        lump_of.clear();
         for (const Patch& p : overlap.patches[side])
-            for (const std::uint32_t v : p.corners)
-                if (done[p.lump]) lump_of[side].emplace(v, p.lump);
-    const auto at_lump = [&](int side, const std::array<std::uint32_t, 3>& corners, const Aabb& common) {
-        return std::ranges::any_of(corners, [&](std::uint32_t v) {
-            const auto at = lump_of[side].find(v);
-            return at != lump_of[side].end() && overlap.lumps[at->second].box.overlaps(common);
+            for (const std::uint32_t v : p.corners) {
+                bool is_new;
+                if (memory.done[p.lump])
+                    memory.vertices.add(v, is_new), lump_of.resize(memory.vertices.count(), p.lump);
+            }
+        std::erase_if(rest, [&](const TrianglePair& pair) {
+            Aabb of_a, of_b;
+            for (const Vector3d& p : a.points(pair.a)) of_a.add(p);
+            for (const Vector3d& p : b.points(pair.b)) of_b.add(p);
+            const Aabb common{of_a.min.cwiseMax(of_b.min).array() - rounding,
+                              of_a.max.cwiseMin(of_b.max).array() + rounding};
+            return std::ranges::any_of(surface.corners(side == 0 ? pair.a : pair.b), [&](std::uint32_t v) {
+                const std::uint32_t number = memory.vertices.find(v);
+                return number != KeyNumbers::none && overlap.lumps[lump_of[number]].box.overlaps(common);
+            });
         });
     };
-    for (const TrianglePair& pair : pairs) {
-        Aabb of_a, of_b;
-        for (const Vector3d& p : a.points(pair.a)) of_a.add(p);
-        for (const Vector3d& p : b.points(pair.b)) of_b.add(p);
-        const Aabb common{of_a.min.cwiseMax(of_b.min).array() - rounding,
-                          of_a.max.cwiseMin(of_b.max).array() + rounding};
-        if (!at_lump(0, a.corners(pair.a), common) && !at_lump(1, b.corners(pair.b), common)) rest.push_back(pair);
-    }
+    drop(0), drop(1);
     return rest;
 }
 
@@ -124,6 +140,7 @@ void complete(Manifold& manifold, const ManifoldOptions& options, const Eigen::I
     }
     for (ManifoldPoint& p : points) p.point_a = pose * p.point_a, p.point_b = pose * p.point_b;
     manifold.points = std::move(points);
+    limit_points(manifold, options.points_per_pair);
 }
 
 void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold)
@@ -149,17 +166,16 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
     const PlacedSurface a(*task.a, RelativePose(here, here), box_in(*task.b, *task.pose_b, *task.pose_a));
     const PlacedSurface b(*task.b, b_to_a, box_in(*task.a, *task.pose_a, *task.pose_b));
     if (a.empty() || b.empty()) return;
-    std::vector<TrianglePair>& pairs = worker.pairs;
+    ManifoldMemory& memory = memory_of(worker);
     a.with_tree([&](auto& tree_a) {
-        b.with_tree([&](auto& tree_b) { worker.traversal(tree_a, tree_b).all_meeting(tree_a, tree_b, b_to_a, pairs); });
+        b.with_tree([&](auto& tree_b) {
+            worker.traversal(tree_a, tree_b).all_meeting(tree_a, tree_b, b_to_a, memory.meeting);
+        });
     });
-    const std::vector<TrianglePair> meeting = pairs;
-    if (!meeting.empty() && meet) {
-        OverlapPatches overlap;
-        overlap.find(a, b, meeting, worker.locator);
-        std::vector<bool> done;
-        add_crossing_regions(overlap, a, b, options, manifold, done);
-        if (!round) add_touching_regions(other_pairs(meeting, overlap, done, a, b), a, b, options, manifold);
+    if (!memory.meeting.empty() && meet) {
+        memory.overlap.find(a, b, memory.meeting, worker.locator);
+        add_crossing_regions(memory, a, b, options, manifold);
+        if (!round) add_touching_regions(memory, other_pairs(memory, a, b), a, b, options, manifold);
     }
     const auto crosses = [](const ManifoldRegion& r) { return r.kind == RegionKind::crossing; };
     if (std::ranges::none_of(manifold.regions, crosses)) {
@@ -169,7 +185,7 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
             add_enclosed_region(worker, a, b, a_in_b, b_to_a, manifold);
         }
     }
-    if (options.margin > 0) add_near_regions(worker, task, a, b, b_to_a, options, manifold);
+    if (options.margin > 0) add_near_regions(worker, memory, task, a, b, b_to_a, options, manifold);
 }
 
 } // namespace

@@ -102,8 +102,30 @@ bool is_local_minimum(const PlacedSurface& surface, std::uint32_t triangle, std:
 
 } // namespace
 
-std::vector<NearPair> near_pairs(PairWorker& worker, const PlacedSurface& a, const PlacedSurface& b,
-                                 const RelativePose& b_to_a, double dhat, double rounding, bool minima_only)
+namespace {
+
+/// Bits of the corners, and of the edges that begin at them, which may be within `reach` of a triangle: by the distance
+/// from its plane.
+struct InReach {
+    unsigned corners = 0, edges = 0;
+    InReach(const TrianglePoints& t, const TrianglePoints& of, double reach)
+    {
+        const Vector3d n = (of[1] - of[0]).cross(of[2] - of[0]);
+        const double most = reach * n.norm();
+        double height[3];
+        for (int k = 0; k < 3; ++k) height[k] = n.dot(t[k] - of[0]);
+        for (int k = 0; k < 3; ++k) {
+            const double from = height[k], to = height[(k + 1) % 3];
+            corners |= unsigned(!(std::abs(from) > most)) << k;
+            edges |= unsigned(!(std::min(from, to) > most || std::max(from, to) < -most)) << k;
+        }
+    }
+};
+
+} // namespace
+
+void near_pairs(PairWorker& worker, const PlacedSurface& a, const PlacedSurface& b, const RelativePose& b_to_a,
+                double dhat, double rounding, const NearFilter* filter, std::vector<NearPair>& found)
 {
     std::vector<TrianglePair>& pairs = worker.pairs;
     a.with_tree([&](auto& tree_a) {
@@ -111,30 +133,38 @@ std::vector<NearPair> near_pairs(PairWorker& worker, const PlacedSurface& a, con
             worker.traversal(tree_a, tree_b).all_near(tree_a, tree_b, b_to_a, dhat + rounding, pairs);
         });
     });
-    std::vector<NearPair> found;
+    found.clear();
+    const double most = dhat + rounding, reach = most * (1 + 0x1p-20) + rounding;
     for (const auto& [of_a, of_b] : pairs) {
         const TrianglePoints ta = a.points(of_a), tb = b.points(of_b);
-        const auto add = [&, x = of_a, y = of_b](std::uint8_t corners_a, const Vector3d& at_a, std::uint8_t corners_b,
-                                                 const Vector3d& at_b) {
-            const double distance = (at_a - at_b).norm();
-            if (distance > dhat + rounding) return;
-            found.push_back(
-                {feature(a, x, corners_a), feature(b, y, corners_b), x, y, corners_a, corners_b, at_a, at_b, distance});
+        const InReach near_a(ta, tb, reach), near_b(tb, ta, reach);
+        NearPair pair{};
+        pair.triangle_a = of_a, pair.triangle_b = of_b;
+        const auto add = [&](std::uint8_t corners_a, const Vector3d& at_a, std::uint8_t corners_b,
+                             const Vector3d& at_b) {
+            const double distance2 = (at_a - at_b).squaredNorm();
+            if (distance2 > most * most * (1 + 0x1p-40)) return;
+            pair.corners_a = corners_a, pair.corners_b = corners_b, pair.point_a = at_a, pair.point_b = at_b;
+            pair.distance = std::sqrt(distance2);
+            if (pair.distance > most || (filter && !filter->keeps(pair, ta, tb))) return;
+            pair.a = feature(a, of_a, corners_a), pair.b = feature(b, of_b, corners_b);
+            found.push_back(pair);
         };
         const auto corners_a = a.corners(of_a), corners_b = b.corners(of_b);
         for (int k = 0; k < 3; ++k) {
-            if (!minima_only || a.corner_sticks_out(corners_a[k])) {
+            if ((near_a.corners >> k & 1) && (!filter || a.corner_sticks_out(corners_a[k]))) {
                 const auto on_b = nearest_on(tb, ta[k]);
                 add(1 << k, ta[k], on_b.corners, on_b.at);
             }
-            if (!minima_only || b.corner_sticks_out(corners_b[k])) {
+            if ((near_b.corners >> k & 1) && (!filter || b.corner_sticks_out(corners_b[k]))) {
                 const auto on_a = nearest_on(ta, tb[k]);
                 add(on_a.corners, on_a.at, 1 << k, tb[k]);
             }
         }
-        for (int i = 0; i < 3; ++i)
+        for (int i = 0; i < 3; ++i) {
+            if (!(near_a.edges >> i & 1) || (filter && !a.edge_sticks_out(of_a, i))) continue;
             for (int k = 0; k < 3; ++k) {
-                if (minima_only && (!a.edge_sticks_out(of_a, i) || !b.edge_sticks_out(of_b, k))) continue;
+                if (!(near_b.edges >> k & 1) || (filter && !b.edge_sticks_out(of_b, k))) continue;
                 const int i2 = (i + 1) % 3, k2 = (k + 1) % 3;
                 const Vector3d d = ta[i2] - ta[i], e = tb[k2] - tb[k];
                 const auto [s, t] = nearest_of(ta[i], d, tb[k], e);
@@ -143,13 +173,13 @@ std::vector<NearPair> near_pairs(PairWorker& worker, const PlacedSurface& a, con
                 };
                 add(spanned(i, i2, s), ta[i] + s * d, spanned(k, k2, t), tb[k] + t * e);
             }
+        }
     }
     std::ranges::sort(found, {}, [](const NearPair& p) {
         return std::tuple(p.a, p.b, p.distance, p.triangle_a, p.triangle_b, p.corners_a, p.corners_b);
     });
     const auto same = [](const NearPair& x, const NearPair& y) { return x.a == y.a && x.b == y.b; };
     found.erase(std::unique(found.begin(), found.end(), same), found.end());
-    return found;
 }
 
 void near_features_of(PairWorker& worker, const PairTask& task, double dhat, std::vector<NearFeatures>& found)
@@ -159,7 +189,9 @@ void near_features_of(PairWorker& worker, const PairTask& task, double dhat, std
     const PlacedSurface a(*task.a, RelativePose(here, here), {}), b(*task.b, b_to_a, {});
     const double slack = stretch(*task.pose_a) + stretch(*task.pose_b);
     const double rounding = 4 * rounding_of(a, b) + slack * dhat + a.error() + b.error();
-    for (const NearPair& p : near_pairs(worker, a, b, b_to_a, dhat, rounding, false))
+    std::vector<NearPair> near;
+    near_pairs(worker, a, b, b_to_a, dhat, rounding, nullptr, near);
+    for (const NearPair& p : near)
         found.push_back({p.a, p.b, std::max(p.distance - rounding, 0.0), p.distance + rounding,
                          *task.pose_a * p.point_a, *task.pose_a * p.point_b});
 }
@@ -167,14 +199,16 @@ void near_features_of(PairWorker& worker, const PairTask& task, double dhat, std
 namespace {
 
 /// A round solid and another body: along the shortest way between them.
-void add_round_near(PairWorker& worker, const PairTask& task, const PlacedSurface& a, const PlacedSurface& b,
-                    const std::vector<NearPair>& near, const ManifoldOptions& options, Manifold& manifold)
+void add_round_near(PairWorker& worker, ManifoldMemory& memory, const PairTask& task, const PlacedSurface& a,
+                    const PlacedSurface& b, const ManifoldOptions& options, Manifold& manifold)
 {
+    const std::vector<NearPair>& near = memory.near;
     const Distance d = tests_for(task).distance(worker, task, 0, options.margin, true);
     if (!(d.lower > 0) || !(d.upper <= options.margin)) return;
     const Eigen::Isometry3d into = task.pose_a->inverse(Eigen::Isometry);
     const Vector3d on_a = into * d.point_a, on_b = into * d.point_b;
-    RegionDraft draft;
+    RegionDraft& draft = memory.draft;
+    draft.clear();
     draft.rounding = rounding_of(a, b);
     draft.region.kind = RegionKind::near, draft.region.normal = (on_b - on_a).normalized();
     draft.region.normal_error = std::min(std::numbers::pi, 0x1p-10 + 2 * draft.rounding / d.lower);
@@ -215,55 +249,76 @@ void add_round_near(PairWorker& worker, const PairTask& task, const PlacedSurfac
         draft.candidates.push_back(
             {0.5 * (on_a + on_b), ManifoldCandidate::of_both, whole, whole, -gap, d.upper - d.lower});
     }
-    finish(draft, a, b, options, manifold);
+    finish(memory, a, b, options, manifold);
     if (manifold.points.empty()) return;
     for (ManifoldPoint& p : std::span(manifold.points).subspan(manifold.regions.back().first))
         if (p.point_a == p.point_b) p.point_a = on_a, p.point_b = on_b;
 }
 
+/// The regions' directions, and the pairs along each.
+using NearGroups = std::vector<std::pair<Vector3d, std::vector<const NearPair*>>>;
+
+NearGroups groups_of(const std::vector<NearPair>& near, double spread)
+{
+    NearGroups groups;
+    const double least_cosine = std::cos(spread);
+    for (const bool faces : {true, false}) // faces first: they define normals best
+        for (const NearPair& p : near) {
+            if (faces != p.has_face()) continue;
+            const Vector3d way = (p.point_b - p.point_a) / p.distance;
+            auto at = std::ranges::find_if(groups, [&](const auto& g) { return g.first.dot(way) >= least_cosine; });
+            if (at == groups.end()) groups.push_back({way, {}}), at = groups.end() - 1;
+            at->second.push_back(&p);
+        }
+    return groups;
+}
+
 } // namespace
 
-void add_near_regions(PairWorker& worker, const PairTask& task, const PlacedSurface& a, const PlacedSurface& b,
-                      const RelativePose& b_to_a, const ManifoldOptions& options, Manifold& manifold)
+bool NearFilter::keeps(const NearPair& p, const TrianglePoints& ta, const TrianglePoints& tb) const
+{
+    if (rounding < 0) return true;
+    const Vector3d way = p.point_b - p.point_a; // out of a, into b
+    const auto outward = [](const TrianglePoints& t) {
+        return Vector3d((t[1] - t[0]).cross(t[2] - t[0]).stableNormalized());
+    };
+    if (!(p.distance > rounding)) return false;
+    const double least = -0.5 * p.distance;
+    return way.dot(outward(ta)) > (p.corners_a == 7 ? 0 : least) &&
+           -way.dot(outward(tb)) > (p.corners_b == 7 ? 0 : least);
+}
+
+void add_near_regions(PairWorker& worker, ManifoldMemory& memory, const PairTask& task, const PlacedSurface& a,
+                      const PlacedSurface& b, const RelativePose& b_to_a, const ManifoldOptions& options,
+                      Manifold& manifold)
 {
     const double rounding = 4 * rounding_of(a, b);
-    std::vector<NearPair> near = near_pairs(worker, a, b, b_to_a, options.margin, rounding, true);
-    if (a.round() || b.round()) return add_round_near(worker, task, a, b, near, options, manifold);
-    const auto apart = [&](const NearPair& p) {
-        const Vector3d way = p.point_b - p.point_a; // out of a, into b
-        const auto outward = [&](const PlacedSurface& s, std::uint32_t triangle) {
-            const TrianglePoints t = s.points(triangle);
-            return Vector3d((t[1] - t[0]).cross(t[2] - t[0]).stableNormalized());
-        };
-        if (!(p.distance > rounding)) return false;
-        const double least = -0.5 * p.distance;
-        const double from_a = way.dot(outward(a, p.triangle_a)), to_b = -way.dot(outward(b, p.triangle_b));
-        return from_a > (p.corners_a == 7 ? 0 : least) && to_b > (p.corners_b == 7 ? 0 : least) &&
-               is_local_minimum(a, p.triangle_a, p.corners_a, p.point_a, p.point_b) &&
-               is_local_minimum(b, p.triangle_b, p.corners_b, p.point_b, p.point_a);
-    };
-    std::erase_if(near, [&](const NearPair& p) { return !apart(p); });
-    // Faces first: they define normals best.
-    std::ranges::stable_sort(near, std::ranges::greater{},
-                             [](const NearPair& p) { return p.corners_a == 7 || p.corners_b == 7; });
-    std::vector<std::pair<Vector3d, std::vector<const NearPair*>>> groups;
-    for (const NearPair& p : near) {
-        const Vector3d way = (p.point_b - p.point_a).normalized();
-        auto at = std::ranges::find_if(
-            groups, [&](const auto& g) { return angle_between(g.first, way) <= options.normal_spread; });
-        if (at == groups.end()) groups.push_back({way, {}}), at = groups.end() - 1;
-        at->second.push_back(&p);
-    }
+    std::vector<NearPair>& near = memory.near;
+    const bool round = a.round() || b.round();
+    const NearFilter filter{round ? -1 : rounding};
+    near_pairs(worker, a, b, b_to_a, options.margin, rounding, &filter, near);
+    if (round) return add_round_near(worker, memory, task, a, b, options, manifold);
+    std::erase_if(near, [&](const NearPair& p) {
+        return !is_local_minimum(a, p.triangle_a, p.corners_a, p.point_a, p.point_b) ||
+               !is_local_minimum(b, p.triangle_b, p.corners_b, p.point_b, p.point_a);
+    });
+    constexpr double most_spread = std::numbers::pi / 3;
+    const std::size_t most = most_regions(options),
+                      room = most > manifold.regions.size() ? most - manifold.regions.size() : 1;
+    double spread = options.normal_spread;
+    NearGroups groups = groups_of(near, spread);
+    while (groups.size() > room && spread < most_spread) // more directions than regions
+        spread = std::min(1.5 * std::max(spread, 0.05), most_spread), groups = groups_of(near, spread);
     for (const auto& [first, members] : groups) {
-        RegionDraft draft;
+        RegionDraft& draft = memory.draft;
+        draft.clear();
         draft.rounding = rounding;
         ManifoldRegion& region = draft.region;
         region.kind = RegionKind::near, region.open = !a.solid() || !b.solid();
-        const auto is_face = [](const NearPair* p) { return p->corners_a == 7 || p->corners_b == 7; };
-        const bool faces = is_face(members.front());
+        const bool faces = members.front()->has_face();
         Vector3d sum = Vector3d::Zero();
         for (const NearPair* p : members)
-            if (is_face(p) == faces) sum += (p->point_b - p->point_a).normalized();
+            if (p->has_face() == faces) sum += (p->point_b - p->point_a).normalized();
         region.normal = sum.norm() > 0.1 ? Vector3d(sum.normalized()) : first;
         Aabb box;
         double least = options.margin;
@@ -277,7 +332,7 @@ void add_near_regions(PairWorker& worker, const PairTask& task, const PlacedSurf
             draft.candidates.push_back({middle, ManifoldCandidate::of_both, p->a, p->b, depth, aside});
         }
         region.centre = box.centre(), region.depth_upper = -least + 2 * rounding;
-        finish(draft, a, b, options, manifold);
+        finish(memory, a, b, options, manifold);
         for (ManifoldPoint& p : std::span(manifold.points).subspan(manifold.regions.back().first)) {
             p.point_a += 0.5 * p.depth * region.normal, p.point_b -= 0.5 * p.depth * region.normal;
         }

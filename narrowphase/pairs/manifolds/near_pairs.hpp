@@ -6,6 +6,8 @@
 
 namespace oncollide {
 
+struct ManifoldMemory;
+
 /// Two near features, in the frame of the pair.
 struct NearPair {
     FeatureBits a, b;
@@ -13,16 +15,27 @@ struct NearPair {
     std::uint8_t corners_a, corners_b;    ///< bits of the triangles' corners that span the features
     Eigen::Vector3d point_a, point_b;
     double distance;
+
+    bool has_face() const { return corners_a == 7 || corners_b == 7; }
 };
 
-/// All pairs within dhat, each once, sorted by (a, b). Distances err by at most `rounding`, which is added to dhat.
-/// @param minima_only  leaves out vertices and edges that do not stick out, at which no distance has a local minimum
-///                     unless it has one beside them, too
-std::vector<NearPair> near_pairs(PairWorker& worker, const PlacedSurface& a, const PlacedSurface& b,
-                                 const RelativePose& b_to_a, double dhat, double rounding, bool minima_only);
+/// Leaves out vertices and edges that do not stick out, at which no distance has a local minimum unless it has one
+/// beside them, too; and points that are at most `rounding` apart, or behind a surface.
+struct NearFilter {
+    double rounding; ///< negative: only the first
+
+    bool keeps(const NearPair& pair, const TrianglePoints& a, const TrianglePoints& b) const;
+};
+
+/// Finds all pairs within dhat, each once, sorted by (a, b). Distances err by at most `rounding`, which is added to
+/// dhat.
+/// @param filter  null: keeps all
+void near_pairs(PairWorker& worker, const PlacedSurface& a, const PlacedSurface& b, const RelativePose& b_to_a,
+                double dhat, double rounding, const NearFilter* filter, std::vector<NearPair>& found);
 
 /// Appends regions of surfaces at most options.margin apart that do not meet.
-void add_near_regions(PairWorker& worker, const PairTask& task, const PlacedSurface& a, const PlacedSurface& b,
-                      const RelativePose& b_to_a, const ManifoldOptions& options, Manifold& manifold);
+void add_near_regions(PairWorker& worker, ManifoldMemory& memory, const PairTask& task, const PlacedSurface& a,
+                      const PlacedSurface& b, const RelativePose& b_to_a, const ManifoldOptions& options,
+                      Manifold& manifold);
 
 } // namespace oncollide

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
-#include <optional>
 
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/exact/moved_apart.hpp>
@@ -13,58 +12,23 @@ namespace oncollide {
 
 using Eigen::Vector3d;
 
-namespace {
-
-/// Adds `times` the triangle (origin, u, v), where the origin is the patch's first corner.
-void add_fan(Patch& patch, const Vector3d& u, const Vector3d& v, double times)
-{
-    const Vector3d& origin = patch.points[0];
-    const double area = 0.5 * times * patch.normal.dot((u - origin).cross(v - origin));
-    patch.area += area, patch.moment += area / 3 * (origin + u + v);
-}
-
 /// The crossing of an edge of one triangle with the other triangle.
-struct EdgeCrossing {
+struct OverlapPatches::EdgeCrossing {
     bool of_a;
     int edge;
     bool outward; ///< the edge leaves the other body
     Vector3d at;
 };
 
-/// Disjoint sets of vertices with the difference of their windings.
-struct Windings {
-    std::unordered_map<std::uint32_t, std::uint32_t> number;
-    std::vector<std::uint32_t> parent, vertex;
-    std::vector<int> above; ///< winding less the parent's
+namespace {
 
-    std::uint32_t node(std::uint32_t v)
-    {
-        const auto [at, added] = number.emplace(v, parent.size());
-        if (added) parent.push_back(at->second), above.push_back(0), vertex.push_back(v);
-        return at->second;
-    }
-    std::pair<std::uint32_t, int> root(std::uint32_t n)
-    {
-        int sum = 0;
-        while (parent[n] != n) {
-            const std::uint32_t up = parent[n];
-            if (parent[up] != up) above[n] += above[up], parent[n] = parent[up]; // halves the path
-            sum += above[n], n = parent[n];
-        }
-        return {n, sum};
-    }
-    /// False if the new difference contradicts the known ones.
-    bool join(std::uint32_t u, std::uint32_t v, int more_at_v)
-    {
-        const auto [root_u, of_u] = root(u);
-        const auto [root_v, of_v] = root(v);
-        if (root_u == root_v) return of_v == of_u + more_at_v;
-        const auto [low, high] = std::minmax(root_u, root_v);
-        parent[high] = low;
-        above[high] = high == root_v ? of_u + more_at_v - of_v : of_v - more_at_v - of_u;
-        return true;
-    }
-};
+/// Adds `times` the triangle (origin, u, v), where the origin is the patch's first corner.
+inline void add_fan(Patch& patch, const Vector3d& u, const Vector3d& v, double times)
+{
+    const Vector3d& origin = patch.points[0];
+    const double area = 0.5 * times * patch.normal.dot((u - origin).cross(v - origin));
+    patch.area += area, patch.moment += area / 3 * (origin + u + v);
+}
 
 std::uint32_t root_of(std::vector<std::uint32_t>& roots, std::uint32_t i)
 {
@@ -72,27 +36,76 @@ std::uint32_t root_of(std::vector<std::uint32_t>& roots, std::uint32_t i)
     return i;
 }
 
+void join(std::vector<std::uint32_t>& roots, std::uint32_t i, std::uint32_t k)
+{
+    const std::uint32_t u = root_of(roots, i), v = root_of(roots, k);
+    roots[std::max(u, v)] = std::min(u, v);
+}
+
 } // namespace
 
-std::uint32_t OverlapPatches::patch(int side, std::uint32_t triangle)
+void OverlapPatches::Windings::clear()
 {
-    const auto [at, added] = sides_[side].patch_of.emplace(triangle, static_cast<std::uint32_t>(patches[side].size()));
-    if (added) {
+    numbers.clear(), parent.clear(), vertex.clear(), above.clear();
+}
+
+std::uint32_t OverlapPatches::Windings::node(std::uint32_t v)
+{
+    bool is_new;
+    const std::uint32_t number = numbers.add(v, is_new);
+    if (is_new) parent.push_back(number), above.push_back(0), vertex.push_back(v);
+    return number;
+}
+
+std::pair<std::uint32_t, int> OverlapPatches::Windings::root(std::uint32_t n)
+{
+    int sum = 0;
+    while (parent[n] != n) {
+        const std::uint32_t up = parent[n];
+        if (parent[up] != up) above[n] += above[up], parent[n] = parent[up]; // halves the path
+        sum += above[n], n = parent[n];
+    }
+    return {n, sum};
+}
+
+/// False if the new difference contradicts the known ones.
+bool OverlapPatches::Windings::join(std::uint32_t u, std::uint32_t v, int more_at_v)
+{
+    const auto [root_u, of_u] = root(u);
+    const auto [root_v, of_v] = root(v);
+    if (root_u == root_v) return of_v == of_u + more_at_v;
+    const auto [low, high] = std::minmax(root_u, root_v);
+    parent[high] = low;
+    above[high] = high == root_v ? of_u + more_at_v - of_v : of_v - more_at_v - of_u;
+    return true;
+}
+
+std::uint32_t OverlapPatches::patch(int side, std::uint32_t triangle, const TrianglePoints* points)
+{
+    bool is_new;
+    const std::uint32_t number = patch_of_[side].add(triangle, is_new);
+    if (is_new) {
         Patch& p = patches[side].emplace_back();
-        p.triangle = triangle, p.corners = sides_[side].surface->corners(triangle);
-        for (int k = 0; k < 3; ++k) p.points[k] = sides_[side].surface->point(p.corners[k]);
+        p.triangle = triangle, p.corners = surfaces_[side]->corners(triangle);
+        p.points = points ? *points : surfaces_[side]->points(triangle);
         p.normal = unit_normal(p.points[0], p.points[1], p.points[2]);
     }
-    return at->second;
+    return number;
 }
 
 /// Adds the common segment of two triangles, if they cross.
-void OverlapPatches::cross(TrianglePair pair)
+void OverlapPatches::cross(std::uint32_t number, TrianglePair pair)
 {
-    const std::array<TrianglePoints, 2> t{sides_[0].surface->points(pair.a), sides_[1].surface->points(pair.b)};
-    int side[2][3]; // of the corners of each, as seen from the other's plane
-    for (int k = 0; k < 3; ++k)
-        side[0][k] = moved_side(t[1], t[0][k], true), side[1][k] = moved_side(t[0], t[1][k], false);
+    const std::array<TrianglePoints, 2> t{surfaces_[0]->points(pair.a), surfaces_[1]->points(pair.b)};
+    int exact[2][3], side[2][3]; // of the corners of each, as seen from the other's plane
+    for (const int body : {0, 1}) {
+        const TrianglePoints& plane = t[1 - body];
+        for (int k = 0; k < 3; ++k) {
+            exact[body][k] = orient3d(plane[0], plane[1], plane[2], t[body][k]);
+            side[body][k] = moved_side(plane, exact[body][k], body == 0);
+        }
+    }
+    if (exact[1][0] == 0 && exact[1][1] == 0 && exact[1][2] == 0) in_planes_.push_back(number);
     for (const auto& s : side)
         if (s[0] == s[1] && s[0] == s[2]) return;
     int turn[3][3];
@@ -106,19 +119,18 @@ void OverlapPatches::cross(TrianglePair pair)
     int count = 0;
     for (const int body : {0, 1})
         for (int i = 0; i < 3; ++i) {
-            const int from = side[body][i], to = side[body][(i + 1) % 3];
+            const int next = (i + 1) % 3, from = side[body][i], to = side[body][next];
             if (from == to || from == 0 || to == 0) continue;
             const int first = body == 0 ? turned(i, 0) : turned(0, i), second = body == 0 ? turned(i, 1) : turned(1, i);
             if (first != second || first == 0) continue;
             if ((body == 0 ? turned(i, 2) : turned(2, i)) != first) continue;
-            const Vector3d &p = t[body][i], &q = t[body][(i + 1) % 3];
+            const Vector3d &p = t[body][i], &q = t[body][next];
             const TrianglePoints& face = t[1 - body];
-            const int exact_p = orient3d(face[0], face[1], face[2], p),
-                      exact_q = orient3d(face[0], face[1], face[2], q);
-            const double at = exact_p == 0         ? 0
-                              : exact_q == 0       ? 1
-                              : exact_p == exact_q ? 0.5
-                                                   : crossing_parameter(face[0], face[1], face[2], p, q);
+            const double at = exact[body][i] == 0      ? 0
+                              : exact[body][next] == 0 ? 1
+                              : exact[body][i] == exact[body][next]
+                                  ? 0.5
+                                  : crossing_parameter(face[0], face[1], face[2], p, q);
             if (count == 6) return;
             found[count++] = {body == 0, i, to > 0, p + at * (q - p)};
         }
@@ -126,89 +138,98 @@ void OverlapPatches::cross(TrianglePair pair)
     const auto starts = [](const EdgeCrossing& c) { return c.outward == c.of_a; }; // the segment, as seen from a
     if (starts(found[0]) == starts(found[1])) return;
     if (!starts(found[0])) std::swap(found[0], found[1]);
-    const std::uint32_t in_a = patch(0, pair.a), in_b = patch(1, pair.b);
+    add_segment(pair, t, found[0], found[1]);
+}
+
+void OverlapPatches::add_segment(TrianglePair pair, const std::array<TrianglePoints, 2>& t, const EdgeCrossing& from,
+                                 const EdgeCrossing& to)
+{
+    const std::uint32_t in_a = patch(0, pair.a, &t[0]), in_b = patch(1, pair.b, &t[1]);
     Patch &a = patches[0][in_a], &b = patches[1][in_b];
-    add_fan(a, found[0].at, found[1].at, 1), add_fan(b, found[1].at, found[0].at, 1);
-    a.crossing = b.crossing = true;
-    for (int e = 0; e < 2; ++e) {
-        const EdgeCrossing& c = found[e];
-        Patch& of = c.of_a ? a : b;
-        add_fan(of, of.points[c.edge], c.at, c.outward ? 1 : -1);
-        of.entries[c.edge] += c.outward ? -1 : 1, ++of.crossed[c.edge];
-        const PlacedSurface& surface = *sides_[c.of_a ? 0 : 1].surface;
-        const std::uint32_t u = of.corners[c.edge], v = of.corners[(c.edge + 1) % 3];
-        const FeatureBits edge = c.at == surface.point(u)   ? surface.vertex(u)
-                                 : c.at == surface.point(v) ? surface.vertex(v)
-                                                            : surface.edge(u, v);
-        const FeatureBits face = sides_[c.of_a ? 1 : 0].surface->face(c.of_a ? pair.b : pair.a);
-        curve.push_back({c.at, in_a, in_b, c.of_a ? edge : face, c.of_a ? face : edge});
+    add_fan(a, from.at, to.at, 1), add_fan(b, to.at, from.at, 1);
+    for (const EdgeCrossing* c : {&from, &to}) {
+        Patch& of = c->of_a ? a : b;
+        const int next = (c->edge + 1) % 3;
+        add_fan(of, of.points[c->edge], c->at, c->outward ? 1 : -1);
+        of.entries[c->edge] += c->outward ? -1 : 1, ++of.crossed[c->edge];
+        const PlacedSurface& surface = *surfaces_[c->of_a ? 0 : 1];
+        const std::uint32_t u = of.corners[c->edge], v = of.corners[next];
+        const FeatureBits edge = c->at == of.points[c->edge] ? surface.vertex(u)
+                                 : c->at == of.points[next]  ? surface.vertex(v)
+                                                             : surface.edge(u, v);
+        const FeatureBits face = surfaces_[c->of_a ? 1 : 0]->face(c->of_a ? pair.b : pair.a);
+        curve.push_back({c->at, in_a, in_b, c->of_a ? edge : face, c->of_a ? face : edge});
     }
     joins_.emplace_back(in_a, in_b);
+    crossing.back() = in_a;
 }
 
 /// Finds how often the other body winds around each corner of the patches.
 void OverlapPatches::wind(int side, PointLocator& locator)
 {
-    const PlacedSurface &own = *sides_[side].surface, &other = *sides_[1 - side].surface;
+    const PlacedSurface &own = *surfaces_[side], &other = *surfaces_[1 - side];
     std::vector<Patch>& all = patches[side];
-    conflict_[side].assign(all.size(), 0);
-    Windings windings;
-    for (std::size_t i = 0; i < all.size(); ++i)
-        for (int k = 0; k < 3; ++k) {
-            const std::uint32_t u = windings.node(all[i].corners[k]), v = windings.node(all[i].corners[(k + 1) % 3]);
-            conflict_[side][i] |= !windings.join(u, v, all[i].entries[k]);
-        }
-    const std::size_t nodes = windings.parent.size();
-    std::vector<int> least(nodes, std::numeric_limits<int>::max()), most(nodes, std::numeric_limits<int>::min());
-    for (std::uint32_t n = 0; n < nodes; ++n) {
-        const auto [root, winding] = windings.root(n);
-        least[root] = std::min(least[root], winding), most[root] = std::max(most[root], winding);
+    windings_.clear(), nodes_.clear();
+    for (Patch& p : all) {
+        auto& nodes = nodes_.emplace_back();
+        for (int k = 0; k < 3; ++k) nodes[k] = windings_.node(p.corners[k]);
+        for (int k = 0; k < 3; ++k) p.conflict |= !windings_.join(nodes[k], nodes[(k + 1) % 3], p.entries[k]);
     }
-    std::vector<std::optional<int>> base(nodes);
-    for (std::uint32_t n = 0; n < nodes; ++n) {
-        const auto [root, winding] = windings.root(n);
-        if (base[root]) continue;
-        if (most[root] > least[root])
-            base[root] = -least[root]; // some corners are outside
-        else if (const auto inside = other.solid() ? other.holds(own.point(windings.vertex[n]), locator) : false)
-            base[root] = (*inside ? 1 : 0) - winding;
+    const auto count = static_cast<std::uint32_t>(windings_.parent.size());
+    constexpr int unknown = std::numeric_limits<int>::min();
+    least_.assign(count, std::numeric_limits<int>::max()), most_.assign(count, unknown), base_.assign(count, unknown);
+    for (std::uint32_t n = 0; n < count; ++n) {
+        const auto [root, winding] = windings_.root(n);
+        least_[root] = std::min(least_[root], winding), most_[root] = std::max(most_[root], winding);
     }
-    for (Patch& p : all)
+    for (std::uint32_t n = 0; n < count; ++n) {
+        const auto [root, winding] = windings_.root(n);
+        if (base_[root] != unknown) continue;
+        if (most_[root] > least_[root])
+            base_[root] = -least_[root]; // some corners are outside
+        else if (const auto inside = other.solid() ? other.holds(own.point(windings_.vertex[n]), locator) : false)
+            base_[root] = (*inside ? 1 : 0) - winding;
+    }
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        Patch& p = all[i];
         for (int k = 0; k < 3; ++k) {
-            const auto [root, winding] = windings.root(windings.number[p.corners[k]]);
-            p.inside[k] = base[root].value_or(0) + winding;
+            const auto [root, winding] = windings_.root(nodes_[i][k]);
+            p.conflict |= base_[root] == unknown;
+            p.inside[k] = (base_[root] == unknown ? 0 : base_[root]) + winding;
         }
-    for (std::size_t i = 0; i < all.size(); ++i)
-        for (int k = 0; k < 3; ++k) {
-            conflict_[side][i] |= !base[windings.root(windings.number[all[i].corners[k]]).first].has_value();
-            add_fan(all[i], all[i].points[k], all[i].points[(k + 1) % 3], all[i].inside[(k + 1) % 3]);
-        }
+        // The fan of an edge at the origin has no area.
+        if (p.inside[2] != 0) add_fan(p, p.points[1], p.points[2], p.inside[2]);
+    }
 }
 
 /// Adds the whole triangles inside, from edges inside that nothing crosses.
 void OverlapPatches::fill(int side)
 {
-    const PlacedSurface& own = *sides_[side].surface;
-    auto& joins = side == 0 ? joins_a_ : joins_b_;
+    const PlacedSurface& own = *surfaces_[side];
+    const bool is_plane = own.model().kind() == Kind::half_space;
     for (std::uint32_t i = 0; i < patches[side].size(); ++i)
         for (int k = 0; k < 3; ++k) {
-            const Patch from = patches[side][i];
-            const int winding = from.inside[k];
-            if (from.crossed[k] || winding <= 0) continue;
-            const std::uint32_t beyond = own.across(from.triangle, k);
+            const int winding = patches[side][i].inside[k];
+            const bool crossed = patches[side][i].crossed[k] != 0;
+            if (!crossed && winding <= 0) continue;
+            const std::uint32_t beyond = own.across(patches[side][i].triangle, k);
+            if (crossed) {
+                const std::uint32_t next = beyond == none ? none : patch_of_[side].find(beyond);
+                if (next != none) crossed_joins_[side].emplace_back(i, next);
+                continue;
+            }
             if (beyond == PlacedSurface::none) {
-                conflict_[side][i] |= own.model().kind() != Kind::half_space;
+                patches[side][i].conflict |= !is_plane;
                 continue;
             }
             const std::size_t before = patches[side].size();
             const std::uint32_t next = patch(side, beyond);
             if (next == before) {
                 Patch& whole = patches[side][next];
-                conflict_[side].push_back(0);
                 whole.inside = {winding, winding, winding};
                 add_fan(whole, whole.points[1], whole.points[2], winding);
             }
-            joins.emplace_back(i, next);
+            inside_joins_[side].emplace_back(i, next);
         }
 }
 
@@ -218,32 +239,27 @@ void OverlapPatches::connect()
     const auto of_a = static_cast<std::uint32_t>(patches[0].size());
     roots_.resize(of_a + patches[1].size());
     std::iota(roots_.begin(), roots_.end(), 0u);
-    const auto join = [&](std::uint32_t i, std::uint32_t k) {
-        const std::uint32_t u = root_of(roots_, i), v = root_of(roots_, k);
-        roots_[std::max(u, v)] = std::min(u, v);
-    };
-    for (const auto& [i, k] : joins_) join(i, of_a + k);
-    for (const auto& [i, k] : joins_a_) join(i, k);
-    for (const auto& [i, k] : joins_b_) join(of_a + i, of_a + k);
-    std::vector<std::uint32_t> number(roots_.size());
+    for (const auto& [i, k] : joins_) join(roots_, i, of_a + k);
+    for (const auto& [i, k] : inside_joins_[0]) join(roots_, i, k);
+    for (const auto& [i, k] : inside_joins_[1]) join(roots_, of_a + i, of_a + k);
+    const auto patch_at = [&](std::uint32_t i) -> Patch& { return i < of_a ? patches[0][i] : patches[1][i - of_a]; };
     for (std::uint32_t i = 0; i < roots_.size(); ++i) {
-        const std::uint32_t root = root_of(roots_, i);
-        if (root == i) number[i] = static_cast<std::uint32_t>(lumps.size()), lumps.emplace_back();
-        (i < of_a ? patches[0][i] : patches[1][i - of_a]).lump = number[root];
+        const std::uint32_t root = root_of(roots_, i); // the first of its lump
+        if (root == i) patch_at(i).lump = static_cast<std::uint32_t>(lumps.size()), lumps.emplace_back();
+        patch_at(i).lump = patch_at(root).lump;
     }
     for (const CurvePoint& c : curve) lumps[patches[0][c.patch_a].lump].box.add(c.at);
     for (const int side : {0, 1})
-        for (std::size_t i = 0; i < patches[side].size(); ++i) {
-            const Patch& p = patches[side][i];
+        for (const Patch& p : patches[side]) {
             Lump& lump = lumps[p.lump];
-            lump.open |= conflict_[side][i] != 0;
+            lump.open |= p.conflict;
             (side == 0 ? lump.area_a : lump.area_b) += p.area * p.normal;
             const Vector3d middle = lump.box.centre(); // on the curve, so terms are small
             lump.volume += p.area * p.normal.dot(p.points[0] - middle) / 3;
             double round = 0, reach = 0;
             for (int k = 0; k < 3; ++k) {
-                round += (p.points[k] - p.points[(k + 1) % 3]).norm();
-                reach = std::max(reach, p.points[k].norm());
+                round += (p.points[k] - p.points[(k + 1) % 3]).lpNorm<1>();
+                reach = std::max(reach, p.points[k].lpNorm<1>());
             }
             lump.rounding += 0x1p-42 * round * reach;
         }
@@ -252,46 +268,34 @@ void OverlapPatches::connect()
 /// Joins patches across edges that are partly inside.
 void OverlapPatches::find_pieces(int side)
 {
-    std::vector<Patch>& all = patches[side];
+    const std::vector<Patch>& all = patches[side];
     roots_.resize(all.size());
     std::iota(roots_.begin(), roots_.end(), 0u);
+    for (const auto& [i, k] : inside_joins_[side]) join(roots_, i, k);
+    for (const auto& [i, k] : crossed_joins_[side]) join(roots_, i, k);
+    areas_.assign(all.size(), Vector3d::Zero());
+    for (std::uint32_t i = 0; i < all.size(); ++i) areas_[root_of(roots_, i)] += all[i].area * all[i].normal;
     for (std::uint32_t i = 0; i < all.size(); ++i)
-        for (int k = 0; k < 3; ++k) {
-            if (!all[i].crossed[k] && all[i].inside[k] <= 0) continue;
-            const auto beyond = sides_[side].patch_of.find(sides_[side].surface->across(all[i].triangle, k));
-            if (beyond == sides_[side].patch_of.end()) continue;
-            const std::uint32_t u = root_of(roots_, i), v = root_of(roots_, beyond->second);
-            roots_[std::max(u, v)] = std::min(u, v);
-        }
-    std::vector<Vector3d> areas(all.size(), Vector3d::Zero());
-    for (std::uint32_t i = 0; i < all.size(); ++i) {
-        all[i].piece = root_of(roots_, i);
-        areas[all[i].piece] += all[i].area * all[i].normal;
-    }
-    for (std::uint32_t i = 0; i < all.size(); ++i)
-        if (all[i].piece == i)
-            (side == 0 ? lumps[all[i].lump].pieces_a : lumps[all[i].lump].pieces_b) += areas[i].norm();
+        if (roots_[i] == i) (side == 0 ? lumps[all[i].lump].pieces_a : lumps[all[i].lump].pieces_b) += areas_[i].norm();
 }
 
 /// Faces of both that lie in one plane, on one side of both bodies: whose face borders the overlap depends on the
 /// displacement. Half of it counts.
 void OverlapPatches::balance(std::span<const TrianglePair> pairs)
 {
-    for (const TrianglePair& pair : pairs) {
-        const auto of_a = sides_[0].patch_of.find(pair.a), of_b = sides_[1].patch_of.find(pair.b);
-        if (of_a == sides_[0].patch_of.end() && of_b == sides_[1].patch_of.end()) continue;
-        const TrianglePoints a = sides_[0].surface->points(pair.a), b = sides_[1].surface->points(pair.b);
-        if (orient3d(a[0], a[1], a[2], b[0]) != 0 || !in_one_plane(a, b)) continue;
+    for (const std::uint32_t number : in_planes_) {
+        const TrianglePair& pair = pairs[number];
+        const TrianglePoints a = surfaces_[0]->points(pair.a), b = surfaces_[1]->points(pair.b);
         const Vector3d normal = unit_normal(a[0], a[1], a[2]);
         if (!(normal.dot(unit_normal(b[0], b[1], b[2])) > 0)) continue;
+        const bool of_first = moves_along(a); // a's face is inside the moved b
+        const std::uint32_t found = of_first ? patch_of_[0].find(pair.a) : patch_of_[1].find(pair.b);
+        if (found == none) continue;
         const std::vector<Vector3d> polygon = common_polygon(a, b, normal);
         double area = 0;
         for (std::size_t i = 2; i < polygon.size(); ++i)
             area += 0.5 * normal.dot((polygon[i - 1] - polygon[0]).cross(polygon[i] - polygon[0]));
-        const bool of_first = moves_along(a); // a's face is inside the moved b
-        const auto& found = of_first ? of_a : of_b;
-        if (found == sides_[of_first ? 0 : 1].patch_of.end()) continue;
-        Lump& lump = lumps[patches[of_first ? 0 : 1][found->second].lump];
+        Lump& lump = lumps[patches[of_first ? 0 : 1][found].lump];
         const Vector3d half = 0.5 * area * normal;
         lump.area_a += of_first ? Vector3d(-half) : half, lump.area_b += of_first ? half : Vector3d(-half);
     }
@@ -300,13 +304,11 @@ void OverlapPatches::balance(std::span<const TrianglePair> pairs)
 void OverlapPatches::find(const PlacedSurface& a, const PlacedSurface& b, std::span<const TrianglePair> pairs,
                           PointLocator& locator)
 {
-    sides_[0].surface = &a, sides_[1].surface = &b;
-    crossing.clear();
-    for (const TrianglePair& pair : pairs) {
-        const std::size_t before = curve.size();
-        cross(pair);
-        crossing.push_back(curve.size() > before);
-    }
+    surfaces_ = {&a, &b};
+    for (const int side : {0, 1})
+        patches[side].clear(), patch_of_[side].clear(), inside_joins_[side].clear(), crossed_joins_[side].clear();
+    curve.clear(), lumps.clear(), crossing.clear(), in_planes_.clear(), joins_.clear();
+    for (std::uint32_t i = 0; i < pairs.size(); ++i) crossing.push_back(none), cross(i, pairs[i]);
     if (curve.empty()) return;
     for (const int side : {0, 1}) wind(side, locator), fill(side);
     connect();

@@ -3,9 +3,9 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
+#include <oncollide/narrowphase/pairs/manifolds/key_numbers.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/placed_surface.hpp>
 #include <oncollide/narrowphase/walks/triangle_tests.hpp>
 
@@ -14,15 +14,15 @@ namespace oncollide {
 /// The part of a triangle inside the other body.
 struct Patch {
     std::uint32_t triangle;
-    std::uint32_t lump = 0, piece = 0; ///< the piece of the surface in that lump, by number of a patch
+    std::uint32_t lump = 0;
     std::array<std::uint32_t, 3> corners;
-    std::array<Eigen::Vector3d, 3> points;
+    TrianglePoints points;
     Eigen::Vector3d normal;                           ///< unit, outward; 0 for a triangle without area
     double area = 0;                                  ///< m^2
     Eigen::Vector3d moment = Eigen::Vector3d::Zero(); ///< area times centre
     std::array<int, 3> entries{}, crossed{};          ///< of each edge: crossings inward less outward; crossings
     std::array<int, 3> inside{};                      ///< for each corner: how often the other body winds around it
-    bool crossing = false;                            ///< it meets the other surface
+    bool conflict = false;                            ///< the windings around its corners contradict each other
 };
 
 /// An end of the segment that two crossing triangles share.
@@ -48,35 +48,57 @@ struct Lump {
 /// The crossings of edges and triangles are exact. By the divergence theorem the area and the moment of a triangle's
 /// part follow from its boundary: the segments shared with the other surface, and the parts of its edges inside the
 /// other body, each as a sum over ends. The sums need neither polygons nor sorted crossings. Whole triangles inside are
-/// found by walking inward from the segments. Cost: about a microsecond per pair, and 0.2 per triangle inside.
+/// found by walking inward from the segments. Cost: about 0.3 microseconds per pair, and 0.1 per triangle inside. Keeps
+/// its memory from pair to pair.
 class OverlapPatches {
 public:
-    /// @param pairs  all pairs of triangles that meet
+    static constexpr std::uint32_t none = ~0u;
+
+    /// @param pairs  all pairs of triangles that meet, sorted
     void find(const PlacedSurface& a, const PlacedSurface& b, std::span<const TrianglePair> pairs,
               PointLocator& locator);
 
     std::array<std::vector<Patch>, 2> patches; ///< of a and of b
     std::vector<CurvePoint> curve;             ///< two for each pair of triangles that cross, in turn
     std::vector<Lump> lumps;
-    std::vector<std::uint8_t> crossing; ///< for each pair of triangles: do they cross
+    std::vector<std::uint32_t> crossing; ///< for each pair of triangles: the patch of a, if they cross; else none
 
 private:
-    struct Side {
-        const PlacedSurface* surface;
-        std::unordered_map<std::uint32_t, std::uint32_t> patch_of;
+    using Joins = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+    /// Disjoint sets of vertices with the difference of their windings.
+    struct Windings {
+        KeyNumbers numbers; ///< of vertices
+        std::vector<std::uint32_t> parent, vertex;
+        std::vector<int> above; ///< winding less the parent's
+
+        void clear();
+        std::uint32_t node(std::uint32_t vertex);
+        std::pair<std::uint32_t, int> root(std::uint32_t node);
+        bool join(std::uint32_t u, std::uint32_t v, int more_at_v);
     };
-    std::uint32_t patch(int side, std::uint32_t triangle);
-    void cross(TrianglePair pair);
+    struct EdgeCrossing;
+
+    std::uint32_t patch(int side, std::uint32_t triangle, const TrianglePoints* points = nullptr);
+    void cross(std::uint32_t number, TrianglePair pair);
+    void add_segment(TrianglePair pair, const std::array<TrianglePoints, 2>& t, const EdgeCrossing& from,
+                     const EdgeCrossing& to);
     void balance(std::span<const TrianglePair> pairs);
     void wind(int side, PointLocator& locator);
     void fill(int side);
     void connect();
     void find_pieces(int side);
 
-    std::array<Side, 2> sides_;
-    std::vector<std::uint32_t> roots_; ///< of patches of a and then of b, by disjoint sets
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> joins_a_, joins_b_, joins_; ///< patches in one lump
-    std::array<std::vector<std::uint8_t>, 2> conflict_;
+    std::array<const PlacedSurface*, 2> surfaces_{};
+    std::array<KeyNumbers, 2> patch_of_;   ///< by triangle
+    std::vector<std::uint32_t> in_planes_; ///< pairs of triangles in one plane
+    std::vector<std::uint32_t> roots_;     ///< of patches, by disjoint sets
+    Joins joins_;                          ///< a patch of a and one of b that cross
+    std::array<Joins, 2> inside_joins_;    ///< patches of one body that share an edge wholly inside
+    std::array<Joins, 2> crossed_joins_;   ///< and an edge that crosses the other surface
+    Windings windings_;
+    std::vector<std::array<std::uint32_t, 3>> nodes_; ///< for each patch: its corners in windings_
+    std::vector<int> least_, most_, base_;
+    std::vector<Eigen::Vector3d> areas_;
 };
 
 } // namespace oncollide

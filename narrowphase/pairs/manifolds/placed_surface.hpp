@@ -34,8 +34,14 @@ public:
     Eigen::Vector3d point(std::uint32_t vertex) const;
     TrianglePoints points(std::uint32_t triangle) const
     {
-        const auto [u, v, w] = corners(triangle);
-        return {point(u), point(v), point(w)};
+        if (terrain_) {
+            const auto [u, v, w] = corners(triangle);
+            return {point(u), point(v), point(w)};
+        }
+        const Triangle& t = mesh_->triangles[triangle];
+        const auto& v = mesh_->vertices;
+        const bool reversed = links_->reversed;
+        return {into_(v[t[reversed]]), into_(v[t[!reversed]]), into_(v[t[2]])};
     }
     /// The triangle across the edge from corner k to the next.
     std::uint32_t across(std::uint32_t triangle, int k) const;

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <unordered_map>
 
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/common_polygon.hpp>
@@ -99,11 +98,16 @@ std::vector<std::vector<const Meeting*>> connected(const std::vector<Meeting>& m
         while (roots[i] != i) i = roots[i] = roots[roots[i]];
         return i;
     };
+    KeyNumbers vertices;
+    std::vector<std::uint32_t> first; // the first meeting at each vertex
     const auto join_all = [&](const PlacedSurface& surface, bool of_a) {
-        std::unordered_map<std::uint32_t, std::uint32_t> first; // by vertex
+        vertices.clear(), first.clear();
         for (std::uint32_t i = 0; i < meetings.size(); ++i)
             for (const std::uint32_t v : surface.corners(of_a ? meetings[i].pair.a : meetings[i].pair.b)) {
-                const std::uint32_t x = root_of(i), y = root_of(first.emplace(v, i).first->second);
+                bool is_new;
+                const std::uint32_t number = vertices.add(v, is_new);
+                if (is_new) first.push_back(i);
+                const std::uint32_t x = root_of(i), y = root_of(first[number]);
                 roots[std::max(x, y)] = std::min(x, y);
             }
     };
@@ -115,10 +119,12 @@ std::vector<std::vector<const Meeting*>> connected(const std::vector<Meeting>& m
     return groups;
 }
 
-void add_region(const std::vector<const Meeting*>& meetings, std::span<const Meeting* const> others,
-                const PlacedSurface& a, const PlacedSurface& b, const ManifoldOptions& options, Manifold& manifold)
+void add_region(ManifoldMemory& memory, const std::vector<const Meeting*>& meetings,
+                std::span<const Meeting* const> others, const PlacedSurface& a, const PlacedSurface& b,
+                const ManifoldOptions& options, Manifold& manifold)
 {
-    RegionDraft draft;
+    RegionDraft& draft = memory.draft;
+    draft.clear();
     draft.rounding = rounding_of(a, b);
     ManifoldRegion& region = draft.region;
     region.kind = RegionKind::touching, region.open = !a.solid() || !b.solid();
@@ -131,7 +137,7 @@ void add_region(const std::vector<const Meeting*>& meetings, std::span<const Mee
             const auto feature = [&](const PlacedSurface& s, std::uint32_t t) {
                 return feature_of(s, t, place_in(s.points(t), p, 4 * draft.rounding));
             };
-            draft.candidates.push_back({p, ManifoldCandidate::of_both, feature(a, m->pair.a), feature(b, m->pair.b)});
+            draft.add_shared({p, ManifoldCandidate::of_both, feature(a, m->pair.a), feature(b, m->pair.b)});
         }
     }
     for (const Meeting* m : others) draft.contacts.insert(draft.contacts.end(), m->points.begin(), m->points.end());
@@ -143,13 +149,13 @@ void add_region(const std::vector<const Meeting*>& meetings, std::span<const Mee
             region.normal_error = std::max(region.normal_error, angle_between(m->normal, region.normal) + 0x1p-40);
     region.centre = region.area > 0 ? Vector3d(moment / region.area) : box.centre();
     region.depth_upper = 4 * draft.rounding + a.error() + b.error();
-    finish(draft, a, b, options, manifold);
+    finish(memory, a, b, options, manifold);
 }
 
 } // namespace
 
-void add_touching_regions(std::span<const TrianglePair> pairs, const PlacedSurface& a, const PlacedSurface& b,
-                          const ManifoldOptions& options, Manifold& manifold)
+void add_touching_regions(ManifoldMemory& memory, std::span<const TrianglePair> pairs, const PlacedSurface& a,
+                          const PlacedSurface& b, const ManifoldOptions& options, Manifold& manifold)
 {
     std::vector<Meeting> meetings;
     const double rounding = 4 * rounding_of(a, b);
@@ -173,7 +179,7 @@ void add_touching_regions(std::span<const TrianglePair> pairs, const PlacedSurfa
                 at->push_back(m);
         }
         for (const auto& direction : directions)
-            add_region(direction,
+            add_region(memory, direction,
                        &direction == &directions.front() ? std::span<const Meeting* const>(others)
                                                          : std::span<const Meeting* const>(),
                        a, b, options, manifold);
