@@ -25,7 +25,7 @@ public:
         static const std::string names[] = {"dart", "fcl", "bullet", "ode"};
         return names[number];
     }
-    const std::string& getType() const override ///< some tests ask one detector only
+    const std::string& getType() const override ///< some tests look for one detector by its name
     {
         static const char* called = std::getenv("ONCOLLIDE_CALLED");
         static const std::string name = called ? called : "oncollide";
