@@ -13,7 +13,7 @@
 
 namespace dart::collision {
 
-/// The pairs that meet, or may; those of rigid bodies first, then by the objects' order.
+/// The pairs that meet or may meet; those of rigid bodies first, then by the objects' order.
 void OncollideCollisionDetector::Core::find_pairs(const CollisionFilter* filter)
 {
     pairs_.clear();
