@@ -13,7 +13,7 @@
 
 namespace dart::collision {
 
-/// The pairs that meet or may meet; those of rigid bodies first, then by the objects' order.
+/// Pairs that meet or may meet: pairs of rigid bodies first, then by the order of their objects.
 void OncollideCollisionDetector::Core::find_pairs(const CollisionFilter* filter)
 {
     pairs_.clear();
