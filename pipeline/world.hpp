@@ -276,6 +276,10 @@ public:
     /// entry; if a pair is refused, results of pairs before it may have been written.
     void decide(const ModelPairColumns& pairs, std::span<Verdict> verdicts, std::span<double> bounds) const;
 
+    /// Sets near[i] to 0 for models that are certainly farther apart than the clearance and reaches[i] (m, >= 0), as
+    /// bounding boxes show, and to 1 for others. Costs much less than distances. Surfaces alone count for meshes.
+    void near(std::span<const PairOfModels> pairs, std::span<const double> reaches, std::span<std::uint8_t> near) const;
+
     /// Certified bounds on the distance, to `tolerance` (m, >= 0) besides rounding, and the two nearest points. If they
     /// are farther apart than `cutoff` (m), only a lower bound above it is found. Solids that overlap (shapes, cells of
     /// maps, and closed meshes in solid mode) are 0 apart. Throws Error{usage} for a tolerance or a cutoff that is
@@ -308,6 +312,11 @@ public:
     /// Sets found[i] for pairs[i].
     void sweep(std::span<const PairOfMovingModels> pairs, std::span<SweepResult> found,
                const SweepOptions& options = {}) const;
+    /// Lower bounds of the times at which two moving models come within margins[i] (m, >= 0) more than the clearance of
+    /// each other, if they are farther apart at time 0; 1: not before the end. Made for short motions: cost of one step
+    /// of sweep(). Points of a model may also leave its motion, if the margin includes by how much.
+    void clear_until(std::span<const PairOfMovingModels> pairs, std::span<const double> margins,
+                     std::span<double> until) const;
     /// Reduces the contacts to regions for a solver, with a normal, depths and few points each, and reports the loss.
     /// The result depends on the pair alone; with a and b swapped, it is the same with the normals reversed. For bodies
     /// of all kinds, except two half-spaces; closed meshes have an inside in every mode. Throws Error{usage} for
@@ -329,6 +338,8 @@ public:
     std::vector<QueryHit> query(ModelId model, const Eigen::Isometry3d& pose, const QueryFilter& filter = {}) const;
     /// Overwrites `hits`. Runs on up to Settings::threads threads.
     void query(std::span<const ModelQuery> queries, QueryHits& hits) const;
+    /// The bodies that near() sets to 1 with model i and reaches[i]: `undecided`, without a bound. Overwrites `hits`.
+    void near(std::span<const ModelQuery> queries, std::span<const double> reaches, QueryHits& hits) const;
     /// Bodies that a segment touches, sorted by slots. For meshes, terrains, maps, boxes and hulls the results are
     /// exact with all settings, for the segment's points moved into the body's frame in double. Round shapes,
     /// half-spaces, a clearance, contact_kinds and ignore_touching have the errors of step(). Cost: 1 to 10

@@ -72,6 +72,9 @@ Kinematics::Kinematics(const RobotDescription& robot)
             }
     if (root_ == links || reached.size() != links)
         refuse(fmt::format("robot '{}'", printable(robot.name)), "its links are not one tree");
+    step_to_.assign(links, none), depth_.assign(links, 0);
+    for (std::uint32_t i = 0; i < steps_.size(); ++i)
+        step_to_[steps_[i].child] = i, depth_[steps_[i].child] = depth_[steps_[i].parent] + 1;
 }
 
 Kinematics::Step Kinematics::step_of(const RobotDescription& robot, std::uint32_t i) const
@@ -142,6 +145,89 @@ void Kinematics::link_poses(const double* numbers, const Eigen::Isometry3d& base
         }
         }
     }
+}
+
+namespace {
+
+Eigen::Quaterniond unit(const double* quaternion)
+{
+    return Eigen::Map<const Eigen::Quaterniond>(quaternion).normalized();
+}
+
+} // namespace
+
+void Kinematics::between(const double* from, const double* to, double share, double* numbers) const
+{
+    for (std::size_t i = 0; i < width(); ++i) numbers[i] = from[i] + share * (to[i] - from[i]);
+    for (const Step& step : steps_)
+        if (step.kind == JointKind::floating) {
+            const std::size_t q = step.number + 3;
+            Eigen::Map<Eigen::Quaterniond>(numbers + q) = unit(from + q).slerp(share, unit(to + q));
+        }
+}
+
+double BallTravel::off(double arm) const
+{
+    if (turned > 3) return std::numeric_limits<double>::infinity(); // the shorter arc could be the other one
+    // A chord differs from its curve by at most an eighth of the second derivative.
+    return helix ? 0 : 0.125 * (bend + turned * turned * arm) * (1 + 1e-12);
+}
+
+BallTravel Kinematics::travel(const double* from, const double* to, double half, const Eigen::Isometry3d* poses,
+                              const CoverSphere& ball, std::uint32_t link, std::uint32_t above) const
+{
+    const Eigen::Vector3d centre = poses[link] * ball.centre;
+    BallTravel all; // seen from the link that the loop has reached
+    int moving = 0;
+    const auto shift = [&](double length) { all.moved += half * length, all.speed += 2 * half * length; };
+    const auto turn = [&](double angle, double distance) { // around the axis or the origin
+        const double a = 2 * half * std::abs(angle), reach = distance + ball.radius + all.moved;
+        all.bend += 2 * a * all.speed + a * a * reach; // Coriolis and centripetal
+        all.speed += a * reach, all.turned += a;
+        all.moved += std::min(0.5 * a, 2.0) * reach; // a chord
+    };
+    for (; link != above; link = steps_[step_to_[link]].parent) {
+        const Step& step = steps_[step_to_[link]];
+        if (step.kind == JointKind::fixed) continue;
+        const double *const a = from + step.number, *const b = to + step.number;
+        const Eigen::Vector3d arm = centre - poses[link].translation();
+        const auto from_axis = [&] { return arm.cross(poses[link].linear() * step.axis).norm(); };
+        const double speed_before = all.speed;
+        switch (step.kind) {
+        case JointKind::fixed:
+            break;
+        case JointKind::prismatic:
+            shift(std::abs(step.multiplier * (b[0] - a[0])));
+            break;
+        case JointKind::revolute:
+        case JointKind::continuous:
+            turn(step.multiplier * (b[0] - a[0]), from_axis());
+            break;
+        case JointKind::planar:
+            turn(b[2] - a[2], from_axis());
+            shift(std::hypot(b[0] - a[0], b[1] - a[1]));
+            break;
+        case JointKind::floating: {
+            turn(unit(a + 3).angularDistance(unit(b + 3)), arm.norm());
+            shift((Eigen::Map<const Eigen::Vector3d>(b) - Eigen::Map<const Eigen::Vector3d>(a)).norm());
+            break;
+        }
+        }
+        if (all.speed > speed_before)
+            ++moving, all.helix = all.helix && moving == 1 && step.kind != JointKind::planar &&
+                                  step.kind != JointKind::floating;
+    }
+    all.moved *= 1 + 1e-12;
+    return all;
+}
+
+std::uint32_t Kinematics::common(std::uint32_t a, std::uint32_t b) const
+{
+    while (a != b) {
+        std::uint32_t& lower = depth_[a] < depth_[b] ? b : a;
+        lower = steps_[step_to_[lower]].parent;
+    }
+    return a;
 }
 
 } // namespace oncollide

@@ -5,9 +5,24 @@
 
 #include <Eigen/Geometry>
 
+#include <oncollide/robots/cover.hpp>
 #include <oncollide/robots/robot.hpp>
 
 namespace oncollide {
+
+/// Upper bounds for all points of a ball that moves with a link.
+struct BallTravel {
+    double moved = 0;  ///< metres from the middle of the motion
+    double turned = 0; ///< rad between both ends
+    double speed = 0;  ///< metres per part
+    double bend = 0;   ///< second derivative of the position: metres per part squared
+    bool helix = true; ///< at most one joint moves: all points move along helices, or straight
+
+    /// How far points leave the rigid motion between the poses at both ends: MotionPath::screw for a helix, else
+    /// MotionPath::linear.
+    /// @param arm  upper bound on their distance from the origin of that motion
+    double off(double arm) const;
+};
 
 /// The joints of a robot in an order in which each follows the joints above it.
 class Kinematics {
@@ -22,6 +37,18 @@ public:
     int first_number(std::uint32_t joint) const { return first_[joint]; }
     /// `numbers` must be finite, quaternions unit.
     void link_poses(const double* numbers, const Eigen::Isometry3d& base, Eigen::Isometry3d* poses) const;
+
+    /// The configuration at a share of an edge: numbers change in proportion, quaternions along the shorter arc.
+    void between(const double* from, const double* to, double share, double* numbers) const;
+    /// How a ball that is fixed to a link moves, seen from a link above, in a part of an edge.
+    /// @param half   half of the part, as a share of the edge
+    /// @param ball   in the frame of `link`
+    /// @param above  `link` or a link above it
+    /// @param poses  of all links, in the middle of the part
+    BallTravel travel(const double* from, const double* to, double half, const Eigen::Isometry3d* poses,
+                      const CoverSphere& ball, std::uint32_t link, std::uint32_t above) const;
+    /// The lowest link that is above both, or one of them.
+    std::uint32_t common(std::uint32_t a, std::uint32_t b) const;
 
     static int numbers_of(const RobotJoint& joint);
 
@@ -43,6 +70,8 @@ private:
     std::vector<std::string> names_;
     std::vector<int> first_;
     std::vector<Step> steps_;
+    std::vector<std::uint32_t> step_to_; ///< by link: the step that leads to it; of the root none
+    std::vector<std::uint32_t> depth_;   ///< by link: steps from the root
     std::uint32_t root_ = 0;
 };
 

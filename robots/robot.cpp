@@ -151,6 +151,19 @@ void Robot::Impl::check_width(std::size_t numbers) const
                          tree.width()));
 }
 
+void Robot::Impl::check_numbers(const char* call, const char* item, const Robot& robot, std::span<const double> numbers,
+                                std::size_t count)
+{
+    const std::size_t width = robot.width();
+    if (numbers.size() != count * width)
+        fail(fmt::format("{}: {} numbers for {} {}s of {}", call, numbers.size(), count, item, width));
+    for (std::size_t i = 0; i < count; ++i) try {
+            robot.check_configuration(numbers.subspan(i * width, width), false);
+        } catch (const Error& error) {
+            throw Error(error.kind(), fmt::format("{} {}: {}", item, i, error.what()));
+        }
+}
+
 Robot::Robot(World& world, RobotDescription description, const Eigen::Isometry3d& base)
     : impl_(std::make_unique<Impl>(world, std::move(description), base))
 {

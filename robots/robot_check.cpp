@@ -45,22 +45,22 @@ const SphereCull::Placed* SphereCull::spheres_of(std::uint32_t i)
     return first;
 }
 
-bool SphereCull::meet(const Placed& a, const Placed& b) const
+bool SphereCull::meet(const Placed& a, const Placed& b, double reach) const
 {
     const double dx = a.x - b.x, dy = a.y - b.y, dz = a.z - b.z;
-    const double within = (a.radius + b.radius + clearance_) * (1 + 1e-12);
+    const double within = (a.radius + b.radius + clearance_ + reach) * (1 + 1e-12);
     return dx * dx + dy * dy + dz * dz <= within * within;
 }
 
-bool SphereCull::near(std::uint32_t a, std::uint32_t b)
+bool SphereCull::near(std::uint32_t a, std::uint32_t b, double reach)
 {
     const Placed *const of_a = spheres_of(a), *const of_b = spheres_of(b);
-    if (!meet(of_a[0], of_b[0])) return false;
+    if (!meet(of_a[0], of_b[0], reach)) return false;
     const std::uint32_t count_a = robot_.parts[a].cover.count, count_b = robot_.parts[b].cover.count;
     for (std::uint32_t i = 1; i <= count_a; ++i) {
-        if (!meet(of_a[i], of_b[0])) continue;
+        if (!meet(of_a[i], of_b[0], reach)) continue;
         for (std::uint32_t k = 1; k <= count_b; ++k)
-            if (meet(of_a[i], of_b[k])) return true;
+            if (meet(of_a[i], of_b[k], reach)) return true;
     }
     return false;
 }
@@ -221,14 +221,7 @@ void Robot::check(const World& world, std::span<const double> configurations, st
 {
     const Impl& p = *impl_;
     p.check_world(world);
-    if (configurations.size() != findings.size() * width())
-        throw Error(ErrorKind::usage, fmt::format("robot: check: {} numbers for {} configurations of {}",
-                                                  configurations.size(), findings.size(), width()));
-    for (std::size_t i = 0; i < findings.size(); ++i) try {
-            check_configuration(configurations.subspan(i * width(), width()), false);
-        } catch (const Error& error) {
-            throw Error(error.kind(), fmt::format("configuration {}: {}", i, error.what()));
-        }
+    p.check_numbers("check", "configuration", *this, configurations, findings.size());
     const Settings& settings = world.settings();
     const ExecutorScope scope(settings.executor);
     const int threads = thread_count(settings);

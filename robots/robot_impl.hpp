@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <vector>
 
 #include <oncollide/robots/cover.hpp>
@@ -51,6 +52,10 @@ struct Robot::Impl {
     /// Throws Error{bad_data} for a pose that is not rigid.
     void check_pose(const std::string& of, const Eigen::Isometry3d& pose) const;
     void check_width(std::size_t numbers) const;
+    /// Throws Error{usage} if there are not `count` configurations, and as check_configuration() without limits, with
+    /// the call and the number of the item.
+    static void check_numbers(const char* call, const char* item, const Robot& robot, std::span<const double> numbers,
+                              std::size_t count);
     Eigen::Isometry3d pose_of(const Part& part, const Eigen::Isometry3d* links) const
     {
         return links[part.link] * part.pose;
@@ -80,16 +85,19 @@ public:
     SphereCull(const Robot::Impl& robot, double clearance);
     /// Places the spheres at a configuration.
     void place(const Eigen::Isometry3d* links);
-    /// False: the groups are certainly farther apart than the clearance.
-    bool groups_near(std::uint32_t a, std::uint32_t b) const { return meet(groups_[a], groups_[b]); }
+    /// False: the groups are certainly farther apart than the clearance and `reach`.
+    bool groups_near(std::uint32_t a, std::uint32_t b, double reach = 0) const
+    {
+        return meet(groups_[a], groups_[b], reach);
+    }
     /// The same of two parts.
-    bool near(std::uint32_t a, std::uint32_t b);
+    bool near(std::uint32_t a, std::uint32_t b, double reach = 0);
 
 private:
     struct Placed {
         double x, y, z, radius;
     };
-    bool meet(const Placed& a, const Placed& b) const;
+    bool meet(const Placed& a, const Placed& b, double reach) const;
     const Placed* spheres_of(std::uint32_t part); ///< the first is the whole one
     Placed placed(const CoverSphere& sphere, std::uint32_t link) const;
 

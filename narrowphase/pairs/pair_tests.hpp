@@ -24,7 +24,8 @@ struct PairTests {
     /// @param memory  witness, tested first (except for two maps) and updated; null: no witness
     Finding (*decide)(PairWorker&, const PairTask&, const PairOptions&, PairMemory* memory);
 
-    /// Within clearance + tolerance (metres), or separate.
+    /// Within clearance + tolerance (metres), or separate. With an infinite tolerance, `separate` is certain if
+    /// bounding boxes show it.
     Finding (*near)(PairWorker&, const PairTask&, double clearance, double tolerance, PairMemory* memory);
 
     /// As World::distance(). Exception: for a box or a hull that encloses a map's cells or a part of a mesh, it may be

@@ -16,6 +16,17 @@ double stretch(const Eigen::Isometry3d& pose)
     return 3 * std::max(lengths, angles) + 0x1p-50;
 }
 
+double rounding_of(const PairTask& task)
+{
+    const double rounding = 0x1p-30 + 4 * (stretch(*task.pose_a) + stretch(*task.pose_b));
+    return rounding * (task.a->reach() + task.b->reach());
+}
+
+double surely_separate(const PairTask& task, double beyond)
+{
+    return beyond * (1 + 0x1p-16) + rounding_of(task);
+}
+
 bool decides_b_first(const PairTask& task)
 {
     // Bodies at one pose have one frame.

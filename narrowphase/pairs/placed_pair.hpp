@@ -25,6 +25,12 @@ bool decides_b_first(const PairTask& task);
 /// Upper bound on the relative change of lengths by a pose; 0 for quarter turns.
 double stretch(const Eigen::Isometry3d& pose);
 
+/// Upper bound on the effect of rounding and of not exactly rigid poses on distances of the two bodies.
+double rounding_of(const PairTask& task);
+/// A traversal returns `separate` for bodies farther apart than this.
+/// @param beyond  the cutoff, up to which it may return another verdict
+double surely_separate(const PairTask& task, double beyond);
+
 /// A pair in the order in which its test takes it: computations are in the first body's frame.
 struct OrderedPair {
     Model &a, &b;

@@ -282,8 +282,26 @@ private:
 
 } // namespace
 
+/// A lower bound of the time of contact: of the first window in which the bodies may meet.
+SweepResult bound_of(const SweepTask& task, FindEntry entry)
+{
+    SweepResult found;
+    PairMemory memory;
+    while (found.clear_until < 1) {
+        const double begin = found.clear_until;
+        const double end = std::min({1.0, task.motion_a->at(begin).key, task.motion_b->at(begin).key});
+        const MotionWindow window(task, begin, end);
+        const PartsEntry first = entry(window, memory);
+        found.clear_until = first.time > 1 ? end : std::clamp(window.time(first.time) * (1 - 0x1p-52), begin, end);
+        if (first.time <= 1) return found;
+    }
+    found.verdict = Verdict::separate;
+    return found;
+}
+
 SweepResult sweep(PairWorker& worker, const SweepTask& task, FindEntry entry, FindContact contact)
 {
+    if (task.bound_only) return bound_of(task, entry);
     return Sweep(worker, task, entry, contact).run();
 }
 

@@ -20,6 +20,9 @@ struct SweepTask {
     double clearance = 0; ///< metres
     bool solid = false;   ///< the inside of a closed mesh belongs to the mesh
     double until = 1;     ///< the search ends as soon as no earlier contact is possible
+    /// The bodies have no contact at time 0, and only the bound `clear_until` is wanted: of one window, or of the first
+    /// one in which the bodies may meet.
+    bool bound_only = false;
     // Hints: results do not depend on them.
     bool begins_apart = false;          ///< probably: examine a window before the poses at time 0
     const PairMemory* memory = nullptr; ///< witnesses of a pose that is probably near

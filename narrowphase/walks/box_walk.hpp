@@ -336,7 +336,11 @@ private:
             first[k] = e;
         }
     }
-    void walk(float cutoff, auto take_leaves);
+    void walk(float cutoff, auto take_leaves, auto ends);
+    void walk(float cutoff, auto take_leaves)
+    {
+        walk(cutoff, take_leaves, [](Entry) { return false; });
+    }
     void walk_all(float cutoff, auto take_leaves);
     bool test_waiting(auto found)
     {

@@ -82,12 +82,14 @@ unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot
     return count;
 }
 
-/// Depth first: calls take_leaves(entry) for pairs of leaves within `cutoff`, while it returns true.
+/// Depth first: calls take_leaves(entry) for pairs of leaves within `cutoff`, while it returns true and ends(entry),
+/// which is called for all pairs of boxes, returns false.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
-void BoxWalk<A, B, Leaves>::walk(float cutoff, auto take_leaves)
+void BoxWalk<A, B, Leaves>::walk(float cutoff, auto take_leaves, auto ends)
 {
     while (top_) {
         const Entry e = stack_[--top_];
+        if (ends(e)) return;
         if (!both_leaves(e))
             open<Gaps::near>(e, cutoff);
         else if (!take_leaves(e))
@@ -151,6 +153,7 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
     if (!go_on_after_hint(a, b, b_to_a, hint, take)) return ++hints_held, result;
     if (!go_on_after_place(a, b, b_to_a, frame, place, take, [](const Pair&) { return false; }))
         return ++hints_held, result;
+    std::size_t batch = first_batch;
     double lower = infinity; // lower bound over primitives that do not wait
     const auto take_pair = [&](Pair pair, bool small) {
         if (small || clearance > 0) {
@@ -172,14 +175,22 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
         waiting_.push_back(pair), from_.push_back(*from);
         return true;
     };
-    std::size_t batch = first_batch;
-    start_near(a, b, b_to_a, frame, clearance);
-    walk(frame.gap_within(clearance), [&](Entry e) {
+    // Without a bound, boxes decide: pairs of leaves, or of boxes that are small for the clearance.
+    const bool by_boxes = std::isinf(tolerance);
+    const double small_box = 0x1p-6 * clearance * clearance;
+    const auto boxes_decide = [&](Entry e) {
+        const auto is_small = [&](float size2, bool leaf) { return leaf || double(size2) <= small_box; };
+        return result.near = by_boxes && is_small(a_[e.slot_a()].size(e.lane_a()), a_[e.slot_a()].leaf(e.lane_a())) &&
+                             is_small(b_[e.slot_b()].size(e.lane_b()), b_[e.slot_b()].leaf(e.lane_b()));
+    };
+    const auto take_leaves = [&](Entry e) {
         const float size2 = a_[e.slot_a()].size(e.lane_a()) + b_[e.slot_b()].size(e.lane_b());
         const bool small = double(size2) <= 16 * enough * enough; // otherwise their corners are rarely that near
         from = &e;
         return each_pair(e, [&](Pair pair) { return take_pair(pair, small); }) && test_if_enough(batch, take);
-    });
+    };
+    start_near(a, b, b_to_a, frame, clearance);
+    walk(frame.gap_within(clearance), take_leaves, boxes_decide);
     from = nullptr;
     if (result.near || !test_waiting(take)) return result;
     return {false, std::max(std::min(lower * (1 - 0x1p-18), least_gap(frame)), clearance), {}};

@@ -15,20 +15,6 @@ namespace {
 constexpr std::size_t pairs_per_chunk = 64;
 constexpr std::size_t pairs_per_look = 16; // per check whether the call should stop; chunks begin with a check
 
-/// Upper bound on the effect of rounding and of not exactly rigid poses on distances of the two bodies.
-double rounding_of(const PairTask& task)
-{
-    const double rounding = 0x1p-30 + 4 * (stretch(*task.pose_a) + stretch(*task.pose_b));
-    return rounding * (task.a->reach() + task.b->reach());
-}
-
-/// A traversal returns `separate` for bodies farther apart than this.
-/// @param beyond  the cutoff, up to which it may return another verdict
-double surely_separate(const PairTask& task, double beyond)
-{
-    return beyond * (1 + 0x1p-16) + rounding_of(task);
-}
-
 /// Tests of hulls or inner spheres without result are skipped for a while, longer after each such test in a row.
 bool rests(PairMemory::Rest& rest)
 {

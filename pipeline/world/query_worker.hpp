@@ -59,6 +59,9 @@ private:
 /// Throws Error{bad_data}, which begins with the call's name, for a segment that is not finite or goes beyond 1e15 m.
 void check_ends(const char* call, std::span<const Segment> segments);
 
+/// Throws Error{usage} for a negative reach, NaN, or one beyond 1e15 m.
+void check_reaches(const char* what, std::span<const double> reaches);
+
 /// Throws Error{usage} if there is not room for as many `results`, such as "hits", as there are `items`.
 void same_room(const char* call, const char* items, std::size_t count, const char* results, std::size_t room);
 

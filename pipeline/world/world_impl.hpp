@@ -78,6 +78,8 @@ struct World::Impl {
     void need_trees(std::span<const PairTask> tasks);
     void decide(QueryWorker& worker);
     Distance distance(QueryWorker& worker, const PairTask& task, double tolerance, double cutoff);
+    /// The trees must be there.
+    bool may_be_near(QueryWorker& worker, const PairTask& task, double reach);
     void contacts(QueryWorker& worker, const PairTask& task, std::vector<Contact>& found);
     Penetration penetration(QueryWorker& worker, const PairTask& task);
     /// The trees must be there.

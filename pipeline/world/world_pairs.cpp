@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/narrowphase/pairs/placed_pair.hpp>
 #include <oncollide/narrowphase/shapes/convex_distance.hpp>
 #include <oncollide/pipeline/check_distance.hpp>
 #include <oncollide/pipeline/world/query_worker.hpp>
@@ -263,6 +264,40 @@ void World::distances(const ModelPairColumns& pairs, std::span<Distance> found, 
     if (found.empty()) return;
     check_columns("distances", pairs, found.size());
     impl().in_batches(pairs, found.size(), find_distances(*impl_, found, tolerance, cutoff));
+}
+
+bool World::Impl::may_be_near(QueryWorker& worker, const PairTask& task, double reach)
+{
+    constexpr double any = std::numeric_limits<double>::infinity();
+    const double beyond = surely_separate(task, settings.clearance + reach);
+    try {
+        return models.with_room([&] {
+            return tests_for(task).near(worker.pairs, task, beyond, any, nullptr).verdict != Verdict::separate;
+        });
+    } catch (const ChunkFault& fault) {
+        models.note(fault.what());
+        return true;
+    }
+}
+
+void check_reaches(const char* what, std::span<const double> reaches)
+{
+    for (std::size_t i = 0; i < reaches.size(); ++i)
+        if (!(reaches[i] >= 0 && reaches[i] <= 1e15))
+            throw Error(ErrorKind::usage, fmt::format("{} {}: {}: must be 0 to 1e15 m", what, i, reaches[i]));
+}
+
+void World::near(std::span<const PairOfModels> pairs, std::span<const double> reaches,
+                 std::span<std::uint8_t> near) const
+{
+    same_room("near", "pairs", pairs.size(), "reaches", reaches.size());
+    same_room("near", "pairs", pairs.size(), "results", near.size());
+    check_reaches("near: reach", reaches);
+    impl().in_batches(pairs, pairs.size(), [&](Impl::QueryWorker& worker, std::size_t first) {
+        impl_->need_trees(worker.tasks);
+        for (std::size_t i = 0; i < worker.tasks.size(); ++i)
+            near[first + i] = impl_->may_be_near(worker, worker.tasks[i], reaches[first + i]);
+    });
 }
 
 /// The trees must be there. Appends.

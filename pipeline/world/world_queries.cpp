@@ -218,6 +218,23 @@ void World::query(std::span<const ModelQuery> queries, QueryHits& out) const
     });
 }
 
+void World::near(std::span<const ModelQuery> queries, std::span<const double> reaches, QueryHits& out) const
+{
+    Impl& p = impl();
+    same_room("near", "queries", queries.size(), "reaches", reaches.size());
+    check_reaches("near: reach", reaches);
+    for (std::size_t i = 0; i < queries.size(); ++i)
+        naming("near", i, nullptr, [&] { p.check_model(queries[i].model), p.check_pose("", queries[i].pose); });
+    p.bring_up_to_date();
+    p.gather(queries.size(), 64, out.hits, out.offsets, [&](auto& worker, std::size_t i, auto& hits) {
+        const ModelQuery& query = queries[i];
+        p.find_near(worker, {&p.models[query.model], query.pose, query.filter}, reaches[i] * (1 + 0x1p-40));
+        p.need_trees(worker.tasks);
+        for (const PairTask& task : worker.tasks)
+            if (p.may_be_near(worker, task, reaches[i])) hits.push_back({Finding{}, p.bodies.id(task.number)});
+    });
+}
+
 std::vector<QueryHit> World::query(const Segment& segment, const QueryFilter& filter) const
 {
     Impl& p = impl();

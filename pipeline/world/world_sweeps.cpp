@@ -60,6 +60,24 @@ void World::sweep(std::span<const PairOfMovingModels> pairs, std::span<SweepResu
     p.each(tasks.size(), 4, [&](auto& worker, std::size_t i) { found[i] = p.sweep(worker, tasks[i]); });
 }
 
+void World::clear_until(std::span<const PairOfMovingModels> pairs, std::span<const double> margins,
+                        std::span<double> until) const
+{
+    Impl& p = impl();
+    same_room("clear_until", "pairs", pairs.size(), "margins", margins.size());
+    same_room("clear_until", "pairs", pairs.size(), "results", until.size());
+    check_reaches("clear_until: margin", margins);
+    std::vector<SweepTask> tasks;
+    std::vector<PairTask> of_trees;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        naming("pair", i, nullptr, [&] { tasks.push_back(p.task_of(pairs[i].a, pairs[i].b, {})); });
+        tasks.back().clearance += margins[i], tasks.back().bound_only = true;
+        of_trees.push_back({0, tasks.back().a, tasks.back().b, nullptr, nullptr});
+    }
+    p.need_trees(of_trees);
+    p.each(tasks.size(), 16, [&](auto& worker, std::size_t i) { until[i] = p.sweep(worker, tasks[i]).clear_until; });
+}
+
 /// Overwrites `hits` with the contacts of a moving model: with all, or with the contacts that may be the first.
 void World::Impl::find_casts(QueryWorker& w, const MovingModel& model, const QueryFilter& filter,
                              const SweepOptions& options, bool all, std::vector<SweepHit>& hits)

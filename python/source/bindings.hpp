@@ -39,6 +39,7 @@ struct ResultTypes {
     py::dtype sweep_hit;      ///< SweepHit
     py::dtype pair_sweep;     ///< PairSweep
     py::dtype robot;          ///< RobotFinding
+    py::dtype robot_edge;     ///< RobotEdgeFinding
     py::dtype region;         ///< ManifoldRegion
     py::dtype manifold_point; ///< ManifoldPoint
     py::dtype near_features;  ///< NearFeatures

@@ -123,6 +123,13 @@ void make_result_types()
                                                   {"link", "i4", offsetof(RobotFinding, link)}, // no_link: -1
                                                   {"other", "i4", offsetof(RobotFinding, other)},
                                                   {"body", "u8", offsetof(RobotFinding, body)}}),
+        .robot_edge =
+            structure(sizeof(RobotEdgeFinding), {{"clear_until", "f8", offsetof(RobotEdgeFinding, clear_until)},
+                                                 {"contact_by", "f8", offsetof(RobotEdgeFinding, contact_by)},
+                                                 {"verdict", "u1", offsetof(RobotEdgeFinding, verdict)},
+                                                 {"link", "i4", offsetof(RobotEdgeFinding, link)}, // no_link: -1
+                                                 {"other", "i4", offsetof(RobotEdgeFinding, other)},
+                                                 {"body", "u8", offsetof(RobotEdgeFinding, body)}}),
         .region = structure(sizeof(ManifoldRegion), {{"kind", "u1", offsetof(ManifoldRegion, kind)},
                                                      {"open", "?", offsetof(ManifoldRegion, open)},
                                                      {"normal", "3f8", offsetof(ManifoldRegion, normal)},

@@ -61,6 +61,26 @@ py::array check(HeldRobot& robot, py::handle configurations, py::handle self, py
     return array_of(result_types().robot, std::move(found));
 }
 
+py::array check_edges(HeldRobot& robot, py::handle from, py::handle to, py::handle tolerance, py::handle first,
+                      py::handle self, py::handle environment)
+{
+    const char* const call = "Robot.check_edges";
+    const py::array starts = rows_of(robot, from, {call, "start"}), ends = rows_of(robot, to, {call, "end"});
+    if (starts.size() != ends.size())
+        refuse_value({call, "end"}, fmt::format("expected shape {}, got {}", shape_of(starts), shape_of(ends)));
+    const RobotEdgeCheck what{.pairs = {.self = truth(self, {call, "self_collision"}),
+                                        .environment = truth(environment, {call, "environment"})},
+                              .tolerance = number(tolerance, {call, "tolerance"}),
+                              .first = truth(first, {call, "first"})};
+    std::vector<RobotEdgeFinding> found(starts.ndim() == 1 ? 1 : static_cast<std::size_t>(starts.shape(0)));
+    {
+        const Looking looking(*robot.held, call);
+        const Released released;
+        robot.robot->check_edges(robot.held->world, span_of(starts), span_of(ends), found, what);
+    }
+    return array_of(result_types().robot_edge, std::move(found));
+}
+
 py::array array_of_numbers(const std::vector<double>& numbers)
 {
     return py::array_t<double>(static_cast<py::ssize_t>(numbers.size()), numbers.data());
@@ -116,6 +136,18 @@ Returns a structured array (N,): verdict (a Verdict), bound (metres), link, othe
 (an id, if other is -1). The pair is the first that collides, or the one with the least bound. Not copied if
 C-contiguous and float64. Other Python threads can run meanwhile. Raises ValueError for other shapes, Error naming the
 configuration that is not finite.)")
+        .def("check_edges", &check_edges, "start"_a, "end"_a, "tolerance"_a = 1e-4, "first"_a = true,
+             "self_collision"_a = true, "environment"_a = true,
+             R"(check_edges(self, start, end, tolerance=1e-4, first=True, self_collision=True, environment=True)
+--
+
+Tests whole motions between configurations, float64 (N, width) or (width,) each: all joints move at constant speed, and
+no contact between samples is missed.
+
+Returns a structured array (N,): clear_until (certified: the share of the motion, 0 to 1, before which there is no
+contact), contact_by (a share at which there certainly is one; inf: none found), verdict (a Verdict), and link, other and
+body as in check(). The first contact is found to `tolerance`, a share of the motion; first=False stops at any contact,
+which is faster. Raises as check().)")
         .def("state", &state, "name"_a, "group"_a = py::none(), R"(state(self, name, group=None)
 --
 

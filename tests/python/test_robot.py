@@ -73,3 +73,23 @@ def test_states_and_errors(files):
         oncollide.Robot(world, files / "arm.srdf")
     with pytest.raises(TypeError, match="packages"):
         oncollide.Robot(world, files / "arm.urdf", packages=["a"])
+
+
+def test_motions_are_checked_without_gaps(files):
+    world = oncollide.World()
+    wire = world.add_body(world.add(oncollide.box((1e-6, 1, 1e-6))), at(0.2, 0, 0.9), static=True)
+    robot = oncollide.Robot(world, files / "arm.urdf", srdf=files / "arm.srdf")
+    up, down, away = (0, 0), (0, 1.5), (0, -1.5)
+    found = robot.check_edges([up, up, down], [down, away, down], tolerance=1e-6)
+    assert found["verdict"].tolist() == [oncollide.Verdict.COLLIDING, oncollide.Verdict.SEPARATE, oncollide.Verdict.SEPARATE]
+    assert found["body"][0] == wire and found["link"][0] == 2 and found["other"][0] == -1
+    assert 0 < found["contact_by"][0] - found["clear_until"][0] <= 1e-6 and np.all(found["clear_until"][1:] == 1)
+    before, after = found["clear_until"][0], found["contact_by"][0]
+    assert robot.check([(0, 1.5 * before), (0, 1.5 * after)])["verdict"].tolist() == [oncollide.Verdict.SEPARATE, oncollide.Verdict.COLLIDING]
+    assert robot.check_edges(up, down, first=False)["verdict"] == oncollide.Verdict.COLLIDING
+    with pytest.raises(ValueError, match="Robot.check_edges: end: expected shape"):
+        robot.check_edges([up, up], [down])
+    with pytest.raises(oncollide.Error, match="end 0: .*'elbow'"):
+        robot.check_edges(up, (0, np.nan))
+    with pytest.raises(oncollide.Error, match="tolerance"):
+        robot.check_edges(up, down, tolerance=0)

@@ -1,7 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <random>
-
 #include "robots/small_robot.hpp"
 #include <oncollide/robots/robot.hpp>
 
@@ -12,23 +10,13 @@ using Eigen::AngleAxisd;
 using Eigen::Isometry3d;
 using Eigen::Translation3d;
 using Eigen::Vector3d;
-using test::SmallRobot;
+using test::add_posts, test::random_numbers, test::SmallRobot;
 
 class RobotTest : public ::testing::Test {
 protected:
     RobotTest()
         : description(load_robot(files.urdf, {.srdf = files.srdf, .packages = {{"robot", files.folder().path()}}}))
     {
-    }
-    /// Random configurations, within the limits of the small robot.
-    std::vector<double> random_numbers(std::size_t count)
-    {
-        std::mt19937 random(5);
-        std::vector<double> numbers;
-        for (std::size_t i = 0; i < count; ++i)
-            for (const auto& [low, high] : {std::pair{-3.2, 3.2}, {-3.0, 2.5}, {0.03, 0.1}})
-                numbers.push_back(std::uniform_real_distribution(low, high)(random));
-        return numbers;
     }
     /// The links' poses, written out by hand.
     static std::vector<Isometry3d> poses_by_hand(const Isometry3d& base, double turn, double elbow, double slide)
@@ -115,21 +103,6 @@ TEST_F(RobotTest, StatesSetTheirJointsAlone)
     EXPECT_EQ(q, (std::vector<double>{9, 1.5, 0.03}));
     EXPECT_THROW(robot.apply_state("bend", "", q), Error);
     EXPECT_THROW(robot.apply_state("bent", "hand", q), Error);
-}
-
-/// Posts around the robot.
-std::vector<BodyId> add_posts(World& world)
-{
-    std::vector<BodyId> posts;
-    const ModelId post = world.add(Box{{0.05, 0.05, 0.3}});
-    for (int i = 0; i < 6; ++i) {
-        const double angle = i * 1.1;
-        posts.push_back(world.add_body(
-            {.model = post,
-             .pose = Isometry3d(Translation3d(0.5 * std::cos(angle), 0.5 * std::sin(angle), 0.1 * i + 0.2)),
-             .is_static = true}));
-    }
-    return posts;
 }
 
 /// Each configuration is also tested by frames of a World in which the robot is bodies.

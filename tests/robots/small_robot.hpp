@@ -1,5 +1,9 @@
 #pragma once
+#include <random>
 #include <string>
+#include <vector>
+
+#include <oncollide/pipeline/world.hpp>
 
 #include "temporary_folder.hpp"
 
@@ -71,5 +75,29 @@ private:
     }
     TemporaryFolder folder_;
 };
+
+/// Random configurations, within the limits of the small robot.
+inline std::vector<double> random_numbers(std::size_t count)
+{
+    std::mt19937 random(5);
+    std::vector<double> numbers;
+    for (std::size_t i = 0; i < count; ++i)
+        for (const auto& [low, high] : {std::pair{-3.2, 3.2}, {-3.0, 2.5}, {0.03, 0.1}})
+            numbers.push_back(std::uniform_real_distribution(low, high)(random));
+    return numbers;
+}
+
+/// Posts around the robot.
+inline std::vector<BodyId> add_posts(World& world)
+{
+    std::vector<BodyId> posts;
+    const ModelId post = world.add(Box{{0.05, 0.05, 0.3}});
+    for (int i = 0; i < 6; ++i) {
+        const double angle = i * 1.1;
+        const Eigen::Translation3d place(0.5 * std::cos(angle), 0.5 * std::sin(angle), 0.1 * i + 0.2);
+        posts.push_back(world.add_body({.model = post, .pose = Eigen::Isometry3d(place), .is_static = true}));
+    }
+    return posts;
+}
 
 } // namespace oncollide::test

@@ -21,6 +21,7 @@ void add_bench(Arguments app)
     add_planner(bench);
     add_continuous(bench);
     add_rays(bench);
+    add_edges_bench(bench);
     add_robot_bench(bench);
     add_world(bench);
     add_environment(bench);

@@ -1,13 +1,13 @@
 // oncollide bench robot: checks of configurations in MotionBenchMaker's problems, by meshes, models of spheres, and
 // FCL.
 #include "bench/bench.hpp"
+#include "bench/robot/robot_place.hpp"
 #include "cli/options.hpp"
 #include "cli/outputs.hpp"
 #include "cli/progress.hpp"
 #include "common/race.hpp"
 #include "common/text.hpp"
 #include "peers/fcl_robot.hpp"
-#include "robot/planning_problem.hpp"
 #include "robot/robot_world.hpp"
 #include "robot/sphere_files.hpp"
 
@@ -20,16 +20,10 @@ namespace oncollide::tools {
 namespace {
 
 struct RobotBenchOptions {
-    RobotOptions robot;
-    std::string problems, spheres, csv;
+    ProblemOptions problem;
+    std::string spheres, csv;
     double own_error = 0.005;
-    int each = 100, most = 0, repeats = 3;
-};
-
-/// The configurations of a problem.
-struct RobotWork {
-    std::vector<double> numbers;
-    std::vector<LinkGeometry> obstacles;
+    int each = 100, repeats = 3;
 };
 
 /// One way to check.
@@ -52,32 +46,20 @@ private:
 class OurEntrant final : public RobotEntrant {
 public:
     OurEntrant(std::string name, const RobotDescription& robot, const Settings& settings)
-        : RobotEntrant(std::move(name)), world_(settings), robot_(world_, robot)
+        : RobotEntrant(std::move(name)), place_(robot, settings)
     {
     }
-    void set_environment(const RobotWork& work) override
-    {
-        world_.remove_bodies(bodies_);
-        for (const ModelId model : models_) world_.remove(model);
-        bodies_.clear(), models_.clear();
-        for (const LinkGeometry& obstacle : work.obstacles) {
-            models_.push_back(world_.add(obstacle.geometry));
-            bodies_.push_back(world_.add_body({.model = models_.back(), .pose = obstacle.pose, .is_static = true}));
-        }
-    }
+    void set_environment(const RobotWork& work) override { place_.set_obstacles(work.obstacles); }
     void run(const RobotWork& work, bool self, std::vector<std::uint8_t>& hits) override
     {
         findings_.resize(hits.size());
-        robot_.check(world_, work.numbers, findings_, {.environment = !self});
+        place_.robot.check(place_.world, work.numbers, findings_, {.environment = !self});
         for (std::size_t i = 0; i < hits.size(); ++i) hits[i] = findings_[i].verdict != Verdict::separate;
     }
-    const Robot& robot() const { return robot_; }
+    const Robot& robot() const { return place_.robot; }
 
 private:
-    World world_;
-    Robot robot_;
-    std::vector<ModelId> models_;
-    std::vector<BodyId> bodies_;
+    RobotPlace place_;
     std::vector<RobotFinding> findings_;
 };
 
@@ -126,28 +108,6 @@ SphereModel own_spheres(const RobotDescription& robot, double error)
         model.push_back(surface.triangles().empty() ? std::vector<CoverSphere>{} : SphereMaker(surface).within(error));
     }
     return model;
-}
-
-/// `each` configurations from the start to the goal. Joints that the robot has not are left out.
-RobotWork workload_of(const PlanningProblem& problem, const Robot& robot, int each)
-{
-    RobotWork work;
-    std::vector<double> from = robot.neutral(), to;
-    const auto set = [&](std::vector<double>& numbers, const std::map<std::string, double>& values) {
-        for (std::size_t i = 0; i < numbers.size(); ++i)
-            if (const auto found = values.find(robot.names()[i]); found != values.end()) numbers[i] = found->second;
-    };
-    set(from, problem.start);
-    to = from;
-    set(to, problem.goal);
-    for (int k = 0; k < each; ++k) {
-        const double at = each == 1 ? 0 : double(k) / double(each - 1);
-        for (std::size_t i = 0; i < from.size(); ++i) work.numbers.push_back((1 - at) * from[i] + at * to[i]);
-    }
-    for (const PlanningProblem::Obstacle& obstacle : problem.obstacles)
-        work.obstacles.push_back(
-            {std::make_shared<const Geometry>(Geometry{obstacle.name, obstacle.shape, {}}), obstacle.pose});
-    return work;
 }
 
 using RobotEntrants = std::vector<std::unique_ptr<RobotEntrant>>;
@@ -223,12 +183,10 @@ void report_robots(const RobotBenchOptions& options, std::size_t configurations,
 int bench_robot(const RobotBenchOptions& options)
 {
     check_range("--each", options.each, 1, 100'000);
-    check_range("--most", options.most, 0);
     check_range("--repeats", options.repeats, 1, 1000);
-    check_files({{"--csv", options.csv}}, {options.robot.urdf, options.robot.srdf, options.spheres});
-    const RobotDescription robot = open_robot(options.robot);
-    const std::vector<PlanningProblem> problems =
-        load_problems(options.problems, static_cast<std::size_t>(options.most));
+    check_files({{"--csv", options.csv}}, {options.problem.robot.urdf, options.problem.robot.srdf, options.spheres});
+    const RobotDescription robot = open_robot(options.problem.robot);
+    const std::vector<PlanningProblem> problems = open_problems(options.problem);
     const RobotEntrants all = entrants_of(options, robot);
     say("{}robot      {}\nproblems   {}, each {} configurations\n\n", describe_program("robot"), robot.name,
         problems.size(), options.each);
@@ -251,20 +209,12 @@ void add_robot_bench(Arguments bench)
     Arguments sub = bench.add_command("robot", "Configurations of a robot in MotionBenchMaker's problems: meshes, "
                                                "models of spheres, and FCL");
     auto options = std::make_shared<RobotBenchOptions>();
-    sub.add_option("URDF", options->robot.urdf, "robot").required().type_name("URDF");
-    sub.add_option("--srdf", options->robot.srdf, "SRDF file").required().type_name("FILE");
-    sub.add_option("--package", options->robot.packages, "folder of the meshes named package://NAME/...")
-        .type_name("NAME=FOLDER")
-        .repeatable();
-    sub.add_option("--problems", options->problems, "folder of MotionBenchMaker's problems, unpacked")
-        .required()
-        .type_name("FOLDER");
+    add_problem_options(sub, options->problem);
     sub.add_option("--spheres", options->spheres, "published model of spheres: cuRobo's .yml, or a .urdf of spheres")
         .type_name("MODEL");
     sub.add_option("--own-error", options->own_error, "over-reach of our own spheres (default 5mm)").length();
     sub.add_option("--each", options->each, "configurations of each problem, from start to goal (default 100)")
         .type_name("N");
-    sub.add_option("--most", options->most, "problems of each set at most; 0: all (default)").type_name("N");
     sub.add_option("--repeats", options->repeats, "runs of each problem, of which the fastest counts (default 3)")
         .type_name("N");
     sub.add_option("--csv", options->csv, "write the table as CSV").type_name("FILE");

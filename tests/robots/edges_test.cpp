@@ -1,0 +1,212 @@
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "robots/small_robot.hpp"
+#include <oncollide/robots/kinematics.hpp>
+#include <oncollide/robots/robot.hpp>
+
+namespace oncollide::robot_test {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Translation3d;
+using Eigen::Vector3d;
+using test::add_posts, test::random_numbers, test::SmallRobot;
+
+class RobotEdges : public ::testing::Test {
+protected:
+    RobotEdges()
+        : description(load_robot(files.urdf, {.srdf = files.srdf, .packages = {{"robot", files.folder().path()}}}))
+    {
+    }
+    SmallRobot files;
+    RobotDescription description;
+};
+
+std::vector<double> between(std::span<const double> from, std::span<const double> to, double share)
+{
+    std::vector<double> numbers(from.size());
+    for (std::size_t i = 0; i < from.size(); ++i) numbers[i] = from[i] + share * (to[i] - from[i]);
+    return numbers;
+}
+
+TEST_F(RobotEdges, NoSampleBeforeTheBoundCollidesAndContactsAreReal)
+{
+    for (const double clearance : {0.0, 0.01}) {
+        World world({.clearance = clearance, .exact = ExactLevel::predicates});
+        add_posts(world);
+        const Robot robot(world, description);
+        constexpr std::size_t count = 300, samples = 1000;
+        const std::vector<double> from = random_numbers(2 * count), to(from.begin() + 3 * count, from.end());
+        std::vector<RobotEdgeFinding> found(count);
+        const RobotEdgeCheck what{.tolerance = 1e-3};
+        robot.check_edges(world, std::span(from).first(3 * count), to, found, what);
+        std::size_t separate = 0, later = 0, undecided = 0;
+        std::vector<double> numbers;
+        std::vector<RobotFinding> at(samples + 1);
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto a = std::span(from).subspan(3 * i, 3), b = std::span(to).subspan(3 * i, 3);
+            const RobotEdgeFinding& edge = found[i];
+            if (edge.contact_by <= 1) {
+                RobotFinding there;
+                robot.check(world, between(a, b, edge.contact_by), {&there, 1});
+                EXPECT_EQ(there.verdict, edge.verdict) << i;
+                EXPECT_LE(edge.clear_until, edge.contact_by);
+            }
+            later += edge.contact_by > 0 && edge.contact_by <= 1;
+            separate += edge.verdict == Verdict::separate, undecided += edge.verdict == Verdict::undecided;
+            if (edge.clear_until == 0) continue;
+            numbers.clear();
+            for (std::size_t k = 0; k <= samples; ++k) {
+                const auto sample = between(a, b, static_cast<double>(k) / samples * edge.clear_until);
+                numbers.insert(numbers.end(), sample.begin(), sample.end());
+            }
+            robot.check(world, numbers, at);
+            for (std::size_t k = 0; k < samples + (edge.clear_until == 1); ++k)
+                ASSERT_EQ(at[k].verdict, Verdict::separate) << "edge " << i << ", sample " << k;
+            if (edge.verdict == Verdict::separate) {
+                EXPECT_EQ(edge.clear_until, 1);
+                EXPECT_EQ(edge.link, RobotFinding::no_link);
+            }
+        }
+        EXPECT_GT(separate, 20u); // the test tests something
+        EXPECT_GT(later, 20u);
+        EXPECT_LE(undecided, 3u);
+    }
+}
+
+TEST_F(RobotEdges, TheFirstContactIsBracketed)
+{
+    World world;
+    // The arm, stretched out above the base, bends until it meets a wire.
+    const double height = 1.0;
+    world.add_body({.model = world.add(Box{{1e-6, 1, 1e-6}}), .pose = Isometry3d(Translation3d(0.3, 0, height))});
+    const Robot robot(world, description);
+    const std::vector<double> from{0, 0, 0.05}, to{0, 2, 0.05};
+    RobotEdgeFinding found;
+    robot.check_edges(world, from, to, {&found, 1}, {.tolerance = 1e-6});
+    EXPECT_EQ(found.verdict, Verdict::colliding);
+    EXPECT_LE(found.contact_by - found.clear_until, 1e-6);
+    EXPECT_GT(found.clear_until, 0.1);
+    EXPECT_EQ(found.other, RobotFinding::no_link);
+    EXPECT_TRUE(world.contains(found.body));
+    RobotEdgeFinding any;
+    robot.check_edges(world, from, to, {&any, 1}, {.tolerance = 1e-6, .first = false});
+    EXPECT_EQ(any.verdict, Verdict::colliding);
+    EXPECT_LE(any.clear_until, found.contact_by);
+    EXPECT_GE(any.contact_by, found.clear_until);
+    // A few tests leave the rest open, and say so.
+    RobotEdgeFinding cut;
+    robot.check_edges(world, from, to, {&cut, 1}, {.tolerance = 1e-6, .most_tests = 1});
+    EXPECT_EQ(cut.verdict, Verdict::undecided);
+    EXPECT_LE(cut.clear_until, found.clear_until);
+}
+
+TEST_F(RobotEdges, AWireBetweenSamplesIsFound)
+{
+    World world;
+    world.add_body({.model = world.add(Box{{1e-6, 1e-6, 1}}), .pose = Isometry3d(Translation3d(0.25, 0.25, 1))});
+    const Robot robot(world, description);
+    const std::vector<double> from{-0.75, 1.5, 0.05}, to{0.85, 1.5, 0.05};
+    std::size_t sampled = 0;
+    for (int k = 0; k <= 10; ++k) {
+        RobotFinding at;
+        robot.check(world, between(from, to, 0.1 * k), {&at, 1});
+        sampled += at.verdict == Verdict::colliding;
+    }
+    EXPECT_EQ(sampled, 0u);
+    RobotEdgeFinding found;
+    robot.check_edges(world, from, to, {&found, 1});
+    EXPECT_EQ(found.verdict, Verdict::colliding);
+}
+
+TEST_F(RobotEdges, ContactAtTheStartAndTheEndCounts)
+{
+    World world;
+    world.add_body({.model = world.add(Box{{0.1, 0.1, 0.1}}), .pose = Isometry3d(Translation3d(0, 0, 1.1))});
+    const Robot robot(world, description);
+    const std::vector<double> up{0, 0, 0.05}, aside{0, 1.5, 0.05};
+    RobotEdgeFinding found;
+    robot.check_edges(world, up, aside, {&found, 1});
+    EXPECT_EQ(found.verdict, Verdict::colliding);
+    EXPECT_EQ(found.clear_until, 0);
+    EXPECT_EQ(found.contact_by, 0);
+    robot.check_edges(world, aside, up, {&found, 1});
+    EXPECT_EQ(found.verdict, Verdict::colliding);
+    EXPECT_GT(found.clear_until, 0.5);
+    EXPECT_LE(found.contact_by, 1);
+    robot.check_edges(world, up, up, {&found, 1}); // rest
+    EXPECT_EQ(found.contact_by, 0);
+    robot.check_edges(world, aside, aside, {&found, 1});
+    EXPECT_EQ(found.verdict, Verdict::separate);
+}
+
+TEST_F(RobotEdges, BadInputIsRefused)
+{
+    World world;
+    const Robot robot(world, description);
+    RobotEdgeFinding found;
+    const std::vector<double> good{0, 0, 0.05}, bad{0, std::nan(""), 0.05};
+    EXPECT_THROW(robot.check_edges(world, good, std::vector<double>{0, 0}, {&found, 1}), Error);
+    EXPECT_THROW(robot.check_edges(world, bad, good, {&found, 1}), Error);
+    EXPECT_THROW(robot.check_edges(world, good, bad, {&found, 1}), Error);
+    EXPECT_THROW(robot.check_edges(world, good, good, {&found, 1}, {.tolerance = 0}), Error);
+}
+
+/// All kinds of joints in one chain: no point of a ball moves farther than the bound, or leaves the rigid motion between
+/// the ends by more.
+TEST_F(RobotEdges, BoundsOfTravelHoldForAllKindsOfJoints)
+{
+    RobotDescription chain = description, arm = description;
+    chain.joints[0].kind = JointKind::planar;   // base to upper
+    chain.joints[1].kind = JointKind::floating; // upper to lower
+    std::mt19937 random(9);
+    const auto any = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+    double largest = 0, farthest = 0;
+    int helices = 0;
+    for (int trial = 0; trial < 4000; ++trial) {
+        const Kinematics tree(trial % 2 ? chain : arm);
+        const double step = std::pow(10.0, any(-3, 0.3));
+        std::vector<double> from(tree.width()), to(tree.width());
+        for (std::size_t i = 0; i < from.size(); ++i)
+            from[i] = any(-1, 1), to[i] = from[i] + (trial % 5 == 0 && i > 0 ? 0 : step * any(-1, 1));
+        if (trial % 2)
+            for (auto* numbers : {&from, &to}) Eigen::Map<Eigen::Quaterniond>(numbers->data() + 6).normalize();
+        using Poses = std::vector<Isometry3d>;
+        const auto place = [&](double share) {
+            std::vector<double> numbers(tree.width());
+            Poses poses(6, Isometry3d::Identity());
+            tree.between(from.data(), to.data(), share, numbers.data());
+            tree.link_poses(numbers.data(), Isometry3d::Identity(), poses.data());
+            return poses;
+        };
+        const Poses begin = place(0), middle = place(0.5), end = place(1);
+        const CoverSphere ball{Vector3d(any(-1, 1), any(-1, 1), any(-1, 1)), any(0, 0.5)};
+        const auto link = static_cast<std::uint32_t>(1 + trial % 4), above = link > 1 && trial % 3 == 1 ? 1u : 0u;
+        const auto seen = [&](const Poses& poses) { return Isometry3d(poses[above].inverse() * poses[link]); };
+        const BallTravel bound = tree.travel(from.data(), to.data(), 0.5, middle.data(), ball, link, above);
+        const RigidMotion rigid(seen(begin), seen(end), bound.helix ? MotionPath::screw : MotionPath::linear);
+        const double off = bound.off(ball.centre.norm() + ball.radius);
+        helices += bound.helix && bound.moved > 0;
+        for (int k = 0; k < 6; ++k) {
+            const double share = k < 2 ? k : any(0, 1);
+            const Isometry3d there = seen(place(share)), guess = rigid.pose(share);
+            for (int point = 0; point < 5; ++point) {
+                const Vector3d x =
+                    ball.centre + ball.radius * Vector3d(any(-1, 1), any(-1, 1), any(-1, 1)).normalized();
+                const double moved = (there * x - seen(middle) * x).norm(), left = (there * x - guess * x).norm();
+                ASSERT_LE(moved, bound.moved * (1 + 1e-9) + 1e-14) << "trial " << trial << ", link " << link;
+                ASSERT_LE(left, off * (1 + 1e-9) + 1e-13) << "trial " << trial << ", link " << link;
+                if (bound.moved > 0) largest = std::max(largest, moved / bound.moved);
+                if (off > 0) farthest = std::max(farthest, left / off);
+            }
+        }
+    }
+    EXPECT_GT(largest, 0.8); // the bounds are no gross ones
+    EXPECT_GT(farthest, 0.3);
+    EXPECT_GT(helices, 100);
+}
+
+} // namespace
+} // namespace oncollide::robot_test

@@ -1,0 +1,58 @@
+#include "bench/robot/robot_place.hpp"
+
+#include "cli/options.hpp"
+
+namespace oncollide::tools {
+
+void add_problem_options(Arguments command, ProblemOptions& options)
+{
+    command.add_option("URDF", options.robot.urdf, "robot").required().type_name("URDF");
+    command.add_option("--srdf", options.robot.srdf, "SRDF file").required().type_name("FILE");
+    command.add_option("--package", options.robot.packages, "folder of the meshes named package://NAME/...")
+        .type_name("NAME=FOLDER")
+        .repeatable();
+    command.add_option("--problems", options.problems, "folder of MotionBenchMaker's problems, unpacked")
+        .required()
+        .type_name("FOLDER");
+    command.add_option("--most", options.most, "problems of each set at most; 0: all (default)").type_name("N");
+}
+
+std::vector<PlanningProblem> open_problems(const ProblemOptions& options)
+{
+    check_range("--most", options.most, 0);
+    return load_problems(options.problems, static_cast<std::size_t>(options.most));
+}
+
+RobotWork workload_of(const PlanningProblem& problem, const Robot& robot, int each)
+{
+    RobotWork work;
+    std::vector<double> from = robot.neutral(), to;
+    const auto set = [&](std::vector<double>& numbers, const std::map<std::string, double>& values) {
+        for (std::size_t i = 0; i < numbers.size(); ++i)
+            if (const auto found = values.find(robot.names()[i]); found != values.end()) numbers[i] = found->second;
+    };
+    set(from, problem.start);
+    to = from;
+    set(to, problem.goal);
+    for (int k = 0; k < each; ++k) {
+        const double at = each == 1 ? 0 : double(k) / double(each - 1);
+        for (std::size_t i = 0; i < from.size(); ++i) work.numbers.push_back((1 - at) * from[i] + at * to[i]);
+    }
+    for (const PlanningProblem::Obstacle& obstacle : problem.obstacles)
+        work.obstacles.push_back(
+            {std::make_shared<const Geometry>(Geometry{obstacle.name, obstacle.shape, {}}), obstacle.pose});
+    return work;
+}
+
+void RobotPlace::set_obstacles(const std::vector<LinkGeometry>& obstacles)
+{
+    world.remove_bodies(bodies_);
+    for (const ModelId model : models_) world.remove(model);
+    bodies_.clear(), models_.clear();
+    for (const LinkGeometry& obstacle : obstacles) {
+        models_.push_back(world.add(obstacle.geometry));
+        bodies_.push_back(world.add_body({.model = models_.back(), .pose = obstacle.pose, .is_static = true}));
+    }
+}
+
+} // namespace oncollide::tools

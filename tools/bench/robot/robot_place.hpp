@@ -1,0 +1,41 @@
+// A robot among the obstacles of a planning problem.
+#pragma once
+#include "robot/planning_problem.hpp"
+#include "robot/robot_world.hpp"
+
+namespace oncollide::tools {
+
+/// A robot and MotionBenchMaker's problems.
+struct ProblemOptions {
+    RobotOptions robot;
+    std::string problems;
+    int most = 0; ///< of each set; 0: all
+};
+void add_problem_options(Arguments command, ProblemOptions& options);
+std::vector<PlanningProblem> open_problems(const ProblemOptions& options);
+
+/// Configurations between the start and the goal of a problem, and its obstacles.
+struct RobotWork {
+    std::vector<double> numbers;
+    std::vector<LinkGeometry> obstacles;
+};
+/// `each` configurations. Joints that the robot has not are left out.
+RobotWork workload_of(const PlanningProblem& problem, const Robot& robot, int each);
+
+/// A World with the robot and the obstacles of one problem after another.
+struct RobotPlace {
+    World world;
+    Robot robot;
+
+    RobotPlace(const RobotDescription& description, const Settings& settings)
+        : world(settings), robot(world, description)
+    {
+    }
+    void set_obstacles(const std::vector<LinkGeometry>& obstacles);
+
+private:
+    std::vector<ModelId> models_;
+    std::vector<BodyId> bodies_;
+};
+
+} // namespace oncollide::tools
