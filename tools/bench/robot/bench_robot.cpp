@@ -201,10 +201,8 @@ void race_robots(const RobotBenchOptions& options, const std::vector<PlanningPro
 
 void report_robots(const RobotBenchOptions& options, std::size_t configurations, const RobotEntrants& all)
 {
-    std::optional<CsvFile> csv;
-    if (!options.csv.empty())
-        csv.emplace(options.csv, "who,configurations,free,per_second,self_per_second,of_exact,missed,refused,"
-                                 "self_missed,self_refused");
+    CsvFile csv(options.csv, "who,configurations,free,per_second,self_per_second,of_exact,missed,refused,"
+                             "self_missed,self_refused");
     say("{:<30}{:>14}{:>10}{:>14}{:>9}{:>9}{:>13}{:>14}\n", "", "checks/s", "ratio", "self only/s", "missed", "refused",
         "self missed", "self refused");
     const double count = double(configurations);
@@ -212,12 +210,11 @@ void report_robots(const RobotBenchOptions& options, std::size_t configurations,
         const double ratio = all.front()->seconds / each->seconds;
         say("{:<30}{:>14.0f}{:>10.3f}{:>14.0f}{:>9}{:>9}{:>13}{:>14}\n", each->name(), count / each->seconds, ratio,
             count / each->self_seconds, each->missed, each->refused, each->self_missed, each->self_refused);
-        if (csv)
-            csv->row(Quoted{each->name()}, configurations, each->free, Digits{count / each->seconds, 4},
-                     Digits{count / each->self_seconds, 4}, Digits{ratio, 4}, each->missed, each->refused,
-                     each->self_missed, each->self_refused);
+        csv.row(Quoted{each->name()}, configurations, each->free, Digits{count / each->seconds, 4},
+                Digits{count / each->self_seconds, 4}, Digits{ratio, 4}, each->missed, each->refused, each->self_missed,
+                each->self_refused);
     }
-    if (csv) csv->commit();
+    csv.commit();
 }
 
 int bench_robot(const RobotBenchOptions& options)
@@ -251,23 +248,19 @@ void add_robot_bench(Arguments bench)
     Arguments sub = bench.add_command("robot", "Configurations of a robot in MotionBenchMaker's problems: meshes, "
                                                "models of spheres, and FCL");
     auto options = std::make_shared<RobotBenchOptions>();
-    sub.add_option("URDF", options->robot.urdf, "robot").required().type_name("URDF");
-    sub.add_option("--srdf", options->robot.srdf, "SRDF file").required().type_name("FILE");
-    sub.add_option("--package", options->robot.packages, "folder of the meshes named package://NAME/...")
-        .type_name("NAME=FOLDER")
+    sub.add_option("URDF URDF", options->robot.urdf, "robot").required();
+    sub.add_option("--srdf FILE", options->robot.srdf, "SRDF file").required();
+    sub.add_option("--package NAME=FOLDER", options->robot.packages, "folder of the meshes named package://NAME/...")
         .repeatable();
-    sub.add_option("--problems", options->problems, "folder of MotionBenchMaker's problems, unpacked")
-        .required()
-        .type_name("FOLDER");
-    sub.add_option("--spheres", options->spheres, "published model of spheres: cuRobo's .yml, or a .urdf of spheres")
-        .type_name("MODEL");
+    sub.add_option("--problems FOLDER", options->problems, "folder of MotionBenchMaker's problems, unpacked")
+        .required();
+    sub.add_option("--spheres MODEL", options->spheres,
+                   "published model of spheres: cuRobo's .yml, or a .urdf of spheres");
     sub.add_option("--own-error", options->own_error, "over-reach of our own spheres (default 5mm)").length();
-    sub.add_option("--each", options->each, "configurations of each problem, from start to goal (default 100)")
-        .type_name("N");
-    sub.add_option("--most", options->most, "problems of each set at most; 0: all (default)").type_name("N");
-    sub.add_option("--repeats", options->repeats, "runs of each problem, of which the fastest counts (default 3)")
-        .type_name("N");
-    sub.add_option("--csv", options->csv, "write the table as CSV").type_name("FILE");
+    sub.add_option("--each N", options->each, "configurations of each problem, from start to goal (default 100)");
+    sub.add_option("--most N", options->most, "problems of each set at most; 0: all (default)");
+    sub.add_option("--repeats N", options->repeats, "runs of each problem, of which the fastest counts (default 3)");
+    sub.add_option("--csv FILE", options->csv, "write the table as CSV");
     sub.footer(
         "Exit code 70: a bounded check, or our own spheres, missed a collision.\n"
         "Example:\n"
