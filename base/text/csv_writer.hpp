@@ -91,24 +91,30 @@ private:
 /// A CSV file, which commit() completes.
 class CsvFile {
 public:
+    /// @param path        empty: nothing is written
     /// @param header      as for CsvWriter
     /// @param first_line  before the header, with its line break; empty: none
     CsvFile(const std::filesystem::path& path, std::string_view header, std::string_view first_line = {})
-        : file_(path), rows_((file_.write(first_line), file_), header)
     {
+        if (path.empty()) return;
+        file_.emplace(path).write(first_line);
+        rows_.emplace(*file_, header);
     }
 
     template <class... Cells>
     void row(const Cells&... cells)
     {
-        rows_.row(cells...);
+        if (rows_) rows_->row(cells...);
     }
-    CsvWriter& rows() { return rows_; }
-    void commit() { file_.commit(); }
+    CsvWriter& rows() { return *rows_; } ///< the path must not be empty
+    void commit()
+    {
+        if (file_) file_->commit();
+    }
 
 private:
-    OutputFile file_;
-    CsvWriter rows_;
+    std::optional<OutputFile> file_;
+    std::optional<CsvWriter> rows_;
 };
 
 } // namespace oncollide

@@ -104,7 +104,8 @@ def c_prose(text: str) -> list[list[tuple[int, str]]]:
     for block in blocks:
         if block[0] == (0, ""):
             joined = " ".join(words for _, words in block)
-            if len(re.findall(r"[A-Za-z]{2,}", joined)) < 4 or re.search(r"[;{}]\s*$|^\s*(#|<|\w+ *=)", joined):
+            # Neither code nor an option with the words for its value.
+            if len(re.findall(r"[A-Za-z]{2,}", joined)) < 4 or re.search(r"[;{}]\s*$|^\s*(#|<|\w+ *=)|^\s*\S+ \S*\w\|\w", joined):
                 continue
             block = block[1:]
         kept.append(block)

@@ -37,7 +37,8 @@ MeshChunks::MeshChunks(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budg
     : MeshChunks(Empty{}, std::move(mesh), budget)
 {
     place_chunks();
-    add_upper_nodes();
+    read_upper_nodes();
+    link_upper_nodes();
     held_ = top_->bytes() + chunks_.size() * sizeof(Chunk) + upper_ * sizeof(InnerNode);
 }
 
@@ -74,14 +75,15 @@ void MeshChunks::place_chunks()
     owner_ = reinterpret_cast<std::uint32_t*>(memory_.data() + at[5]);
 }
 
-/// Checks that the nodes are a tree whose leaves are the chunks in order, and that their counts are valid.
-void MeshChunks::add_upper_nodes()
+void MeshChunks::refuse(std::uint32_t node, const char* what) const
+{
+    throw ChunkFault(ErrorKind::bad_data,
+                     fmt::format("{}: node {} of its upper levels {}; cook the file again", mesh_->name(), node, what));
+}
+
+void MeshChunks::read_upper_nodes()
 {
     const std::span from(top_->nodes);
-    const auto fail = [&](std::uint32_t node, const char* what) {
-        throw ChunkFault(ErrorKind::bad_data, fmt::format("{}: node {} of its upper levels {}; cook the file again",
-                                                          mesh_->name(), node, what));
-    };
     nodes_ = upper_ = 1 + static_cast<std::uint32_t>(from.size() / sizeof(CookedNode));
     next_block_ = (upper_ - 1) / upper_per_block + 1;
     for (std::uint32_t block = 0; block < next_block_; ++block)
@@ -90,15 +92,41 @@ void MeshChunks::add_upper_nodes()
     for (std::uint32_t i = 1; i < upper_; ++i) {
         CookedNode node;
         std::memcpy(&node, from.data() + (i - 1) * sizeof node, sizeof node);
-        if (node.lanes < 2 || node.lanes > 8) fail(i, "has no two to eight boxes");
+        if (node.lanes < 2 || node.lanes > 8) refuse(i, "has no two to eight boxes");
         make_node(blocks_, number_of(i), true).lanes = static_cast<std::uint8_t>(node.lanes);
         std::memcpy(&upper(i).boxes, &node, offsetof(CookedNode, begin));
         std::ranges::copy(node.begin, upper(i).begin), std::ranges::copy(node.count, upper(i).count);
         std::ranges::copy(node.child, upper(i).child);
     }
     above_.resize(upper_);
+}
+
+/// Checks that the boxes of a node are valid and hold `expected` triangles, and sets which are leaves.
+void MeshChunks::check_upper_node(std::uint32_t index, std::uint64_t expected)
+{
+    InnerNode& node = upper(index);
+    BoxNode& boxes = node.boxes;
+    const Eigen::Vector3d origin(boxes.origin[0], boxes.origin[1], boxes.origin[2]);
+    const double most = 2 * mesh_->radius() * (1 + 0x1p-20) + 1e-30;
+    if (!(origin.norm() <= most && boxes.unit > 0 && boxes.unit <= 8 * most)) refuse(index, "is far from the mesh");
+    std::uint64_t count = 0;
+    for (unsigned k = 0; k < 8; ++k) {
+        if (k >= boxes.lanes ? node.count[k] || node.child[k] || node.begin[k] : node.count[k] == 0)
+            refuse(index, "has an empty box, or more than it says");
+        if (node.child[k] && node.count[k] <= leaf_triangles) refuse(index, "has a box that has no parts");
+        if (node.child[k]) node.begin[k] = 0; // not used
+        count += node.count[k];
+        boxes.leaves |= static_cast<std::uint8_t>((k < boxes.lanes && node.count[k] <= leaf_triangles) << k);
+        boxes.singles |= static_cast<std::uint8_t>((node.count[k] == 1) << k);
+    }
+    if (count != expected) refuse(index, "has not as many triangles as its box above");
+}
+
+/// Checks that the nodes are a tree whose leaves are the chunks in order, and that their counts are valid.
+void MeshChunks::link_upper_nodes()
+{
     if (upper_ == 1) {
-        if (chunks_.size() != 1) fail(0, "are missing");
+        if (chunks_.size() != 1) refuse(0, "are missing");
         return; // the root's box contains the chunk
     }
     std::vector<Lane> waiting{{0, 0}}; // boxes whose child node or chunk comes next, in reverse order
@@ -111,33 +139,17 @@ void MeshChunks::add_upper_nodes()
         if (index == 0) {
             InnerNode& node = upper(lane.node);
             if (chunk == chunks_.size() || top_->chunks[chunk].triangles != node.count[lane.k])
-                fail(lane.node, "has a box that is not around its chunk");
+                refuse(lane.node, "has a box that is not around its chunk");
             node.begin[lane.k] = chunks_[chunk].first;
             chunks_[chunk++].lane = lane;
             continue;
         }
-        if (index >= upper_ || seen[index]) fail(lane.node, "has parts that are no node of its own");
+        if (index >= upper_ || seen[index]) refuse(lane.node, "has parts that are no node of its own");
         seen[index] = true, ++found, above_[index] = lane;
-        InnerNode& node = upper(index);
-        BoxNode& boxes = node.boxes;
-        const Eigen::Vector3d origin(boxes.origin[0], boxes.origin[1], boxes.origin[2]);
-        const double most = 2 * mesh_->radius() * (1 + 0x1p-20) + 1e-30;
-        if (!(origin.norm() <= most && boxes.unit > 0 && boxes.unit <= 8 * most)) fail(index, "is far from the mesh");
-        std::uint64_t count = 0;
-        for (unsigned k = 0; k < 8; ++k) {
-            if (k >= boxes.lanes ? node.count[k] || node.child[k] || node.begin[k] : node.count[k] == 0)
-                fail(index, "has an empty box, or more than it says");
-            if (node.child[k] && node.count[k] <= leaf_triangles) fail(index, "has a box that has no parts");
-            if (node.child[k]) node.begin[k] = 0; // not used
-            count += node.count[k];
-            boxes.leaves |= static_cast<std::uint8_t>((k < boxes.lanes && node.count[k] <= leaf_triangles) << k);
-            boxes.singles |= static_cast<std::uint8_t>((node.count[k] == 1) << k);
-        }
-        if (count != (lane.node ? upper(lane.node).count[lane.k] : mesh_->triangles()))
-            fail(index, "has not as many triangles as its box above");
-        for (unsigned k = boxes.lanes; k-- > 0;) waiting.push_back({index, k});
+        check_upper_node(index, lane.node ? upper(lane.node).count[lane.k] : mesh_->triangles());
+        for (unsigned k = upper(index).boxes.lanes; k-- > 0;) waiting.push_back({index, k});
     }
-    if (chunk != chunks_.size() || found + 1 != upper_) fail(0, "are no tree over all chunks");
+    if (chunk != chunks_.size() || found + 1 != upper_) refuse(0, "are no tree over all chunks");
     upper(0).child[0] = 1;
     for (std::uint32_t i = 0; i < upper_; ++i)
         for (std::uint32_t& child : upper(i).child) child = child ? number_of(child) : 0;

@@ -86,7 +86,10 @@ private:
     }
     InnerNode& upper(std::uint32_t node) { return inner_at(blocks_, number_of(node)); }
     void place_chunks();
-    void add_upper_nodes();
+    [[noreturn]] void refuse(std::uint32_t node, const char* what) const;
+    void read_upper_nodes();
+    void check_upper_node(std::uint32_t index, std::uint64_t expected);
+    void link_upper_nodes();
     void check_boxes(std::uint32_t chunk, std::span<const Eigen::Vector3d> vertices);
     std::size_t data_bytes(std::uint32_t chunk) const;
 

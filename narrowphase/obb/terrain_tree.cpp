@@ -162,14 +162,16 @@ LaneMasks TerrainTree::open_cell(const Node& node, const BoxPlacement* placement
     return {3, 3};
 }
 
-LaneMasks TerrainTree::open(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const
-{
-    if (node.level == triangles) return open_cell(node, placement, boxes);
-    const Eigen::Vector3d origin = this->origin(placement);
-    const double zero = centre_.z() - origin.z(); // zero level of the ranges
+/// The blocks of a node: the extents of its columns and rows of blocks, and the heights of each block that exists.
+struct TerrainTree::OpenedBlocks {
     Range ranges[8];
-    float centre[2][4], half[2][4]; // by column and by row of the blocks
-    unsigned lanes = 0;             // one bit for each block that exists
+    float centre[2][4], half[2][4]; ///< by column and by row of the blocks
+    std::uint32_t wide = 1;
+    unsigned lanes = 0; ///< one bit for each block that exists
+};
+
+void TerrainTree::find_blocks(const Node& node, const Eigen::Vector3d& origin, OpenedBlocks& found) const
+{
     const auto extent = [&](int axis, unsigned place, std::uint64_t from, std::uint64_t to) {
         const std::uint32_t last = axis ? terrain_.cells_y() : terrain_.cells_x();
         if (from >= last) return false;
@@ -177,47 +179,56 @@ LaneMasks TerrainTree::open(const Node& node, const BoxPlacement* placement, Ope
             const auto l = static_cast<std::uint32_t>(std::min<std::uint64_t>(line, last));
             return (axis ? TerrainAccess::y(terrain_, l) : TerrainAccess::x(terrain_, l)) - origin[axis];
         };
-        centre[axis][place] = static_cast<float>(0.5 * (at(from) + at(to)));
-        half[axis][place] = static_cast<float>(0.5 * (at(to) - at(from)));
+        found.centre[axis][place] = static_cast<float>(0.5 * (at(from) + at(to)));
+        found.half[axis][place] = static_cast<float>(0.5 * (at(to) - at(from)));
         return true;
     };
-    const std::uint32_t level = node.level, w = node.whole ? 1 : wide(level);
+    const std::uint32_t level = node.level;
     if (node.whole) {
         const bool all = level == root.level;
         const std::uint64_t x = all ? 0 : std::uint64_t(node.x) << log_width(level),
                             y = all ? 0 : std::uint64_t(node.y) << log_height(level);
         extent(0, 0, x, all ? ~0u : x + (std::uint64_t(wide(level)) << log_width(level)));
         extent(1, 0, y, all ? ~0u : y + (std::uint64_t(high(level)) << log_height(level)));
-        ranges[0] = all_, lanes = 1;
-    } else {
-        const std::uint32_t h = high(level);
-        unsigned columns = 0, rows = 0; // existing columns and rows
-        for (unsigned i = 0; i < w; ++i)
-            columns += extent(0, i, std::uint64_t(node.x + i) << log_width(level),
-                              std::uint64_t(node.x + i + 1) << log_width(level));
-        for (unsigned j = 0; j < h; ++j)
-            rows += extent(1, j, std::uint64_t(node.y + j) << log_height(level),
-                           std::uint64_t(node.y + j + 1) << log_height(level));
-        if (level == 0) cell_ranges(node, ranges);
-        for (unsigned j = 0; j < rows; ++j)
-            for (unsigned i = 0; i < columns; ++i) {
-                const unsigned k = j * w + i;
-                if (level > 0) ranges[k] = range(level, node.x + i, node.y + j);
-                lanes |= unsigned(ranges[k].low <= ranges[k].high) << k;
-            }
+        found.ranges[0] = all_, found.lanes = 1;
+        return;
     }
+    const std::uint32_t w = found.wide = wide(level), h = high(level);
+    unsigned columns = 0, rows = 0; // existing columns and rows
+    for (unsigned i = 0; i < w; ++i)
+        columns += extent(0, i, std::uint64_t(node.x + i) << log_width(level),
+                          std::uint64_t(node.x + i + 1) << log_width(level));
+    for (unsigned j = 0; j < h; ++j)
+        rows += extent(1, j, std::uint64_t(node.y + j) << log_height(level),
+                       std::uint64_t(node.y + j + 1) << log_height(level));
+    if (level == 0) cell_ranges(node, found.ranges);
+    for (unsigned j = 0; j < rows; ++j)
+        for (unsigned i = 0; i < columns; ++i) {
+            const unsigned k = j * w + i;
+            if (level > 0) found.ranges[k] = range(level, node.x + i, node.y + j);
+            found.lanes |= unsigned(found.ranges[k].low <= found.ranges[k].high) << k;
+        }
+}
 
+LaneMasks TerrainTree::open(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const
+{
+    if (node.level == triangles) return open_cell(node, placement, boxes);
+    const Eigen::Vector3d origin = this->origin(placement);
+    OpenedBlocks blocks;
+    find_blocks(node, origin, blocks);
+    const double zero = centre_.z() - origin.z(); // zero level of the ranges
     const float* const r = placement && placement->rotated ? placement->rotation : nullptr;
     float largest = 0;
     for (unsigned k = 0; k < 8; ++k) {
-        if (!(lanes >> k & 1)) {
+        if (!(blocks.lanes >> k & 1)) {
             put_nothing(boxes, k);
             continue;
         }
-        const unsigned i = k % w, j = k / w;
-        const float x = centre[0][i], y = centre[1][j];
-        const auto z = static_cast<float>(zero + 0.5 * (double(ranges[k].low) + ranges[k].high));
-        const float hx = half[0][i], hy = half[1][j], hz = 0.5f * (ranges[k].high - ranges[k].low);
+        const unsigned i = k % blocks.wide, j = k / blocks.wide;
+        const auto [low, high] = blocks.ranges[k];
+        const float x = blocks.centre[0][i], y = blocks.centre[1][j];
+        const auto z = static_cast<float>(zero + 0.5 * (double(low) + high));
+        const float hx = blocks.half[0][i], hy = blocks.half[1][j], hz = 0.5f * (high - low);
         boxes.h[0][k] = hx, boxes.h[1][k] = hy, boxes.h[2][k] = hz;
         boxes.size[k] = hx * hx + hy * hy + hz * hz;
         largest = std::max(largest, hx + hy + hz);
@@ -231,7 +242,7 @@ LaneMasks TerrainTree::open(const Node& node, const BoxPlacement* placement, Ope
     for (int axis = 0; axis < 3; ++axis)
         for (int i = 0; i < 3; ++i) std::fill_n(boxes.axis[axis][i], 8, r ? r[3 * i + axis] : float(axis == i));
     boxes.margin = box_margin * largest + range_rounding * all_.high;
-    return {level == 0 && !node.whole ? lanes : 0, 0};
+    return {node.level == 0 && !node.whole ? blocks.lanes : 0, 0};
 }
 
 void TerrainTree::open_cells(const Node& node, const Eigen::Vector3d& from, TerrainCells& cells) const

@@ -193,6 +193,9 @@ private:
         terrain_.chunks()->mark(x, y);
         return there ? *there : make_part(x, y);
     }
+    struct OpenedBlocks;
+    /// @param origin  of the extents' coordinates, in the terrain's frame
+    void find_blocks(const Node& node, const Eigen::Vector3d& origin, OpenedBlocks& found) const;
     std::string fault_of_level(std::uint32_t level) const;
     std::string fault_of_cells() const;
     const Part& make_part(std::uint32_t x, std::uint32_t y) const;

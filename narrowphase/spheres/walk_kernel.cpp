@@ -47,6 +47,7 @@ inline Near measure(F32x8 x, F32x8 y, F32x8 z, float cutoff2, I32x8 grey, F32x8&
     return near;
 }
 
+/// One function, although it is long: the coordinates of both frames stay in registers.
 WalkEnd walk(const WalkPlan& plan, WalkState& s)
 {
     const F32x8 ax = load(plan.ax), ay = load(plan.ay), az = load(plan.az);

@@ -1,7 +1,6 @@
 // Traversal of two hierarchies of oriented boxes: the larger box first, the deepest overlap first. All queries on boxes
 // are built from these steps. Code that instantiates it, or calls a query with a visitor, includes the header that
-// defines the query: box_walk_queries.hpp, box_walk_distance.hpp,
-// box_walk_entry.hpp or box_walk_all.hpp.
+// defines the query: box_walk_queries.hpp, box_walk_distance.hpp, box_walk_entry.hpp or box_walk_all.hpp.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -238,34 +237,20 @@ private:
     unsigned compare(Entry e, bool down_a, std::uint32_t slot, float cutoff);
     void set_motion(BoxMotion& motion, Entry e, bool down_a) const;
     SweptParts motion_of(Entry e) const;
-    /// A direction in A's frame and in B's, of length 1 at most. The projection of a point of B in A's frame is its
-    /// projection in B's frame plus `shift`.
-    struct Line {
-        Eigen::Vector3d in_a, in_b;
-        double shift;
-
-        Line() : Line(Eigen::Vector3d::Zero(), {Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity()}) {}
-        Line(const Eigen::Vector3d& between, const RelativePose& b_to_a)
-        {
-            const double length = between.norm() * (1 + 0x1p-50);
-            in_a = length > 0 ? Eigen::Vector3d(between / length) : Eigen::Vector3d(Eigen::Vector3d::Zero());
-            in_b = b_to_a.rotation.transpose() * in_a, shift = in_a.dot(b_to_a.translation);
-        }
-    };
-    double high_a(const auto& of_a, const Line& line) const
+    double high_a(const auto& of_a, const WalkLine& line) const
     {
         double high = -infinity;
         for (const auto a : of_a) high = std::max(high, leaves_.high_a(a, line.in_a));
         return high;
     }
-    double low_b(const auto& of_b, const Line& line) const
+    double low_b(const auto& of_b, const WalkLine& line) const
     {
         double low = infinity;
         for (const auto b : of_b) low = std::min(low, leaves_.low_b(b, line.in_b));
         return low + line.shift;
     }
     /// Sets the direction onto which boxes are also projected.
-    void take_line(const Line& line)
+    void take_line(const WalkLine& line)
     {
         ++line_number_;
         line_ = line, origin_along_line_ = line.in_a.dot(origin_);
@@ -401,7 +386,7 @@ private:
     std::vector<Entry> from_;                    ///< the boxes that contain them
     alignas(32) float nearest_[8];               ///< least gaps of the rejected boxes
     Eigen::Vector3d origin_;                     ///< of the boxes' coordinates, in A's frame
-    Line line_;                                  ///< from A's nearest point found so far to B's
+    WalkLine line_;                              ///< from A's nearest point found so far to B's
     std::uint32_t line_number_ = 0;              ///< of all lines so far
     std::vector<Reaches> reaches_a_, reaches_b_; ///< by slot
     double origin_along_line_;

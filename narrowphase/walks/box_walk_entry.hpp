@@ -51,11 +51,11 @@ FirstEntry<typename Leaves::Pair> BoxWalk<A, B, Leaves>::first_entry(A& a, B& b,
     if (frame.apart > reach) return best;
     start(a, b, b_to_a, frame);
     stack_[top_ - 1].gap = -1;
-    take_line(Line(b_to_a(b.centre()) - a.centre(), b_to_a));
+    take_line(WalkLine(b_to_a(b.centre()) - a.centre(), b_to_a));
     RelativePose there = b_to_a; // the leaf tests keep a reference
     const auto take_pair = [&](const Pair& pair, const SweptParts& parts, double from) {
         const auto apart = [&](const Eigen::Vector3d& direction) {
-            Line line(direction, b_to_a);
+            WalkLine line(direction, b_to_a);
             return low_b(std::array{pair.b}, line) - high_a(std::array{pair.a}, line) - frame.leaf_rounding;
         };
         const auto between = [&](double time) {
@@ -66,7 +66,7 @@ FirstEntry<typename Leaves::Pair> BoxWalk<A, B, Leaves>::first_entry(A& a, B& b,
         const PartsEntry entry = oncollide::first_entry(parts, from, best.time, line_.in_a, apart, between);
         if (entry.time >= best.time) return;
         best.time = entry.time, best.likely = entry.likely, best.direction = entry.direction, best.pair = pair;
-        if (!entry.direction.isZero(0)) take_line(Line(entry.direction, b_to_a));
+        if (!entry.direction.isZero(0)) take_line(WalkLine(entry.direction, b_to_a));
     };
     while (top_ && best.time > -1) {
         const Entry e = stack_[--top_];

@@ -56,4 +56,18 @@ struct WalkFrame {
     float gap_within(double distance) const { return static_cast<float>((distance + box_rounding) * (1 + 0x1p-16)); }
 };
 
+/// A direction in A's frame and in B's, of length 1 at most. The projection of a point of B in A's frame is its
+/// projection in B's frame plus `shift`.
+struct WalkLine {
+    Eigen::Vector3d in_a = Eigen::Vector3d::Zero(), in_b = in_a;
+    double shift = 0;
+
+    WalkLine() = default;
+    WalkLine(const Eigen::Vector3d& between, const RelativePose& b_to_a)
+    {
+        if (const double length = between.norm() * (1 + 0x1p-50); length > 0) in_a = between / length;
+        in_b = b_to_a.rotation.transpose() * in_a, shift = in_a.dot(b_to_a.translation);
+    }
+};
+
 } // namespace oncollide

@@ -17,7 +17,8 @@ GeometryHandle geometry(py::handle value, const Place& place);
 Settings settings_of(const py::kwargs& arguments, const char* call);
 std::string settings_text(); ///< one line per setting, for docstrings
 
-// Each adds its part to the module.
+// Each adds its part to the module. These functions are long because they are lists: a name, its arguments and its
+// docstring, without branches.
 void bind_geometry(py::module_& module);
 void bind_shapes(py::module_& module);
 void bind_grids(py::module_& module);

@@ -10,51 +10,11 @@
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
-#include "test_files.hpp"
+#include "scenes/map_cells.hpp"
 #include <oncollide/scenes/motion.hpp>
 
-namespace oncollide {
+namespace oncollide::map_test {
 namespace {
-
-using Eigen::Vector3d;
-using test::expect_error;
-
-std::string bytes_of(const std::filesystem::path& path)
-{
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-std::vector<Aabb> cells_of(const OccupancyMap& map)
-{
-    std::vector<Aabb> cells;
-    map.each_box([&](const Aabb& cell) { cells.push_back(cell); });
-    return cells;
-}
-
-void expect_equal(const OccupancyMap& a, const OccupancyMap& b)
-{
-    EXPECT_EQ(a.resolution(), b.resolution());
-    EXPECT_EQ(a.bounds().min, b.bounds().min);
-    EXPECT_EQ(a.bounds().max, b.bounds().max);
-    const auto of_a = cells_of(a), of_b = cells_of(b);
-    ASSERT_EQ(of_a.size(), of_b.size());
-    for (std::size_t i = 0; i < of_a.size(); ++i) {
-        ASSERT_EQ(of_a[i].min, of_b[i].min);
-        ASSERT_EQ(of_a[i].max, of_b[i].max);
-    }
-}
-
-/// A `.ot` file: one path from the root to `depth` by first children, the last node with that log-odds.
-std::string chain_ot(int depth, float log_odds, int size)
-{
-    std::string bytes = "# Octomap OcTree file\nid OcTree\nsize " + std::to_string(size) + "\nres 0.5\ndata\n";
-    for (int level = 0; level <= depth; ++level) {
-        bytes.append(reinterpret_cast<const char*>(&log_odds), 4);
-        bytes += level < depth ? '\1' : '\0';
-    }
-    return bytes;
-}
 
 TEST(OccupancyMap, ABuildingHasCellsOfItsResolutionInItsBounds)
 {
@@ -154,44 +114,6 @@ TEST(OccupancyMap, ImpossibleBuildingsAreRefused)
         ErrorKind::usage, [&] { make_building_map(2, std::nan(""), 1); }, "resolution is nan");
 }
 
-TEST(OccupancyMap, ASavedMapLoadsBackWithEqualCells)
-{
-    const test::TemporaryFolder folder;
-    const OccupancyMap map = make_building_map(2, 0.2, 5);
-    save_octomap(map, folder.path() / "a.bt");
-    expect_equal(map, load_octomap(folder.path() / "a.bt"));
-    const OccupancyMap odd = make_building_map(1, 1.0 / 3, 5);
-    save_octomap(odd, folder.path() / "a.bt");
-    expect_equal(odd, load_octomap(folder.path() / "a.bt"));
-    save_octomap(map, folder.path() / "a.bt"); // replaces the old file
-    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "no temporary file stays";
-}
-
-TEST(OccupancyMap, WhatCannotBeWrittenLeavesNothingBehind)
-{
-    const test::TemporaryFolder folder;
-    const OccupancyMap map = make_building_map(1, 1, 5);
-    expect_error(
-        ErrorKind::cannot_write, [&] { save_octomap(map, folder.path() / "missing" / "a.bt"); },
-        "a.bt: cannot write: there is no folder");
-    std::filesystem::create_directories(folder.path() / "taken.bt" / "full");
-    expect_error(
-        ErrorKind::cannot_write, [&] { save_octomap(map, folder.path() / "taken.bt"); }, "taken.bt");
-    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
-}
-
-TEST(OccupancyMap, FullFilesAreReadToo)
-{
-    const test::TemporaryFolder folder;
-    const OccupancyMap map = load_octomap(folder.write("a.ot", chain_ot(16, 2.0f, 17)));
-    ASSERT_EQ(map.count(), 1u);
-    EXPECT_EQ(cells_of(map)[0].min, Vector3d::Constant(-16384));
-    EXPECT_EQ(cells_of(map)[0].max, Vector3d::Constant(-16383.5));
-    const OccupancyMap coarse = load_octomap(folder.write("b.ot", chain_ot(1, 2.0f, 2)));
-    EXPECT_EQ(coarse.bounds().min, Vector3d::Constant(-16384));
-    EXPECT_EQ(coarse.bounds().max, Vector3d::Zero());
-}
-
 /// Two adjacent occupied cells and a free cell; the occupied cells were free before.
 octomap::OcTree small_tree(bool lazy = false)
 {
@@ -250,59 +172,6 @@ TEST(OccupancyMap, DoesNotTrustInnerNodesThatLazyUpdatesLeftBehind)
                                                    std::to_string(lazy->size()) + "\nres 0.5\ndata\n" + nodes.str())));
 }
 
-TEST(OccupancyMap, BadFilesAreRefusedInSilence)
-{
-    const test::TemporaryFolder folder;
-    save_octomap(make_building_map(1, 0.5, 5), folder.path() / "good.bt");
-    const std::string good = bytes_of(folder.path() / "good.bt");
-    testing::internal::CaptureStderr();
-    const auto bad = [&](const std::string& name, const std::string& bytes, const char* part) {
-        const auto path = folder.write(name, bytes);
-        expect_error(
-            ErrorKind::bad_data, [&] { load_octomap(path); }, path.string() + ": ", part);
-    };
-    for (std::size_t size = 1; size < good.size(); size += size < 200 ? 1 : 37) bad("a.bt", good.substr(0, size), "");
-    bad("a.bt", good.substr(0, good.size() - 1), "truncated");
-    bad("a.bt", good + '\0', "1 bytes follow");
-    bad("a.bt", "", "empty");
-    bad("a.bt", std::string(1000, '\xff'), "not an OctoMap");
-    bad("a.bt", good.substr(0, good.find("data\n") + 5) + std::string(100000, '\xff'), "deeper than 16");
-    bad("a.bt", chain_ot(16, 2.0f, 17), "not an OctoMap");
-    bad("a.xyz", good, "known are bt, ot");
-    bad("a.ot", chain_ot(16, 2.0f, 18), "announces 18 nodes, but there are 17");
-    bad("a.ot", chain_ot(17, 2.0f, 18), "deeper than 16");
-    bad("a.ot", chain_ot(16, -2.0f, 17), "no cell of the map is occupied");
-    bad("a.ot", chain_ot(16, std::nanf(""), 17), "not finite");
-    std::string other = good;
-    bad("a.bt", other.replace(other.find("id OcTree"), 9, "id Colour"), "'Colour'");
-    other = good;
-    bad("a.bt", other.replace(other.find("res 0.5"), 7, "res nan"), "resolution");
-    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
-    expect_error(
-        ErrorKind::no_input, [&] { load_octomap(folder.path() / "missing.bt"); }, "no such file");
-    expect_error(
-        ErrorKind::no_input, [&] { load_octomap(folder.path()); }, "folder");
-}
-
-TEST(OccupancyMap, DamagedFilesGiveAnErrorOrAMap)
-{
-    const test::TemporaryFolder folder;
-    save_octomap(make_building_map(1, 0.5, 5), folder.path() / "good.bt");
-    const std::string good = bytes_of(folder.path() / "good.bt");
-    for (std::uint64_t round = 0; round < 300; ++round) {
-        std::string bytes = good;
-        for (std::uint64_t k = 0; k < 3; ++k)
-            bytes[static_cast<std::size_t>(u01(3, round, k) * bytes.size())] =
-                static_cast<char>(u01(3, round, k + 9) * 256);
-        try {
-            load_octomap(folder.write("a.bt", bytes));
-        } catch (const Error& error) {
-            EXPECT_EQ(static_cast<int>(error.kind()), static_cast<int>(ErrorKind::bad_data)) << error.what();
-        }
-    }
-}
-
-/// Occupied, free and unknown cells; some of them joined.
 octomap::OcTree drawn_tree(std::uint64_t seed)
 {
     octomap::OcTree tree(0.5);
@@ -397,22 +266,6 @@ TEST(OccupancyMap, AFullFileTakesAThresholdOfOccupancy)
         "has no probabilities");
 }
 
-TEST(OccupancyMap, AllocatesNothingForWhatAHeaderPromises)
-{
-    const test::TemporaryFolder folder;
-    const auto file = [&](const char* nodes) {
-        return folder.write("a.bt", std::string("# Octomap OcTree binary file\nid OcTree\nsize ") + nodes +
-                                        "\nres 1\ndata\n" + std::string("\2\0", 2));
-    };
-    expect_error(
-        ErrorKind::bad_data, [&] { load_octomap(file("20000000")); }, "announces 20000000 nodes, but there are 2");
-    expect_error(
-        ErrorKind::bad_data, [&] { load_octomap(file("20000001")); }, "at most 20000000 are allowed");
-    expect_error(
-        ErrorKind::bad_data, [&] { load_octomap(file("99999999999999999999")); }, "invalid header line");
-    EXPECT_EQ(load_octomap(file("2")).count(), 1u);
-}
-
 TEST(OccupancyMap, TakesScansInAsOctoMapDoes)
 {
     for (std::uint64_t seed = 0; seed < 6; ++seed) {
@@ -444,16 +297,5 @@ TEST(OccupancyMap, TakesScansInAsOctoMapDoes)
     }
 }
 
-TEST(OccupancyMap, ReadsAScannedBuildingOfTheDataFolder)
-{
-    const auto data = test::data_folder();
-    if (data.empty()) GTEST_SKIP() << "skipped: no data";
-    const OccupancyMap map = load_octomap(data / "octomap/geb079.bt");
-    EXPECT_EQ(map.resolution(), 0.08);
-    EXPECT_GT(map.count(), 30000u);
-    EXPECT_GT(map.bounds().diagonal(), 10);
-    EXPECT_LT(map.bounds().diagonal(), 200) << "not the address space";
-}
-
 } // namespace
-} // namespace oncollide
+} // namespace oncollide::map_test

@@ -133,10 +133,8 @@ int bench_clash(const ClashBenchOptions& o)
         "threads\n",
         grouped(planted.parts.size()), grouped(planted.triangles), grouped(planted.pairs.size()),
         o.threads ? o.threads : hardware_threads());
-    std::optional<CsvFile> csv;
-    if (!o.csv.empty())
-        csv.emplace(o.csv,
-                    "meshes,files,parts,triangles,planted,threads,read_s,find_s,json_s,all_s,page_s,pictures,faults");
+    CsvFile csv(o.csv,
+                "meshes,files,parts,triangles,planted,threads,read_s,find_s,json_s,all_s,page_s,pictures,faults");
     say("{:<14} {:>8} {:>8} {:>8} {:>8} {:>10} {:>8}\n", "files", "read", "find", "JSON", "all", "page", "faults");
     bool faulty = false;
     for (const auto& [name, files] : {std::pair("STL files", files_of({(folder.path() / "parts").string()})),
@@ -151,12 +149,11 @@ int bench_clash(const ClashBenchOptions& o)
         say("{:<14} {:>8.2f} {:>8.2f} {:>8.2f} {:>8.2f} {:>10.2f} {:>8}\n", name, best.read, best.find, best.report,
             best.all(), best.page, faults.size());
         for (std::size_t k = 0; k < std::min<std::size_t>(faults.size(), 20); ++k) say("FAULT: {}\n", faults[k]);
-        if (csv)
-            csv->row(o.real ? "real" : "made", name, planted.parts.size(), planted.triangles, planted.pairs.size(),
-                     o.threads ? o.threads : hardware_threads(), Fixed{best.read, 3}, Fixed{best.find, 3},
-                     Fixed{best.report, 3}, Fixed{best.all(), 3}, Fixed{best.page, 3}, o.pictures, faults.size());
+        csv.row(o.real ? "real" : "made", name, planted.parts.size(), planted.triangles, planted.pairs.size(),
+                o.threads ? o.threads : hardware_threads(), Fixed{best.read, 3}, Fixed{best.find, 3},
+                Fixed{best.report, 3}, Fixed{best.all(), 3}, Fixed{best.page, 3}, o.pictures, faults.size());
     }
-    if (csv) csv->commit();
+    csv.commit();
     return faulty ? int(ErrorKind::internal) : 0;
 }
 
@@ -166,20 +163,16 @@ void add_clash_bench(Arguments bench)
 {
     Arguments sub = bench.add_command("clash", "Clash reports of an assembly with known clashes, from files to report");
     auto options = std::make_shared<ClashBenchOptions>();
-    sub.add_option("--parts", options->parts, "number of parts of the assembly (default 5000)").type_name("N");
-    sub.add_option("--triangles", options->triangles, "triangles per part (default 1000)").type_name("N");
+    sub.add_option("--parts N", options->parts, "number of parts of the assembly (default 5000)");
+    sub.add_option("--triangles N", options->triangles, "triangles per part (default 1000)");
     sub.add_flag("--real", options->real, "use the data folder's meshes of up to 20,000 triangles");
-    sub.add_option("--every", options->every, "every N-th site has a planted pair (default 10)").type_name("N");
-    sub.add_option("--threads", options->threads, "number of threads; 0: all (default 2)").type_name("N");
-    sub.add_option("--repeats", options->repeats, "number of runs; the fastest counts (default 1)").type_name("N");
-    sub.add_option("--pictures", options->pictures,
-                   "number of clashes to draw in the page (default "
-                   "40)")
-        .type_name("N");
-    sub.add_option("--data", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
-        .type_name("DIR");
-    sub.add_option("--write", options->write, "keep the assembly and its reports in this folder").type_name("FOLDER");
-    sub.add_option("--csv", options->csv, "write one row per kind of file").type_name("FILE");
+    sub.add_option("--every N", options->every, "every N-th site has a planted pair (default 10)");
+    sub.add_option("--threads N", options->threads, "number of threads; 0: all (default 2)");
+    sub.add_option("--repeats N", options->repeats, "number of runs; the fastest counts (default 1)");
+    sub.add_option("--pictures N", options->pictures, "number of clashes to draw in the page (default 40)");
+    sub.add_option("--data DIR", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)");
+    sub.add_option("--write FOLDER", options->write, "keep the assembly and its reports in this folder");
+    sub.add_option("--csv FILE", options->csv, "write one row per kind of file");
     sub.footer("Planted pairs cross deeply or barely, touch, are near or slightly too far, are enclosed, or lie free "
                "in\n"
                "a hollow or a ring. Exit code 70: a clash was missed, invented or measured\n"

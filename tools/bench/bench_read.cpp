@@ -99,10 +99,9 @@ ReadRow read_repeatedly(const fs::path& path, int repeats)
 
 class ReadBench {
 public:
-    explicit ReadBench(const ReadOptions& options) : options_(options)
+    explicit ReadBench(const ReadOptions& options)
+        : options_(options), csv_(options.csv, "style,bytes,triangles,ms,wall_ms,triangles_per_s,mb_per_s,peak_bytes")
     {
-        if (!options.csv.empty())
-            csv_.emplace(options.csv, "style,bytes,triangles,ms,wall_ms,triangles_per_s,mb_per_s,peak_bytes");
     }
 
     int run()
@@ -116,7 +115,7 @@ public:
             "per second", "MB / s", "peak MB", "bytes each");
         for (const std::string& file : options_.files) report(file, read_repeatedly(file, options_.repeats), "");
         if (options_.files.empty()) run_styles();
-        if (csv_) csv_->commit();
+        csv_.commit();
         return interrupted() ? 130 : 0;
     }
 
@@ -145,13 +144,12 @@ private:
         say("{:<12}{:>10.1f}{:>14}{:>10.1f}{:>10.1f}{:>16}{:>9.0f}{:>10.0f}{:>12.0f}   {}\n", printable(name),
             megabytes, grouped(row.count), row.ms, row.wall_ms, grouped(std::uint64_t(double(row.count) / seconds)),
             megabytes / seconds, double(row.peak) / 1e6, double(row.peak) / double(row.count), what);
-        if (csv_)
-            csv_->row(name, row.bytes, row.count, Fixed{row.ms, 3}, Fixed{row.wall_ms, 3},
-                      Fixed{double(row.count) / seconds, 0}, Fixed{megabytes / seconds, 1}, row.peak);
+        csv_.row(name, row.bytes, row.count, Fixed{row.ms, 3}, Fixed{row.wall_ms, 3},
+                 Fixed{double(row.count) / seconds, 0}, Fixed{megabytes / seconds, 1}, row.peak);
     }
 
     const ReadOptions& options_;
-    std::optional<CsvFile> csv_;
+    CsvFile csv_;
 };
 
 void check_styles(const std::string& list)
@@ -182,26 +180,18 @@ void add_read(Arguments bench)
 {
     Arguments sub = bench.add_command("read", "Reading mesh files: triangles per second and memory, by format");
     auto options = std::make_shared<ReadOptions>();
-    sub.add_option("files", options->files,
-                   "mesh files, or scene files, whose bodies are counted (default: a generated height field in each "
-                   "style)")
-        .expected(0, 1000)
-        .type_name("FILE...");
-    sub.add_option("--styles", options->styles,
+    sub.add_option(
+           "files FILE...", options->files,
+           "mesh files, or scene files, whose bodies are counted (default: a generated height field in each style)")
+        .expected(0, 1000);
+    sub.add_option("--styles LIST", options->styles,
                    "styles of the generated files: obj, obj-full, obj-back, obj-exact, stl, stl-mixed, ply, stl-text, "
-                   "ply-text, off (default: all)")
-        .type_name("LIST");
-    sub.add_option("--triangles", options->triangles,
-                   "approximate triangles of the height field (default "
-                   "10000000)")
-        .type_name("N");
-    sub.add_option("--repeats", options->repeats,
-                   "number of runs; each file's least time counts (default "
-                   "3)")
-        .type_name("N");
-    sub.add_option("--seed", options->seed, "seed of the heights (default 12345)").type_name("S");
-    sub.add_option("--folder", options->folder, "folder for the generated files (default: $TMPDIR)").type_name("DIR");
-    sub.add_option("--csv", options->csv, "write one row per file").type_name("FILE");
+                   "ply-text, off (default: all)");
+    sub.add_option("--triangles N", options->triangles, "approximate triangles of the height field (default 10000000)");
+    sub.add_option("--repeats N", options->repeats, "number of runs; each file's least time counts (default 3)");
+    sub.add_option("--seed S", options->seed, "seed of the heights (default 12345)");
+    sub.add_option("--folder DIR", options->folder, "folder for the generated files (default: $TMPDIR)");
+    sub.add_option("--csv FILE", options->csv, "write one row per file");
     sub.footer("'ms' is processor time of the thread, 'wall ms' elapsed time: reading from the system's cache, checks, "
                "welding (STL).\n"
                "'peak MB' is the largest growth of the process, 'bytes each' the same per triangle.");

@@ -46,23 +46,33 @@ OldClash old_clash(const json& j, const char* default_status)
     return old;
 }
 
-std::vector<OldClash> read_report(const std::string& file)
+struct OldReport {
+    std::vector<OldClash> clashes;
+    double clearance = 0; ///< millimetres
+};
+
+OldReport read_report(const std::string& file)
 {
     const auto refuse_report = [&](const std::string& why) {
         refuse(file, fmt::format("{}; expected a JSON report of 'oncollide clash'", why));
     };
-    std::vector<OldClash> clashes;
+    OldReport old;
     try {
         const json report = json::parse(read_file(file, most_bytes));
         if (!report.is_object() || report.value("report", "") != "oncollide clash")
             refuse_report("is not a clash report");
-        for (const json& clash : report.at("clashes")) clashes.push_back(old_clash(clash, nullptr));
+        const Unit* const unit = find_unit(report.value("unit", "mm"));
+        if (!unit) refuse_report("has an unknown unit");
+        old.clearance = report.value("clearance", 0.0) * unit->millimetres;
+        for (const json& clash : report.at("clashes")) old.clashes.push_back(old_clash(clash, nullptr));
         for (const json& clash : report.value("resolved", json::array()))
-            clashes.push_back(old_clash(clash, "resolved"));
+            old.clashes.push_back(old_clash(clash, "resolved"));
     } catch (const json::exception& fault) {
-        refuse_report(fault.what());
+        const std::string_view text = fault.what(); // begins with [json.exception...]
+        refuse_report(
+            fmt::format("not a valid report: {}", text.substr(std::min(text.find("] "), text.size() - 2) + 2)));
     }
-    return clashes;
+    return old;
 }
 
 int rank(std::string_view kind)
@@ -114,10 +124,16 @@ void compare(Clash& clash, const OldClash& old)
 
 } // namespace
 
-std::vector<ResolvedClash> compare_with_baseline(const std::string& file, const PartList& list,
-                                                 std::vector<Clash>& clashes)
+std::vector<ResolvedClash> compare_with_baseline(const std::string& file, const PartList& list, double clearance,
+                                                 const Unit& unit, std::vector<Clash>& clashes,
+                                                 std::vector<std::string>& warnings)
 {
-    std::vector<OldClash> before = read_report(file);
+    auto [before, old_clearance] = read_report(file);
+    old_clearance /= unit.millimetres;
+    if (old_clearance > clearance * (1 + 1e-9))
+        warnings.push_back(fmt::format("{}: has a clearance of {:.6g} {}, now it is {:.6g} {}: pairs farther apart "
+                                       "count as resolved",
+                                       file, old_clearance, unit.name, clearance, unit.name));
     const std::vector<OldClash*> matches = matches_of(clashes, list, before);
     for (std::size_t i = 0; i < clashes.size(); ++i) {
         if (!matches[i]) continue;

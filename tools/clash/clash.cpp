@@ -168,7 +168,8 @@ int clash(const ClashOptions& o)
     std::vector<std::string> warnings = std::move(parts.warnings);
     if (!o.ignore.empty()) ignore_pairs(o.ignore, parts, found.list, warnings);
     std::vector<ResolvedClash> resolved;
-    if (!o.baseline.empty()) resolved = compare_with_baseline(o.baseline, parts, found.list);
+    if (!o.baseline.empty())
+        resolved = compare_with_baseline(o.baseline, parts, settings.clearance, units.reported(), found.list, warnings);
     ClashReport report{parts,      found,    units.reported(),    settings,
                        o.baseline, o.ignore, std::move(resolved), std::move(warnings),
                        rules,      time};
@@ -179,67 +180,49 @@ int clash(const ClashOptions& o)
 
 void add_comparing_options(Arguments sub, ClashOptions* o)
 {
-    sub.add_option("--units", o->units,
-                   "unit of the files and of the report: mm, cm, m or in (default mm). glTF files are in metres; "
-                   "COLLADA and 3MF files define their unit. PATTERN=UNIT sets the unit of some files: 'frame*.stl=m' "
-                   "(repeatable)")
-        .type_name("UNIT")
-        .repeatable();
-    sub.add_option("--clearance", o->clearance, "parts closer than this also clash: 2mm, 0.1in (default 0)")
-        .type_name("LENGTH");
     sub.add_option(
-           "--tolerance", o->tolerance,
-           "parts that overlap, or are apart, by no more than this count as touching: the overlap is at most this "
-           "thick, or moving one part by this much separates them (default 0)")
-        .type_name("LENGTH");
+           "--units UNIT", o->units,
+           "unit of the files and of the report: mm, cm, m or in (default mm). glTF files are in metres; COLLADA and "
+           "3MF files define their unit. PATTERN=UNIT sets the unit of some files: 'frame*.stl=m' (repeatable)")
+        .repeatable();
+    sub.add_option("--clearance LENGTH", o->clearance, "parts closer than this also clash: 2mm, 0.1in (default 0)");
+    sub.add_option("--tolerance LENGTH", o->tolerance,
+                   "parts that overlap, or are apart, by no more than this count as touching: the overlap is at most "
+                   "this thick, or moving one part by this much separates them (default 0)");
     sub.add_flag("--touching", o->touching, "parts that only touch also clash, for example bolted faces");
-    sub.add_option(
-           "--group", o->groups,
-           "do not compare parts of the same group: file (parts of a file), node (parts below a node of an assembly), "
-           "or a pattern of names, 'bolt*' (repeatable; the first match counts)")
-        .type_name("file|node|PATTERN")
+    sub.add_option("--group file|node|PATTERN", o->groups,
+                   "do not compare parts of the same group: file (parts of a file), node (parts below a node of an "
+                   "assembly), or a pattern of names, 'bolt*' (repeatable; the first match counts)")
         .repeatable();
-    sub.add_option("--set-a", o->set_a,
+    sub.add_option("--set-a PATTERN", o->set_a,
                    "compare only the parts that match this pattern (name or path, 'robot/*') with the parts of --set-b "
                    "(repeatable)")
-        .type_name("PATTERN")
         .repeatable();
-    sub.add_option("--set-b", o->set_b, "the other set; default: all parts outside --set-a (repeatable)")
-        .type_name("PATTERN")
+    sub.add_option("--set-b PATTERN", o->set_b, "the other set; default: all parts outside --set-a (repeatable)")
         .repeatable();
-    sub.add_option("--ignore", o->ignore,
-                   "known pairs to ignore: CSV, two names or patterns per row; rows of an earlier .csv report work")
-        .type_name("FILE.csv");
+    sub.add_option("--ignore FILE.csv", o->ignore,
+                   "known pairs to ignore: CSV, two names or patterns per row; rows of an earlier .csv report work");
 }
 
 void add_report_options(Arguments sub, ClashOptions* o)
 {
-    sub.add_option("--baseline", o->baseline,
+    sub.add_option("--baseline OLD.json", o->baseline,
                    "the JSON report of an earlier run: only new or worse clashes count; resolved clashes are listed. "
-                   "Comments and statuses that you wrote into it are taken over")
-        .type_name("OLD.json");
-    sub.add_option(
-           "-o,--out", o->out,
-           "write a report: .html (one page with pictures), .json, .csv, .xml (JUnit) or .bcfzip (BCF 2.1); '-': "
-           "JSON on standard output (repeatable)")
-        .type_name("FILE")
+                   "Comments and statuses that you wrote into it are taken over");
+    sub.add_option("-o,--out FILE", o->out,
+                   "write a report: .html (one page with pictures), .json, .csv, .xml (JUnit) or .bcfzip (BCF 2.1); "
+                   "'-': JSON on standard output (repeatable)")
         .repeatable();
-    sub.add_option("--bcf", o->bcf,
-                   "write the new and active clashes as BCF 2.1, one topic per clash with camera, parts and picture")
-        .type_name("FILE.bcfzip");
-    sub.add_option("--view", o->view,
-                   "write all parts as a page in 3D, to which the clashes of .html reports link; needs Debian's "
-                   "libjs-three")
-        .type_name("FILE.html");
+    sub.add_option("--bcf FILE.bcfzip", o->bcf,
+                   "write the new and active clashes as BCF 2.1, one topic per clash with camera, parts and picture");
+    sub.add_option(
+        "--view FILE.html", o->view,
+        "write all parts as a page in 3D, to which the clashes of .html reports link; needs Debian's libjs-three");
     add_view_limit(sub, o->view_limit);
-    sub.add_option("--list", o->list, "number of clashes to print, the worst first (default 20)").type_name("N");
-    sub.add_option("--pictures", o->pictures,
-                   "number of clashes to draw in pages and BCF files, the worst first (default 40)")
-        .type_name("N");
-    sub.add_option("--threads", o->threads,
-                   "number of threads; 0: all (default). Does not change the "
-                   "result")
-        .type_name("N");
+    sub.add_option("--list N", o->list, "number of clashes to print, the worst first (default 20)");
+    sub.add_option("--pictures N", o->pictures,
+                   "number of clashes to draw in pages and BCF files, the worst first (default 40)");
+    sub.add_option("--threads N", o->threads, "number of threads; 0: all (default). Does not change the result");
     sub.add_flag("--quiet", o->quiet, "print only errors");
 }
 
@@ -249,13 +232,11 @@ void add_clash(Arguments app)
 {
     Arguments sub = app.add_command("clash", "Find the parts of an assembly that interfere with each other");
     auto o = std::make_shared<ClashOptions>();
-    sub.add_option("parts", o->inputs,
+    sub.add_option("parts FILES|FOLDER|ASSEMBLY", o->inputs,
                    "part files (OBJ, STL, PLY, OFF; one part per file, in the file's coordinates), glTF, COLLADA or "
                    "3MF assemblies (one part per node that shows a mesh), one OBJ file (one part per object or group), "
-                   "folders of "
-                   "these")
-        .required()
-        .type_name("FILES|FOLDER|ASSEMBLY");
+                   "folders of these")
+        .required();
     add_comparing_options(sub, o.get());
     add_report_options(sub, o.get());
     sub.footer(

@@ -129,21 +129,9 @@ std::string not_natural(const std::string& text)
 
 } // namespace
 
-Option Option::type_name(const std::string& name)
-{
-    option_->type_name(name);
-    return *this;
-}
-
 Option Option::required()
 {
     option_->required();
-    return *this;
-}
-
-Option Option::expected(int count)
-{
-    option_->expected(count);
     return *this;
 }
 
@@ -204,7 +192,9 @@ Arguments Arguments::add_command(const std::string& name, const std::string& sum
 template <class Value>
 Option Arguments::add_option(const std::string& names, Value& value, const std::string& help)
 {
-    CLI::Option* const option = app_->add_option(names, value, help);
+    const std::size_t space = names.find(' ');
+    CLI::Option* const option = app_->add_option(names.substr(0, space), value, help);
+    if (space != names.npos) option->type_name(names.substr(space + 1));
     if constexpr (std::is_same_v<Value, std::uint64_t> || std::is_same_v<Value, std::optional<std::uint64_t>>)
         option->check(&not_natural);
     return Option(option);

@@ -18,9 +18,7 @@ namespace oncollide::tools {
 class Option {
 public:
     explicit Option(CLI::Option* option) : option_(option) {}
-    Option type_name(const std::string& name); ///< the word for its value in --help
     Option required();
-    Option expected(int count);
     Option expected(int least, int most);
     Option repeatable();             ///< each use adds one value
     Option separated_by(char comma); ///< one argument holds all values
@@ -65,8 +63,8 @@ public:
     Arguments(CLI::App* app, Command* chosen) : app_(app), chosen_(chosen) {}
 
     Arguments add_command(const std::string& name, const std::string& summary);
-    /// @param names  "--long" or "--long,--alias", or the name of a positional argument. `value` must outlive the
-    ///               command.
+    /// @param names  "--long" or "--long,--alias", or the name of a positional argument; then, after a space, the word
+    ///               for its value in --help. `value` must outlive the command.
     /// For int, long, double, std::uint64_t, std::string, optionals of these, vectors of int and of std::string.
     template <class Value>
     Option add_option(const std::string& names, Value& value, const std::string& help);

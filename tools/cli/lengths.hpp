@@ -10,7 +10,10 @@ struct Unit {
     double millimetres;
 };
 
-/// mm, cm, m or in. Throws Error{usage} naming `option`.
+/// mm, cm, m or in; null for any other name.
+const Unit* find_unit(std::string_view name);
+
+/// The unit that find_unit() returns. Throws Error{usage} naming `option`.
 const Unit& unit_from(const std::string& option, std::string_view name);
 
 /// "2mm", "0.1 in" or a number of `unit`, in that unit; 0 or more. Throws Error{usage} naming `option`.

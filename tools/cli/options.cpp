@@ -53,15 +53,14 @@ std::size_t parse_amount(std::string_view option, const std::string& text)
 
 void add_option(Arguments command, const SettingRow& row, SettingsOptions::Value& value, std::string_view by_default)
 {
-    const std::string names(row.options);
     std::string help(row.help);
     if (!by_default.empty()) help += fmt::format(" (default {})", by_default);
     const auto add = [&](auto& field) {
-        return command.add_option(names, field, help).type_name(std::string(row.value));
+        return command.add_option(fmt::format("{} {}", row.options, row.value), field, help);
     };
     switch (row.form) {
     case SettingForm::flag:
-        command.add_flag(names, value.flag, help);
+        command.add_flag(std::string(row.options), value.flag, help);
         break;
     case SettingForm::whole:
         add(value.whole);
@@ -141,16 +140,12 @@ Settings settings_from(const SettingsOptions& o)
 
 void add_cache_options(Arguments command, CacheOptions& o)
 {
-    command
-        .add_option("--cache", o.folder,
-                    "folder of cooked meshes: mesh files are cooked into it at first use, and found by their content "
-                    "afterwards")
-        .type_name("DIR");
-    command
-        .add_option("--cache-size", o.bytes,
-                    "limit on the folder's bytes; the least recently used files are removed, never the newest (default "
-                    "4G)")
-        .type_name("BYTES");
+    command.add_option(
+        "--cache DIR", o.folder,
+        "folder of cooked meshes: mesh files are cooked into it at first use, and found by their content afterwards");
+    command.add_option(
+        "--cache-size BYTES", o.bytes,
+        "limit on the folder's bytes; the least recently used files are removed, never the newest (default 4G)");
 }
 
 SceneReading reading_with(const CacheOptions& o)
@@ -167,24 +162,20 @@ SceneReading reading_with(const CacheOptions& o)
 void add_catalogue_options(Arguments command, SceneOptions& o)
 {
     command.group("Scene");
-    command.add_option("--bodies", o.bodies, "catalogue: number of bodies").type_name("N");
-    command.add_option("--frames", o.frames, "number of frames (default: from the scene)").type_name("N");
-    command.add_option("--seed", o.seed, "catalogue: seed of the random numbers").type_name("S");
-    command
-        .add_option("--data", o.data,
-                    "folder with meshes/ and octomap/ "
-                    "(default: $ONCOLLIDE_DATA, else ../shared/data if present)")
-        .type_name("DIR");
+    command.add_option("--bodies N", o.bodies, "catalogue: number of bodies");
+    command.add_option("--frames N", o.frames, "number of frames (default: from the scene)");
+    command.add_option("--seed S", o.seed, "catalogue: seed of the random numbers");
+    command.add_option("--data DIR", o.data,
+                       "folder with meshes/ and octomap/ (default: $ONCOLLIDE_DATA, else ../shared/data if present)");
     command.group("Options");
 }
 
 void add_pace_option(Arguments command, SceneOptions& o)
 {
     command.group("Scene");
-    command
-        .add_option("--pace", o.pace,
-                    "fraction of a frame's motion per frame played: 0.1 is slow motion, 0: nothing moves (default 1)")
-        .type_name("FACTOR");
+    command.add_option(
+        "--pace FACTOR", o.pace,
+        "fraction of a frame's motion per frame played: 0.1 is slow motion, 0: nothing moves (default 1)");
     command.group("Options");
 }
 

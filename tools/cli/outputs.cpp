@@ -68,7 +68,7 @@ void add_output_options(Arguments command, OutputOptions& o)
     };
     command.group("Results");
     const auto add = [&](const char* option, std::string& file, const char* what) {
-        command.add_option(option, file, what).type_name("FILE").check(named);
+        command.add_option(fmt::format("{} FILE", option), file, what).check(named);
     };
     add("--json", o.json, "write results as JSON; '-' is standard output");
     add("--csv", o.csv, "write one CSV row per frame and pair");

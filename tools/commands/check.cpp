@@ -240,34 +240,27 @@ void add_check(Arguments app)
 {
     Arguments sub = app.add_command("check", "Check whether two files collide");
     auto options = std::make_shared<CheckOptions>();
-    sub.add_option("A", options->a,
+    sub.add_option("A FILE", options->a,
                    "mesh (OBJ, STL, PLY, OFF, glTF, COLLADA, 3MF, cooked; '-': standard input), OctoMap (.bt, .ot) or "
                    "terrain (PGM, PNG, NumPy, GDAL's)")
-        .required()
-        .type_name("FILE");
-    sub.add_option("B", options->b, "the second body, in the same formats; may be the same file")
-        .required()
-        .type_name("FILE");
-    sub.add_option("--pose-a", options->pose_a, "pose of A, metres and unit quaternion (default: identity)")
-        .type_name("\"x y z qx qy qz qw\"");
-    sub.add_option("--pose-b", options->pose_b, "pose of B").type_name("\"x y z qx qy qz qw\"");
-    sub.add_option("--to-pose-a", options->to_pose_a,
+        .required();
+    sub.add_option("B FILE", options->b, "the second body, in the same formats; may be the same file").required();
+    sub.add_option("--pose-a \"x y z qx qy qz qw\"", options->pose_a,
+                   "pose of A, metres and unit quaternion (default: identity)");
+    sub.add_option("--pose-b \"x y z qx qy qz qw\"", options->pose_b, "pose of B");
+    sub.add_option("--to-pose-a \"x y z qx qy qz qw\"", options->to_pose_a,
                    "A moves to this pose, over the time from 0 to 1: in a straight line, rotating along the shorter "
-                   "arc; the result is the first contact on the way")
-        .type_name("\"x y z qx qy qz qw\"");
-    sub.add_option("--to-pose-b", options->to_pose_b, "the same for B").type_name("\"x y z qx qy qz qw\"");
+                   "arc; the result is the first contact on the way");
+    sub.add_option("--to-pose-b \"x y z qx qy qz qw\"", options->to_pose_b, "the same for B");
     add_accuracy_options(sub, options->settings);
     add_cache_options(sub, options->cache);
-    sub.add_option("--json", options->json, "write the result as JSON; '-' is standard output").type_name("FILE");
+    sub.add_option("--json FILE", options->json, "write the result as JSON; '-' is standard output");
     sub.add_option(
-           "--contacts", options->contacts,
-           "write each pair of triangles or cells that meet, with its position and normals, as CSV; not with --exact "
-           "off")
-        .type_name("FILE.csv");
-    sub.add_option(
-           "--distance", options->distance,
-           "also print the distance of two meshes or terrains as two bounds that differ by at most M metres; 0: as "
-           "close as double precision allows")
+        "--contacts FILE.csv", options->contacts,
+        "write each pair of triangles or cells that meet, with its position and normals, as CSV; not with --exact off");
+    sub.add_option("--distance", options->distance,
+                   "also print the distance of two meshes or terrains as two bounds that differ by at most M metres; "
+                   "0: as close as double precision allows")
         .length();
     sub.add_flag("--quiet", options->quiet, "print only errors; the exit code is the result");
     sub.footer("Exit codes: 0 separate, 1 colliding, 2 within or undecided, 64 and above: error.\n"

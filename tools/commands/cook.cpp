@@ -189,27 +189,21 @@ void add_cook(Arguments app)
         "cook", "Write a mesh, a map or a terrain as a cooked file, of which only the parts near other bodies are "
                 "read");
     auto options = std::make_shared<CookOptions>();
-    sub.add_option("mesh", options->mesh,
+    sub.add_option("mesh FILE", options->mesh,
                    "mesh file (OBJ, STL, PLY, OFF, glTF, COLLADA, 3MF; '-': standard input), or file of heights "
                    "(GeoTIFF, DEM, PNG, PGM, npy), or OctoMap (bt, ot)")
-        .required()
-        .type_name("FILE");
-    sub.add_option("-o,--out", options->out, "cooked file to write; with --tiles a folder").type_name("FILE.cooked");
-    sub.add_option("--tiles", options->tiles,
-                   "cut the mesh along x and y into this many tiles, each a cooked file, and write an index of them")
-        .type_name("COLUMNSxROWS");
-    sub.add_option("--scale", options->options.scale, "metres per unit of the file (default 1)").type_name("S");
+        .required();
+    sub.add_option("-o,--out FILE.cooked", options->out, "cooked file to write; with --tiles a folder");
+    sub.add_option("--tiles COLUMNSxROWS", options->tiles,
+                   "cut the mesh along x and y into this many tiles, each a cooked file, and write an index of them");
+    sub.add_option("--scale S", options->options.scale, "metres per unit of the file (default 1)");
     sub.add_option("--spacing", options->spacing, "heights: metres between neighbours (default: from the file)")
         .length();
-    sub.add_option("--vertical-scale", options->vertical_scale, "heights: metres per unit of the file (default 1)")
-        .type_name("S");
-    sub.add_option("--no-data", options->no_data, "heights: this value marks a hole (default: from the file)")
-        .type_name("H");
-    sub.add_option("--unknown", options->unknown, "maps: how to treat unknown cells (default free)")
-        .type_name("free|occupied");
-    sub.add_option("--occupancy-threshold", options->occupancy_threshold,
-                   "maps in .ot files: least probability of an occupied cell (default 0.5)")
-        .type_name("P");
+    sub.add_option("--vertical-scale S", options->vertical_scale, "heights: metres per unit of the file (default 1)");
+    sub.add_option("--no-data H", options->no_data, "heights: this value marks a hole (default: from the file)");
+    sub.add_option("--unknown free|occupied", options->unknown, "maps: how to treat unknown cells (default free)");
+    sub.add_option("--occupancy-threshold P", options->occupancy_threshold,
+                   "maps in .ot files: least probability of an occupied cell (default 0.5)");
     sub.add_flag("--centre", options->options.centre, "move the centre of the AABB to the origin");
     sub.add_flag("--check", options->check,
                  "instead of cooking, read a whole cooked file, or all tiles of an index, and check every box");

@@ -219,7 +219,7 @@ void add_demo(Arguments app)
 {
     Arguments sub = app.add_command("demo", "Run a built-in scene and write its results, a 3D page and pictures");
     auto options = std::make_shared<DemoOptions>();
-    sub.add_option("--out", options->out, "folder for the results (default demo-results)").type_name("DIR");
+    sub.add_option("--out DIR", options->out, "folder for the results (default demo-results)");
     sub.footer("Needs no data, no display and no network.");
     sub.action([options] { return demo(*options); });
 }

@@ -189,11 +189,10 @@ void add_doctor(Arguments app)
 {
     Arguments sub = app.add_command("doctor", "List the capabilities of this machine and this build");
     auto options = std::make_shared<DoctorOptions>();
-    sub.add_option("--data", options->data, "data folder to check").type_name("DIR");
-    sub.add_option("--report", options->report,
-                   "also write the findings, the system and the relevant environment variables to a file, for a bug "
-                   "report")
-        .type_name("FILE");
+    sub.add_option("--data DIR", options->data, "data folder to check");
+    sub.add_option(
+        "--report FILE", options->report,
+        "also write the findings, the system and the relevant environment variables to a file, for a bug report");
     sub.action([options] { return doctor(*options); });
 }
 

@@ -127,8 +127,8 @@ void add_merge(Arguments app)
     };
     Arguments sub = app.add_command("merge", "Join the CSV files of all parts of a sweep (--shard) into one");
     auto options = std::make_shared<MergeOptions>();
-    sub.add_option("parts", options->parts, "the files of all parts, in any order").required().type_name("PART.csv");
-    sub.add_option("--out", options->out, "joined file; '-' is standard output").required().type_name("FILE");
+    sub.add_option("parts PART.csv", options->parts, "the files of all parts, in any order").required();
+    sub.add_option("--out FILE", options->out, "joined file; '-' is standard output").required();
     sub.footer("Example:\n"
                "  for i in 1 2 3 4; do oncollide run city --shard $i/4 --csv part$i.csv & done; wait\n"
                "  oncollide merge part*.csv --out city.csv\n"

@@ -187,11 +187,10 @@ void add_reference(Arguments app)
     Arguments sub = app.add_command("reference", "Write the reference of all commands, generated from their options");
     sub.hide();
     auto options = std::make_shared<ReferenceOptions>();
-    sub.add_option("what", options->what, "a page, man pages, or completions for a shell")
-        .required()
-        .type_name("markdown|settings|man|bash|zsh|fish");
-    sub.add_option("--out", options->out, "file (for man pages: folder) to write (default: standard output)")
-        .type_name("FILE");
+    sub.add_option("what markdown|settings|man|bash|zsh|fish", options->what,
+                   "a page, man pages, or completions for a shell")
+        .required();
+    sub.add_option("--out FILE", options->out, "file (for man pages: folder) to write (default: standard output)");
     sub.action([options, sub] { return reference(*options, sub.describe_program()); });
 }
 

@@ -109,40 +109,34 @@ void add_run(Arguments app)
     Arguments sub = app.add_command("run", "Run a scene file, or a scene of the catalogue, frame by frame");
     auto options = std::make_shared<RunOptions>();
     options->scene.on_demand = true;
-    sub.add_option("scene", options->scene.scene,
+    sub.add_option("scene SCENE.json|ASSEMBLY|NAME", options->scene.scene,
                    "scene file, glTF, COLLADA or 3MF assembly (each node that shows a mesh is a body), or a name from "
                    "'oncollide scene --list'")
-        .required()
-        .type_name("SCENE.json|ASSEMBLY|NAME");
+        .required();
     add_catalogue_options(sub, options->scene), add_pace_option(sub, options->scene);
     add_cache_options(sub, options->scene.cache);
     add_accuracy_options(sub, options->settings);
     add_pipeline_options(sub, options->settings);
     add_output_options(sub, options->outputs);
     sub.group("Results");
-    sub.add_flag(
-        "--exit-code", options->exit_code,
-        "exit with 1 if a pair collides in any frame, else with 2 if a pair is within or undecided (default: 0 for "
-        "every run that succeeds)");
+    sub.add_flag("--exit-code", options->exit_code,
+                 "exit with 1 if a pair collides in any frame, else with 2 if a pair is within or undecided (default: "
+                 "0 for every run that succeeds)");
     sub.add_flag("--continuous", options->continuous,
                  "also find contacts on the way from frame to frame: each body moves in a straight line, and rotates "
                  "along the shorter arc");
     const Option view =
-        sub.add_option("--view", options->view,
+        sub.add_option("--view FILE.html", options->view,
                        "write one HTML page that shows the run in 3D, frame by frame; needs Debian's libjs-three")
-            .type_name("FILE.html")
             .check([](const std::string& file) { return std::string(file.empty() ? "the file name is empty" : ""); });
     add_view_limit(sub, options->view_limit).needs(view);
-    sub.add_option("--pairs", options->outputs.pairs,
-                   "write the pairs of each frame as it is done (HDF5); if the run is cut off, the complete frames "
-                   "stay readable")
-        .type_name("FILE.h5");
-    sub.add_option("--from-frame", options->from_frame,
-                   "start at this frame; if --pairs names a file of the same run, append to it (default 0)")
-        .type_name("N");
+    sub.add_option(
+        "--pairs FILE.h5", options->outputs.pairs,
+        "write the pairs of each frame as it is done (HDF5); if the run is cut off, the complete frames stay readable");
+    sub.add_option("--from-frame N", options->from_frame,
+                   "start at this frame; if --pairs names a file of the same run, append to it (default 0)");
     add_rank_options(sub, options->ranks);
-    sub.add_option("--shard", options->shard, std::string("divide the frames among N processes: ") + shard_help)
-        .type_name("I/N");
+    sub.add_option("--shard I/N", options->shard, std::string("divide the frames among N processes: ") + shard_help);
     sub.footer("Examples:\n"
                "  oncollide run factory.glb --exact on --exit-code\n"
                "  oncollide run city --frames 100\n"

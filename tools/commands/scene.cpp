@@ -51,10 +51,10 @@ void add_scene(Arguments app)
 {
     Arguments sub = app.add_command("scene", "List the catalogue of scenes, or write a scene as a scene file");
     auto options = std::make_shared<WriteOptions>();
-    sub.add_option("name", options->scene.scene, "a scene of the catalogue, or a file: .glb, .gltf, .dae, .3mf, .json")
-        .type_name("NAME|FILE");
+    sub.add_option("name NAME|FILE", options->scene.scene,
+                   "a scene of the catalogue, or a file: .glb, .gltf, .dae, .3mf, .json");
     sub.add_flag("--list", options->list, "list the scenes");
-    sub.add_option("--out", options->out, "scene file to write").type_name("SCENE.json");
+    sub.add_option("--out SCENE.json", options->out, "scene file to write");
     add_catalogue_options(sub, options->scene);
     sub.footer("Examples:\n"
                "  oncollide scene --list\n"

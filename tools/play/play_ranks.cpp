@@ -223,25 +223,17 @@ private:
 
 void add_rank_options(Arguments command, RankOptions& o)
 {
-    command.add_option("--checkpoint", o.checkpoint, "write checkpoints to FILE.0 and FILE.1 in turn, for --resume")
-        .type_name("FILE");
-    command.add_option("--checkpoint-every", o.checkpoint_every, "frames between checkpoints (default 100)")
-        .type_name("K");
+    command.add_option("--checkpoint FILE", o.checkpoint,
+                       "write checkpoints to FILE.0 and FILE.1 in turn, for --resume");
+    command.add_option("--checkpoint-every K", o.checkpoint_every, "frames between checkpoints (default 100)");
     command.add_flag("--resume", o.resume, "continue from the last checkpoint, on any number of processes");
-    command
-        .add_option("--rebalance", o.rebalance,
-                    "under mpirun, when to divide space among the processes again: auto (default), always or never")
-        .type_name("WHEN");
-    command.add_option("--partitioner", o.partitioner, "for old scripts: morton is the only one").type_name("NAME");
-    command
-        .add_option("--process-csv", o.csv,
-                    "under mpirun, write one row per process: its bodies, its work and the "
-                    "data it sent")
-        .type_name("FILE");
-    command
-        .add_option("--patience", o.patience,
-                    "under mpirun, most seconds per frame before the run ends with an error (default 600)")
-        .type_name("S");
+    command.add_option("--rebalance WHEN", o.rebalance,
+                       "under mpirun, when to divide space among the processes again: auto (default), always or never");
+    command.add_option("--partitioner NAME", o.partitioner, "for old scripts: morton is the only one");
+    command.add_option("--process-csv FILE", o.csv,
+                       "under mpirun, write one row per process: its bodies, its work and the data it sent");
+    command.add_option("--patience S", o.patience,
+                       "under mpirun, most seconds per frame before the run ends with an error (default 600)");
 }
 
 bool wants_ranks(const RankOptions& o)

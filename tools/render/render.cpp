@@ -138,25 +138,22 @@ int render(const RenderOptions& options)
 
 void add_drawing_options(Arguments command, RenderOptions& o)
 {
-    command.add_option("--frame", o.frames, "frame to draw (default: the last); 10,20,30: several, side by side")
-        .type_name("N[,N...]")
+    command
+        .add_option("--frame N[,N...]", o.frames, "frame to draw (default: the last); 10,20,30: several, side by side")
         .separated_by(',');
-    command.add_option("--every", o.every, "draw every K-th frame up to --frame: FILE-0000.png, FILE-0010.png, ...")
-        .type_name("K");
-    command.add_option("--out", o.out, "file to write (PNG); '-' is standard output").type_name("FILE").required();
-    command.add_option("--size", o.size, "pixels (default 1280x720)").type_name("WxH");
-    command.add_option("--show", o.show, "meshes, spheres or both (default both)").type_name("WHAT");
-    command.add_option("--level", o.levels, "draw only spheres of this level; 2,4,6: several, side by side")
-        .type_name("L[,L...]")
+    command.add_option("--every K", o.every, "draw every K-th frame up to --frame: FILE-0000.png, FILE-0010.png, ...");
+    command.add_option("--out FILE", o.out, "file to write (PNG); '-' is standard output").required();
+    command.add_option("--size WxH", o.size, "pixels (default 1280x720)");
+    command.add_option("--show WHAT", o.show, "meshes, spheres or both (default both)");
+    command.add_option("--level L[,L...]", o.levels, "draw only spheres of this level; 2,4,6: several, side by side")
         .separated_by(',');
     command.add_flag("--rays", o.rays,
                      "cast four rays per pixel instead of drawing triangles: needs no OpenGL, reads cooked files on "
                      "demand; surfaces only");
     command.add_flag("--whole", o.whole, "grow whole trees, not only where bodies meet; needs --level");
-    command.add_option("--body", o.bodies, "draw only this body (repeatable)").type_name("NAME").repeatable();
-    command.add_option("--eye", o.eye, "camera position (default: such that all bodies are visible)")
-        .type_name("\"x y z\"");
-    command.add_option("--look-at", o.look_at, "point to look at (default: the centre)").type_name("\"x y z\"");
+    command.add_option("--body NAME", o.bodies, "draw only this body (repeatable)").repeatable();
+    command.add_option("--eye \"x y z\"", o.eye, "camera position (default: such that all bodies are visible)");
+    command.add_option("--look-at \"x y z\"", o.look_at, "point to look at (default: the centre)");
     command.add_flag("--quiet", o.quiet, "print only errors");
 }
 
@@ -166,9 +163,8 @@ void add_render(Arguments app)
 {
     Arguments sub = app.add_command("render", "Draw a scene and its sphere-trees as PNG; needs no display");
     auto options = std::make_shared<RenderOptions>();
-    sub.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
-        .required()
-        .type_name("SCENE.json|NAME");
+    sub.add_option("scene SCENE.json|NAME", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
+        .required();
     add_drawing_options(sub, *options);
     add_catalogue_options(sub, options->scene);
     add_accuracy_options(sub, options->settings);

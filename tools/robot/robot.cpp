@@ -200,8 +200,8 @@ void add_robot(Arguments app)
     sub.add_flag("--no-self", options->no_self, "only against the environment");
     add_accuracy_options(sub, options->settings);
     add_pipeline_options(sub, options->settings);
-    sub.add_option("--json", options->json, "write the results as JSON; '-' is standard output").type_name("FILE");
-    sub.add_option("--csv", options->csv, "write the results as CSV; '-' is standard output").type_name("FILE");
+    sub.add_option("--json FILE", options->json, "write the results as JSON; '-' is standard output");
+    sub.add_option("--csv FILE", options->csv, "write the results as CSV; '-' is standard output");
     sub.add_flag("--quiet", options->quiet, "print only errors; the exit code is the result");
     sub.footer("Exit codes: 0 all configurations or motions separate, 1 one or more colliding, 2 one or more within or "
                "undecided,\n"

@@ -15,27 +15,20 @@ namespace oncollide::tools {
 
 void add_robot_options(Arguments command, RobotOptions& options)
 {
-    command.add_option("URDF", options.urdf, "robot: a URDF file (xacro's must be expanded)")
-        .required()
-        .type_name("URDF");
+    command.add_option("URDF URDF", options.urdf, "robot: a URDF file (xacro's must be expanded)").required();
+    command.add_option("--srdf FILE", options.srdf,
+                       "SRDF file: pairs of links that are not tested, groups, states (default: the links that a joint "
+                       "connects are not tested)");
     command
-        .add_option("--srdf", options.srdf,
-                    "SRDF file: pairs of links that are not tested, groups, states (default: the links that a joint "
-                    "connects are not tested)")
-        .type_name("FILE");
-    command
-        .add_option("--package", options.packages,
-                    "folder of the meshes named package://NAME/... (default: found by its name, beside the URDF or "
-                    "above it)")
-        .type_name("NAME=FOLDER")
+        .add_option(
+            "--package NAME=FOLDER", options.packages,
+            "folder of the meshes named package://NAME/... (default: found by its name, beside the URDF or above it)")
         .repeatable();
-    command
-        .add_option("--world", options.world,
-                    "environment: a scene (file or name), an OctoMap, a terrain or a mesh (default: none)")
-        .type_name("SCENE|MAP");
-    command.add_option("--base", options.base, "pose of the root link, metres and unit quaternion")
-        .type_name("\"x y z qx qy qz qw\"");
-    command.add_option("--data", options.data, "folder of test models, for scenes that need them").type_name("FOLDER");
+    command.add_option("--world SCENE|MAP", options.world,
+                       "environment: a scene (file or name), an OctoMap, a terrain or a mesh (default: none)");
+    command.add_option("--base \"x y z qx qy qz qw\"", options.base,
+                       "pose of the root link, metres and unit quaternion");
+    command.add_option("--data FOLDER", options.data, "folder of test models, for scenes that need them");
 }
 
 RobotDescription open_robot(const RobotOptions& options)
@@ -90,20 +83,14 @@ std::string RobotWorld::label(BodyId body) const
 
 void add_configuration_options(Arguments command, ConfigurationOptions& options)
 {
-    command
-        .add_option("--configurations", options.file,
-                    "file of configurations, one a row: .csv (a first line may name joints), .npy or .h5 (default: the "
-                    "state alone)")
-        .type_name("FILE");
-    command
-        .add_option("--dataset", options.dataset, "path of the configurations in an HDF5 file (default configurations)")
-        .type_name("PATH");
-    command.add_option("--group", options.group, "the columns are the joints of this group of the SRDF")
-        .type_name("NAME");
-    command
-        .add_option("--state", options.state,
-                    "state of the SRDF, for joints without a column (default: 0, or the nearest limit)")
-        .type_name("NAME");
+    command.add_option("--configurations FILE", options.file,
+                       "file of configurations, one a row: .csv (a first line may name joints), .npy or .h5 (default: "
+                       "the state alone)");
+    command.add_option("--dataset PATH", options.dataset,
+                       "path of the configurations in an HDF5 file (default configurations)");
+    command.add_option("--group NAME", options.group, "the columns are the joints of this group of the SRDF");
+    command.add_option("--state NAME", options.state,
+                       "state of the SRDF, for joints without a column (default: 0, or the nearest limit)");
 }
 
 namespace {

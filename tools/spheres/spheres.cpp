@@ -277,43 +277,33 @@ void add_spheres(Arguments app)
     Arguments sub = app.add_command(
         "spheres", "List the bounding volumes of a mesh's trees, spheres or OBBs, and how closely they fit");
     auto options = std::make_shared<SpheresOptions>();
-    sub.add_option("mesh", options->mesh, "mesh (OBJ, STL, PLY, OFF, glTF, COLLADA, 3MF), or a robot (URDF)")
-        .required()
-        .type_name("MESH|URDF");
-    sub.add_option("--depth", options->depth,
-                   "depth of the sphere-tree, 1 to 16 (default 6); boxes go down to single triangles")
-        .type_name("D");
+    sub.add_option("mesh MESH|URDF", options->mesh, "mesh (OBJ, STL, PLY, OFF, glTF, COLLADA, 3MF), or a robot (URDF)")
+        .required();
+    sub.add_option("--depth D", options->depth,
+                   "depth of the sphere-tree, 1 to 16 (default 6); boxes go down to single triangles");
     sub.add_option("--max-error", options->max_error,
                    "instead of --depth: largest error in metres of the verdict 'within' for two such trees")
         .length();
-    sub.add_option("--bounding-volume,--spheres", options->bounding_volume,
-                   "volumes to write: sphere, spheres around cells (default), or obb, oriented boxes around triangles")
-        .type_name("NAME");
-    sub.add_option("--csv", options->csv, "write the volumes of all levels, one per row; '-' is standard output")
-        .type_name("FILE");
-    sub.add_option("--levels", options->levels, "write the tables as CSV, one row per level; '-' is standard output")
-        .type_name("FILE");
-    sub.add_option("--json", options->json, "write the tables and all volumes as JSON; '-' is standard output")
-        .type_name("FILE");
-    sub.add_option("--directions", options->directions,
-                   fmt::format("sample points per sphere or box (default {})", options->directions))
-        .type_name("N");
-    sub.add_option("--threads", options->threads, "number of threads; 0: all. Does not change the result (default 1)")
-        .type_name("N");
+    sub.add_option("--bounding-volume,--spheres NAME", options->bounding_volume,
+                   "volumes to write: sphere, spheres around cells (default), or obb, oriented boxes around triangles");
+    sub.add_option("--csv FILE", options->csv, "write the volumes of all levels, one per row; '-' is standard output");
+    sub.add_option("--levels FILE", options->levels,
+                   "write the tables as CSV, one row per level; '-' is standard output");
+    sub.add_option("--json FILE", options->json, "write the tables and all volumes as JSON; '-' is standard output");
+    sub.add_option("--directions N", options->directions,
+                   fmt::format("sample points per sphere or box (default {})", options->directions));
+    sub.add_option("--threads N", options->threads,
+                   "number of threads; 0: all. Does not change the result (default 1)");
     sub.add_flag("--quiet", options->quiet, "print only errors");
     RobotSpheresOptions& robot = options->robot;
     sub.group("Robots");
-    sub.add_option("--judge", robot.judge,
+    sub.add_option("--judge MODEL", robot.judge,
                    "model of spheres (cuRobo's .yml, a .urdf of spheres, or .csv): how much of each link do they leave "
-                   "uncovered?")
-        .type_name("MODEL");
-    sub.add_option("--count", robot.count, "make a model of at most N spheres, with the least over-reach found")
-        .type_name("N");
-    sub.add_option("--yaml", robot.yaml, "write the model as cuRobo's YAML").type_name("FILE");
-    sub.add_option("--urdf", robot.out, "write the model as a URDF whose collision geometry is spheres")
-        .type_name("FILE");
-    sub.add_option("--package", robot.packages, "folder of the meshes named package://NAME/...")
-        .type_name("NAME=FOLDER")
+                   "uncovered?");
+    sub.add_option("--count N", robot.count, "make a model of at most N spheres, with the least over-reach found");
+    sub.add_option("--yaml FILE", robot.yaml, "write the model as cuRobo's YAML");
+    sub.add_option("--urdf FILE", robot.out, "write the model as a URDF whose collision geometry is spheres");
+    sub.add_option("--package NAME=FOLDER", robot.packages, "folder of the meshes named package://NAME/...")
         .repeatable();
     sub.footer(
         "For a robot, --max-error or --count makes spheres that cover all collision geometry; --csv, --levels and\n"

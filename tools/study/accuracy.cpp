@@ -182,7 +182,7 @@ int accuracy(const AccuracyOptions& options)
         options.every > 1 ? fmt::format("{}-th ", options.every) : "", options.samples,
         describe(settings_from(options.settings), "depths " + options.depths), describe_program(backend));
     print_table(variants);
-    if (!options.csv.empty()) write_csv(options.csv, variants);
+    write_csv(options.csv, variants);
     if (!options.json.empty()) write_json(options.json, name, variants);
     const std::uint64_t sum = violations();
     say("\n{}\n", sum ? fmt::format("{} VIOLATIONS", sum)
@@ -198,26 +198,25 @@ void add_accuracy(Arguments app)
         "accuracy", "Check the results of a scene against the truth: missed collisions, false positives, bounds");
     auto options = std::make_shared<AccuracyOptions>();
     // Not marked as required: CLI11 would then take a subcommand's name for the scene.
-    sub.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
-        .type_name("SCENE.json|NAME");
+    sub.add_option("scene SCENE.json|NAME", options->scene.scene,
+                   "scene file, or a name from 'oncollide scene --list'");
     add_accuracy_fuzz(sub);
     add_accuracy_hard(sub);
     add_accuracy_study(sub);
     sub.at_most_one_command(); // words after a subcommand belong to it, even 'hard'
-    sub.add_option("--depths", options->depths, "depths to check (default 1-8)").type_name("LIST");
+    sub.add_option("--depths LIST", options->depths, "depths to check (default 1-8)");
     sub.add_flag("--toggle", options->toggle,
-                 "also check with each stage skipped and each setting changed, one at a "
-                 "time");
-    sub.add_option("--count", options->count, "number of scenes, each with the next seed").type_name("N");
-    sub.add_option("--every", options->every, "process only every N-th frame").type_name("N");
-    sub.add_option("--samples", options->samples, "number of bounds to check per frame (default 10)").type_name("N");
+                 "also check with each stage skipped and each setting changed, one at a time");
+    sub.add_option("--count N", options->count, "number of scenes, each with the next seed");
+    sub.add_option("--every N", options->every, "process only every N-th frame");
+    sub.add_option("--samples N", options->samples, "number of bounds to check per frame (default 10)");
     add_catalogue_options(sub, options->scene);
     add_accuracy_options(sub, options->settings);
     sub.remove_option("--depth");
     sub.remove_option("--max-error");
     add_pipeline_options(sub, options->settings);
-    sub.add_option("--csv", options->csv, "write one row per variant").type_name("FILE");
-    sub.add_option("--json", options->json, "write the same as JSON").type_name("FILE");
+    sub.add_option("--csv FILE", options->csv, "write one row per variant");
+    sub.add_option("--json FILE", options->json, "write the same as JSON");
     sub.footer("Examples:\n"
                "  oncollide accuracy paper --every 20\n"
                "  oncollide accuracy random --count 200 --frames 3 --depths 1-8 --toggle\n"

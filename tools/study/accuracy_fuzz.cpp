@@ -52,11 +52,10 @@ void add_accuracy_fuzz(Arguments accuracy)
 {
     Arguments sub = accuracy.add_command("fuzz", "Check small random scenes against the truth and against each other");
     auto options = std::make_shared<FuzzOptions>();
-    sub.add_option("--scenes", options->scenes, "number of scenes (default 10000)").type_name("N");
-    sub.add_option("--seed", options->seed, "seed of the first scene; each scene has the next number (default 1)")
-        .type_name("S");
-    sub.add_option("--threads", options->threads, "number of threads; 0: all (default 1)").type_name("N");
-    sub.add_option("--out", options->out, "file for the smallest faulty scene (default fault.json)").type_name("FILE");
+    sub.add_option("--scenes N", options->scenes, "number of scenes (default 10000)");
+    sub.add_option("--seed S", options->seed, "seed of the first scene; each scene has the next number (default 1)");
+    sub.add_option("--threads N", options->threads, "number of threads; 0: all (default 1)");
+    sub.add_option("--out FILE", options->out, "file for the smallest faulty scene (default fault.json)");
     sub.footer("Scenes of two to four meshes, shapes, maps and terrains, with all settings. Most are on a grid of 1/8, "
                "where touching is common. The truth comes from extended precision and shares no code with the library. "
                "Exit code 70: a fault was found; the scene is reduced to a small scene file, and the options are "

@@ -222,14 +222,13 @@ int accuracy_hard(HardOptions options)
         "           bodies in 5 forms, {} combinations of stages\n{}\n",
         grouped(std::uint64_t(options.count)), all_variants().size(), describe_program("cpu"));
     const std::vector<Tally> rows = try_all(options, chosen, cases);
-    if (!options.csv.empty())
-        write_csv(options.csv,
-                  shard_from(options.shard)
-                      .line(fmt::format("accuracy hard, count {}, families {}{}", options.count,
-                                        options.families.empty() ? "all"
-                                                                 : fmt::format("{}", fmt::join(options.families, ";")),
-                                        no_queries ? ", without queries/" : "")),
-                  rows);
+    write_csv(
+        options.csv,
+        shard_from(options.shard)
+            .line(fmt::format("accuracy hard, count {}, families {}{}", options.count,
+                              options.families.empty() ? "all" : fmt::format("{}", fmt::join(options.families, ";")),
+                              no_queries ? ", without queries/" : "")),
+        rows);
     if (!options.json.empty()) write_json(options.json, rows);
     Tally sum;
     for (const Tally& row : rows) sum += row;
@@ -250,23 +249,18 @@ void add_accuracy_hard(Arguments accuracy)
     Arguments sub = accuracy.add_command("hard", "Check every stage on hard cases against exact arithmetic: touching, "
                                                  "coplanar, thin, tiny, huge, far from the origin, enclosed");
     auto options = std::make_shared<HardOptions>();
-    sub.add_option("--count", options->count,
-                   "pairs of triangles per family, tested as stored and again rotated (default 100000)")
-        .type_name("N");
-    sub.add_option("--family", options->families,
-                   "test only this family (repeatable); an unknown name lists all "
-                   "families")
-        .type_name("NAME")
+    sub.add_option("--count N", options->count,
+                   "pairs of triangles per family, tested as stored and again rotated (default 100000)");
+    sub.add_option("--family NAME", options->families,
+                   "test only this family (repeatable); an unknown name lists all families")
         .repeatable();
-    sub.add_option("--threads", options->threads, "number of threads; 0: all. Does not change the result (default 1)")
-        .type_name("N");
-    sub.add_option("--data", options->data,
-                   "folder with queries/, Erleben's cases (default: $ONCOLLIDE_DATA, else ../shared/data if present)")
-        .type_name("DIR");
-    sub.add_option("--csv", options->csv, "write one row per family").type_name("FILE");
-    sub.add_option("--shard", options->shard, std::string("divide the families among N processes: ") + shard_help)
-        .type_name("I/N");
-    sub.add_option("--json", options->json, "write the same as JSON").type_name("FILE");
+    sub.add_option("--threads N", options->threads,
+                   "number of threads; 0: all. Does not change the result (default 1)");
+    sub.add_option("--data DIR", options->data,
+                   "folder with queries/, Erleben's cases (default: $ONCOLLIDE_DATA, else ../shared/data if present)");
+    sub.add_option("--csv FILE", options->csv, "write one row per family");
+    sub.add_option("--shard I/N", options->shard, std::string("divide the families among N processes: ") + shard_help);
+    sub.add_option("--json FILE", options->json, "write the same as JSON");
     sub.footer(
         "Pairs of triangles: the exact test, in both orders, and FCL's test are compared with linear programming in\n"
         "integers. Spheres, capsules and triangles that touch cells, boxes, hulls, meshes or terrains, or barely miss\n"

@@ -199,47 +199,35 @@ int accuracy_study(const StudyOptions& o)
 /// Adds the options. Returns the option that takes poses from a file.
 Option add_study_options(Arguments sub, StudyOptions& o)
 {
-    sub.add_option("what", o.workload.what, "a scene, or two mesh files").type_name("SCENE.json|NAME|MESH_A MESH_B");
+    sub.add_option("what SCENE.json|NAME|MESH_A MESH_B", o.workload.what, "a scene, or two mesh files");
     const Option poses =
-        sub.add_option("--poses", o.workload.poses,
+        sub.add_option("--poses FILE", o.workload.poses,
                        "two meshes in the poses of this file; without a file and meshes: the data folder's set")
-            .type_name("FILE")
             .expected(0, 1);
-    sub.add_option("--distances", o.workload.distances,
-                   "two meshes: distances of generated poses, in percent of A's diagonal (default 0,0.1,1,5)")
-        .type_name("LIST");
-    sub.add_option("--count", o.workload.count,
-                   "two meshes: poses per distance (default 100), or poses of the file "
-                   "(default all)")
-        .type_name("N");
-    sub.add_option("--every", o.workload.every, "process only every N-th frame or pose").type_name("N");
-    sub.add_option("--depths", o.depths, "instead of errors: depths of the trees, such as 2-8").type_name("LIST");
-    sub.add_option("--max-errors", o.max_errors,
+    sub.add_option("--distances LIST", o.workload.distances,
+                   "two meshes: distances of generated poses, in percent of A's diagonal (default 0,0.1,1,5)");
+    sub.add_option("--count N", o.workload.count,
+                   "two meshes: poses per distance (default 100), or poses of the file (default all)");
+    sub.add_option("--every N", o.workload.every, "process only every N-th frame or pose");
+    sub.add_option("--depths LIST", o.depths, "instead of errors: depths of the trees, such as 2-8");
+    sub.add_option("--max-errors LIST", o.max_errors,
                    "errors in metres or with a unit, such as 0.1,0.03,1cm (default: 50, 20, 10, 5, 2 and 1 % of the "
-                   "bodies' median size)")
-        .type_name("LIST");
-    sub.add_option("--backend", o.backends, "comma-separated list of cpu, gl-compute, gl-query (default cpu)")
-        .type_name("LIST");
-    sub.add_option("--viewport", o.viewports, "gl-query: pixels per side, comma-separated (default 16)")
-        .type_name("LIST");
-    sub.add_option("--bounding-volume,--spheres", o.bounding_volumes, "sphere, obb or both (default sphere,obb)")
-        .type_name("LIST");
-    sub.add_option("--exact", o.exact, "exact levels: off, predicates, fcl (default off,predicates)").type_name("LIST");
-    sub.add_option("--peers", o.peers,
+                   "bodies' median size)");
+    sub.add_option("--backend LIST", o.backends, "comma-separated list of cpu, gl-compute, gl-query (default cpu)");
+    sub.add_option("--viewport LIST", o.viewports, "gl-query: pixels per side, comma-separated (default 16)");
+    sub.add_option("--bounding-volume,--spheres LIST", o.bounding_volumes, "sphere, obb or both (default sphere,obb)");
+    sub.add_option("--exact LIST", o.exact, "exact levels: off, predicates, fcl (default off,predicates)");
+    sub.add_option("--peers LIST", o.peers,
                    "other libraries: comma-separated list of fcl, ode, bullet, embree, cgal, or all, or none (default "
-                   "fcl,ode,bullet)")
-        .type_name("LIST");
-    sub.add_option("--warm-up", o.warm_up, "frames at the start that are not timed (default 3)").type_name("N");
-    sub.add_option("--repeats", o.repeats,
-                   "number of runs; each frame's least time counts. A scene starts anew, poses reuse the grown trees "
-                   "(default 3)")
-        .type_name("N");
-    sub.add_option("--html", o.html, "write a page with all results, figures and pictures; needs no network")
-        .type_name("FILE");
-    sub.add_option("--csv", o.csv, "write one row per variant").type_name("FILE");
-    sub.add_option("--shard", o.shard, std::string("divide the variants among N processes: ") + shard_help)
-        .type_name("I/N");
-    sub.add_option("--json", o.json, "write the same as JSON, with times per stage").type_name("FILE");
+                   "fcl,ode,bullet)");
+    sub.add_option("--warm-up N", o.warm_up, "frames at the start that are not timed (default 3)");
+    sub.add_option(
+        "--repeats N", o.repeats,
+        "number of runs; each frame's least time counts. A scene starts anew, poses reuse the grown trees (default 3)");
+    sub.add_option("--html FILE", o.html, "write a page with all results, figures and pictures; needs no network");
+    sub.add_option("--csv FILE", o.csv, "write one row per variant");
+    sub.add_option("--shard I/N", o.shard, std::string("divide the variants among N processes: ") + shard_help);
+    sub.add_option("--json FILE", o.json, "write the same as JSON, with times per stage");
     return poses;
 }
 

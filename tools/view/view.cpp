@@ -64,18 +64,17 @@ void add_view(Arguments app)
 {
     Arguments sub = app.add_command("view", "Write a 3D HTML page of a run that was stored with --pairs");
     auto o = std::make_shared<ViewOptions>();
-    sub.add_option("results", o->results, "results file of 'oncollide run --pairs'").required().type_name("RESULTS.h5");
-    sub.add_option("scene", o->scene, "scene of the run, if it has moved since").type_name("SCENE.json|ASSEMBLY|NAME");
-    sub.add_option("-o,--out", o->out, "page to write; needs Debian's libjs-three")
+    sub.add_option("results RESULTS.h5", o->results, "results file of 'oncollide run --pairs'").required();
+    sub.add_option("scene SCENE.json|ASSEMBLY|NAME", o->scene, "scene of the run, if it has moved since");
+    sub.add_option("-o,--out PAGE.html", o->out, "page to write; needs Debian's libjs-three")
         .required()
-        .type_name("PAGE.html")
         .check([](const std::string& file) { return std::string(file.empty() ? "the file name is empty" : ""); });
-    sub.add_option("--from-frame", o->from, "first frame to show (default: the first of the results)").type_name("N");
-    sub.add_option("--to-frame", o->to, "last frame to show (default: the last of the results)").type_name("N");
+    sub.add_option("--from-frame N", o->from, "first frame to show (default: the first of the results)");
+    sub.add_option("--to-frame N", o->to, "last frame to show (default: the last of the results)");
     add_view_limit(sub, o->limit);
-    sub.add_option("--data", o->data, "data folder of a scene of the catalogue (default: the run's)").type_name("DIR");
-    sub.add_option("--threads", o->threads, "number of threads; 0: all. Does not change the page's results (default 1)")
-        .type_name("N");
+    sub.add_option("--data DIR", o->data, "data folder of a scene of the catalogue (default: the run's)");
+    sub.add_option("--threads N", o->threads,
+                   "number of threads; 0: all. Does not change the page's results (default 1)");
     sub.add_flag("--quiet", o->quiet, "print only errors");
     sub.footer(
         "Example:\n"

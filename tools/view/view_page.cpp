@@ -84,11 +84,9 @@ std::uint64_t cap_for(std::vector<std::uint64_t> counts, std::uint64_t most)
 
 Option add_view_limit(Arguments command, int& limit)
 {
-    return command
-        .add_option("--view-limit", limit,
-                    "size limit of the page in MB (default 40); to keep it, frames are dropped and meshes simplified, "
-                    "and the page says so")
-        .type_name("MB");
+    return command.add_option("--view-limit MB", limit,
+                              "size limit of the page in MB (default 40); to keep it, frames are dropped and meshes "
+                              "simplified, and the page says so");
 }
 
 void check_view(const char* option, const std::string& file, int limit, const OutputOptions& outputs,

@@ -76,20 +76,19 @@ PlotAxes axes(bool per_box)
 class BroadBench {
 public:
     explicit BroadBench(const BroadOptions& options)
-        : options_(options), contenders_(broad_contenders()), shard_(shard_from(options.shard))
+        : options_(options), contenders_(broad_contenders()), shard_(shard_from(options.shard)),
+          csv_(options.csv,
+               "scene,boxes,movers,frame,seed,contender,library,threads,ms,ratio,pairs,hash,missed,extra,"
+               "bytes,regions,left,delimitation_ms",
+               shard_.line(fmt::format("bench broad, {}, sizes {}, {} frames, seed {}, threads {}, only {}",
+                                       options.scene, options.sizes, options.frames.value_or(0), options.seed,
+                                       options.threads, options.only)))
     {
         for (const std::size_t threads :
              parse_counts("--threads", options.threads.empty() ? "1" : options.threads, 256))
             threads_.push_back(int(threads));
         contenders_.keep(options.only);
         choose_scenes();
-        if (!options.csv.empty())
-            csv_.emplace(options.csv,
-                         "scene,boxes,movers,frame,seed,contender,library,threads,ms,ratio,pairs,hash,missed,extra,"
-                         "bytes,regions,left,delimitation_ms",
-                         shard_.line(fmt::format("bench broad, {}, sizes {}, {} frames, seed {}, threads {}, only {}",
-                                                 options.scene, options.sizes, options.frames.value_or(0), options.seed,
-                                                 options.threads, options.only)));
         if (!options.plot.empty()) plot_.emplace(options.plot);
     }
 
@@ -104,7 +103,7 @@ public:
             last = scene;
             run(is_recording(scene) ? open_aabbs(scene) : make_box_scene(scene, size, options_.seed));
         }
-        if (csv_) csv_->commit();
+        csv_.commit();
         if (plot_) draw_line_plot(*plot_, panels_, axes(options_.per_box)), plot_->commit();
         return wrong_ ? 70 : 0;
     }
@@ -173,11 +172,10 @@ private:
 
     void record(const BoxScene& scene, const RaceRow& row)
     {
-        if (csv_)
-            csv_->row(scene.name, scene.boxes.size(), scene.moved.size(), scene.frame, options_.seed,
-                      row.contender->name, Quoted{row.contender->what}, row.threads, row.ms, row.ratio, row.pairs.count,
-                      Hex{row.pairs.hash}, row.missed, row.extra, std::uint64_t(row.bytes), regions_text(row.levels),
-                      row.left, delimitation_ms(row));
+        csv_.row(scene.name, scene.boxes.size(), scene.moved.size(), scene.frame, options_.seed, row.contender->name,
+                 Quoted{row.contender->what}, row.threads, row.ms, row.ratio, row.pairs.count, Hex{row.pairs.hash},
+                 row.missed, row.extra, std::uint64_t(row.bytes), regions_text(row.levels), row.left,
+                 delimitation_ms(row));
         const std::string label =
             row.threads == 1 ? row.contender->name : fmt::format("{}, {} threads", row.contender->name, row.threads);
         const auto style = styles_.try_emplace(label, styles_.size()).first;
@@ -198,7 +196,7 @@ private:
     std::vector<int> threads_;
     Shard shard_;
     std::vector<std::pair<std::string, std::size_t>> work_; ///< every combination of scene and size
-    std::optional<CsvFile> csv_;
+    CsvFile csv_;
     std::optional<OutputFile> plot_;
     std::vector<PlotPanel> panels_;             ///< one per scene
     std::map<std::string, std::size_t> styles_; ///< of the lines, by label
@@ -219,26 +217,19 @@ void add_broad(Arguments bench)
 {
     Arguments sub = bench.add_command("broad", "Only the broad phase, on boxes, compared with other libraries");
     auto options = std::make_shared<BroadOptions>();
-    sub.add_option("--scene", options->scene,
+    sub.add_option("--scene LIST|FILE.aabbs", options->scene,
                    "scenes, or a recording: brown (default), large, mixed, flat, clustered, static, giant, jump, and "
-                   "freefall, brownian, gravity with -cubes or -assorted")
-        .type_name("LIST|FILE.aabbs");
-    sub.add_option("--sizes", options->sizes, "numbers of boxes, such as 2500,10k,1M (default 1k,10k,100k)")
-        .type_name("LIST");
-    sub.add_option("--frames", options->frames, "frames to play; the first third is not timed (default 60 to 8)")
-        .type_name("N");
-    sub.add_option("--threads", options->threads, "numbers of threads (default 1)").type_name("LIST");
-    sub.add_option("--only", options->only, "run only these contenders").type_name("LIST");
-    sub.add_option("--csv", options->csv, "write one row per contender and size").type_name("FILE");
-    sub.add_option("--shard", options->shard,
-                   std::string("divide the scenes and sizes among N "
-                               "processes: ") +
-                       shard_help)
-        .type_name("I/N");
-    Option plot = sub.add_option("--plot", options->plot, "draw time against size, one panel per scene");
-    plot.type_name("FILE.svg");
+                   "freefall, brownian, gravity with -cubes or -assorted");
+    sub.add_option("--sizes LIST", options->sizes, "numbers of boxes, such as 2500,10k,1M (default 1k,10k,100k)");
+    sub.add_option("--frames N", options->frames, "frames to play; the first third is not timed (default 60 to 8)");
+    sub.add_option("--threads LIST", options->threads, "numbers of threads (default 1)");
+    sub.add_option("--only LIST", options->only, "run only these contenders");
+    sub.add_option("--csv FILE", options->csv, "write one row per contender and size");
+    sub.add_option("--shard I/N", options->shard,
+                   std::string("divide the scenes and sizes among N processes: ") + shard_help);
+    Option plot = sub.add_option("--plot FILE.svg", options->plot, "draw time against size, one panel per scene");
     sub.add_flag("--per-box", options->per_box, "plot nanoseconds per box, to show growth").needs(plot);
-    sub.add_option("--seed", options->seed, "seed of the scene (default 12345)").type_name("S");
+    sub.add_option("--seed S", options->seed, "seed of the scene (default 12345)");
     sub.action([options] { return bench_broad(*options); });
 }
 

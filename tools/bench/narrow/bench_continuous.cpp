@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <optional>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/output_file.hpp>
@@ -137,10 +136,8 @@ int bench_continuous(const ContinuousOptions& options)
         usage(fmt::format("--reach {}: must be above 0, and at most 1e6", options.reach));
     if (options.meshes.size() != 0 && options.meshes.size() != 2) usage("bench continuous: give no meshes, or two");
     check_files({{"--csv", options.csv}}, options.meshes);
-    std::optional<CsvFile> csv;
-    if (!options.csv.empty())
-        csv.emplace(options.csv, "a,a_triangles,b,b_triangles,reach,tolerance,motions,contender,median_us,mean_us,"
-                                 "contacts,missed,invented,early,late");
+    CsvFile csv(options.csv, "a,a_triangles,b,b_triangles,reach,tolerance,motions,contender,median_us,mean_us,"
+                             "contacts,missed,invented,early,late");
     const bool given = !options.meshes.empty();
     const auto load = [&](std::size_t i) {
         return mesh_of_unit_size(given ? load_mesh(options.meshes[i])
@@ -174,14 +171,13 @@ int bench_continuous(const ContinuousOptions& options)
     for (const SweepTally* t : {&ours, &advance, &sampled}) {
         say("{:<18}{:>12.1f}{:>12.1f}{:>8.1f}{:>10}{:>8}{:>10}{:>8}{:>8}\n", t->name, median(t->us), mean(t->us),
             median(t->us) / median(ours.us), t->contacts, t->missed, t->invented, t->early, t->late);
-        if (csv)
-            csv->row(Quoted{name(0)}, a.triangles.size(), Quoted{name(1)}, b.triangles.size(), options.reach,
-                     options.tolerance, options.motions, t->name, Digits{median(t->us), 4}, Digits{mean(t->us), 4},
-                     t->contacts, t->missed, t->invented, t->early, t->late);
+        csv.row(Quoted{name(0)}, a.triangles.size(), Quoted{name(1)}, b.triangles.size(), options.reach,
+                options.tolerance, options.motions, t->name, Digits{median(t->us), 4}, Digits{mean(t->us), 4},
+                t->contacts, t->missed, t->invented, t->early, t->late);
     }
     say("\noncollide: {} of {} results contradicted by {} exact tests each; {} left open\n", wrong, options.motions,
         options.samples + 1, open);
-    if (csv) csv->commit();
+    csv.commit();
     return wrong ? int(ErrorKind::internal) : 0;
 }
 
@@ -191,17 +187,14 @@ void add_continuous(Arguments bench)
 {
     Arguments sub = bench.add_command("continuous", "When two moving meshes first meet");
     auto options = std::make_shared<ContinuousOptions>();
-    sub.add_option("meshes", options->meshes, "two mesh files, scaled to a diagonal of 1 (default: two knots)")
-        .expected(0, 2)
-        .type_name("A B");
-    sub.add_option("--motions", options->motions, "random motions of both (default 1000)").type_name("N");
-    sub.add_option("--reach", options->reach, "largest coordinate of B's random positions (default 1)").type_name("R");
-    sub.add_option("--tolerance", options->tolerance, "of the time of contact and of the distance (default 1e-4)")
-        .type_name("T");
-    sub.add_option("--samples", options->samples, "poses before each contact that exact tests check (default 200)")
-        .type_name("N");
-    sub.add_option("--seed", options->seed, "seed of the motions (default 12345)").type_name("S");
-    sub.add_option("--csv", options->csv, "write one row per contender").type_name("FILE");
+    sub.add_option("meshes A B", options->meshes, "two mesh files, scaled to a diagonal of 1 (default: two knots)")
+        .expected(0, 2);
+    sub.add_option("--motions N", options->motions, "random motions of both (default 1000)");
+    sub.add_option("--reach R", options->reach, "largest coordinate of B's random positions (default 1)");
+    sub.add_option("--tolerance T", options->tolerance, "of the time of contact and of the distance (default 1e-4)");
+    sub.add_option("--samples N", options->samples, "poses before each contact that exact tests check (default 200)");
+    sub.add_option("--seed S", options->seed, "seed of the motions (default 12345)");
+    sub.add_option("--csv FILE", options->csv, "write one row per contender");
     sub.footer("Contenders take turns, motion by motion. missed: a contact that exact tests confirm is not found;\n"
                "early, late: the time is off by more than ten tolerances; invented: a contact is reported where the\n"
                "whole motion is certified free. Exit code 70: exact tests contradict a result of oncollide.");

@@ -198,15 +198,11 @@ void add_poses(Arguments bench)
         bench.add_command("poses", "One pair of meshes in 1,000 poses with known results (needs the data folder)");
     auto options = std::make_shared<NarrowOptions>();
     options->use_poses = true, options->ask = "boolean", options->depths = "4-8", options->repeats = 5;
-    sub.add_option("--data", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
-        .type_name("DIR");
-    sub.add_option("--depths", options->depths, "depths of the sphere-trees (default 4-8)").type_name("LIST");
-    sub.add_option("--repeats", options->repeats,
-                   "number of runs; each query's least time counts (default "
-                   "5)")
-        .type_name("N");
-    sub.add_option("--poses", options->count, "use only the first N poses").type_name("N");
-    sub.add_option("--csv", options->poses_csv, "write one row per pose").type_name("FILE");
+    sub.add_option("--data DIR", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)");
+    sub.add_option("--depths LIST", options->depths, "depths of the sphere-trees (default 4-8)");
+    sub.add_option("--repeats N", options->repeats, "number of runs; each query's least time counts (default 5)");
+    sub.add_option("--poses N", options->count, "use only the first N poses");
+    sub.add_option("--csv FILE", options->poses_csv, "write one row per pose");
     sub.footer(
         "The same as 'oncollide bench narrow --poses --query boolean' with FCL and these depths; each depth also\n"
         "with FCL for the pairs that are left over.");
@@ -222,34 +218,27 @@ void add_narrow(Arguments bench)
 {
     Arguments sub = bench.add_command("narrow", "Only the narrow phase, on two meshes, compared with other libraries");
     auto options = std::make_shared<NarrowOptions>();
-    sub.add_option("meshes", options->meshes, "two mesh files; the second is moved (default: two generated knots)")
-        .expected(0, 2)
-        .type_name("MESH_A MESH_B");
-    Option distances = sub.add_option("--distances", options->distances,
-                                      "distances of the surfaces, in percent of the diagonal of MESH_A's AABB "
-                                      "(default 0,0.1,1,5,10,20,40); 0 just touches, negative collides");
-    distances.type_name("LIST");
-    Option poses = sub.add_option("--poses", options->poses,
+    sub.add_option("meshes MESH_A MESH_B", options->meshes,
+                   "two mesh files; the second is moved (default: two generated knots)")
+        .expected(0, 2);
+    Option distances = sub.add_option("--distances LIST", options->distances,
+                                      "distances of the surfaces, in percent of the diagonal of MESH_A's AABB (default "
+                                      "0,0.1,1,5,10,20,40); 0 just touches, negative collides");
+    Option poses = sub.add_option("--poses FILE", options->poses,
                                   "poses from a file for these meshes, with exact results if FILE_expected exists; "
                                   "without FILE: the data folder's set with its own meshes");
-    poses.type_name("FILE").expected(0, 1);
-    sub.add_option("--count", options->count, "poses per distance (default 100), or poses of the file (default: all)")
-        .type_name("N");
-    sub.add_option("--query,--ask", options->ask,
-                   "queries: boolean (do they collide?), all (which triangles meet?), distance (default: all three)")
-        .type_name("LIST");
-    sub.add_option("--only", options->only, "run only these contenders").type_name("LIST");
-    sub.add_option("--repeats", options->repeats,
-                   "number of runs; each query's least time counts (default "
-                   "3)")
-        .type_name("N");
-    sub.add_option("--csv", options->csv, "write one row per contender, query and distance").type_name("FILE");
-    sub.add_option("--shard", options->shard, std::string("divide the distances among N processes: ") + shard_help)
-        .type_name("I/N");
-    sub.add_option("--plot", options->plot, "draw time against distance, one panel per query").type_name("FILE.svg");
-    sub.add_option("--seed", options->seed, "seed of the poses (default 12345)").type_name("S");
-    sub.add_option("--data", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
-        .type_name("DIR");
+    poses.expected(0, 1);
+    sub.add_option("--count N", options->count,
+                   "poses per distance (default 100), or poses of the file (default: all)");
+    sub.add_option("--query,--ask LIST", options->ask,
+                   "queries: boolean (do they collide?), all (which triangles meet?), distance (default: all three)");
+    sub.add_option("--only LIST", options->only, "run only these contenders");
+    sub.add_option("--repeats N", options->repeats, "number of runs; each query's least time counts (default 3)");
+    sub.add_option("--csv FILE", options->csv, "write one row per contender, query and distance");
+    sub.add_option("--shard I/N", options->shard, std::string("divide the distances among N processes: ") + shard_help);
+    sub.add_option("--plot FILE.svg", options->plot, "draw time against distance, one panel per query");
+    sub.add_option("--seed S", options->seed, "seed of the poses (default 12345)");
+    sub.add_option("--data DIR", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)");
     sub.footer(
         "Examples:\n"
         "  oncollide bench narrow                                     two generated knots, no files needed\n"

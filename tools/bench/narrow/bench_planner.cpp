@@ -114,11 +114,9 @@ int bench_planner(const PlannerOptions& options)
     if (options.meshes.size() != 0 && options.meshes.size() != 2)
         usage("bench planner: give no meshes, or two: the static and the moving mesh");
     check_files({{"--csv", options.csv}}, options.meshes);
-    std::optional<CsvFile> csv;
-    if (!options.csv.empty())
-        csv.emplace(
-            options.csv,
-            "fixed,fixed_triangles,moving,moving_triangles,poses,colliding,who,threads,first_s,second_s,ratio,false");
+    CsvFile csv(
+        options.csv,
+        "fixed,fixed_triangles,moving,moving_triangles,poses,colliding,who,threads,first_s,second_s,ratio,false");
     const bool given = !options.meshes.empty();
     const Mesh fixed = given ? load_mesh(options.meshes[0]) : make_terrain_mesh(4, 0.8, 186, 1);
     const Mesh moving = given ? load_mesh(options.meshes[1]) : make_torus_knot_mesh(2, 3, 0.3, 0.12, 0.05, 5000);
@@ -144,15 +142,14 @@ int bench_planner(const PlannerOptions& options)
             say("{:<28}{:>8}{:>16.3f}{:>16.3f}{:>8.2f}{:>12}{:>8}\n", entrant.name, threads, entrant.first,
                 entrant.second, ratio, grouped(std::uint64_t(double(queries.size()) / entrant.second)),
                 grouped(false_positives));
-            if (csv)
-                csv->row(Quoted{fixed_name}, fixed.triangles.size(), Quoted{moving_name}, moving.triangles.size(),
-                         queries.size(), colliding, entrant.who, threads, Digits{entrant.first, 4},
-                         Digits{entrant.second, 4}, Digits{ratio, 3}, false_positives);
+            csv.row(Quoted{fixed_name}, fixed.triangles.size(), Quoted{moving_name}, moving.triangles.size(),
+                    queries.size(), colliding, entrant.who, threads, Digits{entrant.first, 4},
+                    Digits{entrant.second, 4}, Digits{ratio, 3}, false_positives);
         }
     }
     say("\ncolliding  {} of {}; results that FCL contradicts: {}\n", grouped(colliding), grouped(queries.size()),
         grouped(wrong));
-    if (csv) csv->commit();
+    csv.commit();
     return wrong ? int(ErrorKind::internal) : 0;
 }
 
@@ -162,12 +159,12 @@ void add_planner(Arguments bench)
 {
     Arguments sub = bench.add_command("planner", "Many sampled poses of one mesh against another, in one call");
     auto options = std::make_shared<PlannerOptions>();
-    sub.add_option("meshes", options->meshes, "two mesh files; the second is moved (default: terrain and knot)")
-        .expected(0, 2)
-        .type_name("STATIC MOVING");
-    sub.add_option("--poses", options->poses, "poses to sample (default 100000)").type_name("N");
-    sub.add_option("--seed", options->seed, "seed of the poses (default 12345)").type_name("S");
-    sub.add_option("--csv", options->csv, "write one row per kind of query and number of threads").type_name("FILE");
+    sub.add_option("meshes STATIC MOVING", options->meshes,
+                   "two mesh files; the second is moved (default: terrain and knot)")
+        .expected(0, 2);
+    sub.add_option("--poses N", options->poses, "poses to sample (default 100000)");
+    sub.add_option("--seed S", options->seed, "seed of the poses (default 12345)");
+    sub.add_option("--csv FILE", options->csv, "write one row per kind of query and number of threads");
     sub.footer("The first call includes building FCL's models and oncollide's trees. Ratios compare second calls.\n"
                "'false': poses that oncollide leaves over and FCL finds separate.");
     sub.action([options] { return bench_planner(*options); });

@@ -10,7 +10,6 @@
 #include <array>
 #include <ctime>
 #include <memory>
-#include <optional>
 
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/threads/parallel.hpp>
@@ -167,9 +166,7 @@ int bench_shapes(const ShapesOptions& options)
     if (!(options.least_gap > 0 && options.least_gap <= 0.1))
         usage("bench shapes: --least-gap must be above 0 and at most 0.1");
     check_files({{"--csv", options.csv}});
-    std::optional<CsvFile> csv;
-    if (!options.csv.empty())
-        csv.emplace(options.csv, "a,b,pairs,colliding,oncollide_ns,fcl_ns,within,wrong,fcl_lost,fcl_made,fcl_worst_m");
+    CsvFile csv(options.csv, "a,b,pairs,colliding,oncollide_ns,fcl_ns,within,wrong,fcl_lost,fcl_made,fcl_worst_m");
     say("{}pairs      {}, gaps of {} to 0.1 m, seed {}; checked in extended precision on {} threads\n\n",
         describe_program("shapes"), grouped(std::uint64_t(options.pairs)), options.least_gap, options.seed,
         thread_count({.threads = options.threads}));
@@ -185,14 +182,12 @@ int bench_shapes(const ShapesOptions& options)
             const ShapeRow& r = race.rows[a][b];
             if (r.pairs == 0) continue;
             print_row(named(a, b), r), all += r;
-            if (csv)
-                csv->row(shape_kinds[a], shape_kinds[b], r.pairs, r.colliding, Fixed{r.ours_ns / double(r.pairs), 1},
-                         Fixed{r.fcl_ns / double(r.pairs), 1}, r.open, r.wrong, r.fcl_missed, r.fcl_invented,
-                         r.fcl_worst);
+            csv.row(shape_kinds[a], shape_kinds[b], r.pairs, r.colliding, Fixed{r.ours_ns / double(r.pairs), 1},
+                    Fixed{r.fcl_ns / double(r.pairs), 1}, r.open, r.wrong, r.fcl_missed, r.fcl_invented, r.fcl_worst);
         }
     print_row("all", all);
     say("\nhash       {:016x}\n", race.hash);
-    if (csv) csv->commit();
+    csv.commit();
     return all.wrong ? int(ErrorKind::internal) : 0;
 }
 
@@ -202,15 +197,12 @@ void add_shapes(Arguments bench)
 {
     Arguments sub = bench.add_command("shapes", "Pairs of shapes close to contact, checked in extended precision");
     auto options = std::make_shared<ShapesOptions>();
-    sub.add_option("--pairs", options->pairs, "number of random pairs (default 100000)").type_name("N");
-    sub.add_option("--seed", options->seed, "seed of the pairs (default 12345)").type_name("S");
+    sub.add_option("--pairs N", options->pairs, "number of random pairs (default 100000)");
+    sub.add_option("--seed S", options->seed, "seed of the pairs (default 12345)");
     sub.add_option("--least-gap", options->least_gap, "least gap or overlap; 0.1 m is the largest (default 1e-6)")
         .length();
-    sub.add_option("--threads", options->threads,
-                   "number of threads for the checks; 0: all (default "
-                   "0)")
-        .type_name("N");
-    sub.add_option("--csv", options->csv, "write one row per pair of kinds").type_name("FILE");
+    sub.add_option("--threads N", options->threads, "number of threads for the checks; 0: all (default 0)");
+    sub.add_option("--csv FILE", options->csv, "write one row per pair of kinds");
     sub.footer(
         "Both libraries are timed on one thread, in alternation. 'within': pairs that oncollide does not decide; 'FCL "
         "lost' and 'FCL made': collisions that FCL misses, and false collisions of FCL; 'worst': largest distance "

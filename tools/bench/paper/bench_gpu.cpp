@@ -352,16 +352,13 @@ void add_gpu(Arguments bench)
         bench.add_command("gpu", "Everything that needs a GPU, in at most 8 minutes: results against the cpu's, "
                                  "speed of each backend, comparators");
     auto options = std::make_shared<GpuOptions>();
-    sub.add_option("--sizes", options->sizes,
-                   "full, small, or auto: small on a software renderer, else full (default auto)")
-        .type_name("SIZES");
-    sub.add_option("--limit", options->limit_s, "seconds after which no further measurement begins (default 420)")
-        .type_name("S");
-    sub.add_option("--gpu", options->gpu, "number of the GPU ('oncollide doctor' lists them)").type_name("N");
-    sub.add_option("--data", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
-        .type_name("DIR");
-    sub.add_option("--json", options->json, "write the JSON to a file, instead of standard output after the table")
-        .type_name("FILE");
+    sub.add_option("--sizes SIZES", options->sizes,
+                   "full, small, or auto: small on a software renderer, else full (default auto)");
+    sub.add_option("--limit S", options->limit_s, "seconds after which no further measurement begins (default 420)");
+    sub.add_option("--gpu N", options->gpu, "number of the GPU ('oncollide doctor' lists them)");
+    sub.add_option("--data DIR", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)");
+    sub.add_option("--json FILE", options->json,
+                   "write the JSON to a file, instead of standard output after the table");
     sub.footer("Exit code 70: a result differs from the cpu's, or a certified method missed a collision; 71: no GPU.");
     sub.action([options] { return bench_gpu(*options); });
 }

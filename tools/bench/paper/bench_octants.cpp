@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <bit>
 #include <memory>
-#include <optional>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/output_file.hpp>
@@ -26,9 +25,9 @@ struct OctantsOptions {
 class OctantBench {
 public:
     explicit OctantBench(const OctantsOptions& options)
-        : options_(options), data_(data_folder(options.data)), contenders_(octant_contenders(options.gpu))
+        : options_(options), data_(data_folder(options.data)), contenders_(octant_contenders(options.gpu)),
+          csv_(options.csv, "part,mesh,triangles,backend,n,value,other")
     {
-        if (!options.csv.empty()) csv_.emplace(options.csv, "part,mesh,triangles,backend,n,value,other");
     }
 
     void run()
@@ -50,7 +49,7 @@ public:
             misses({"needles", make_needles_mesh(300, 1, 1e4, 3, 7)}, 6);
             misses({"tiny triangles", make_soup_mesh(400, 1e-4, 3, 9)}, 6);
         }
-        if (csv_) csv_->commit();
+        csv_.commit();
     }
 
 private:
@@ -59,7 +58,7 @@ private:
     void record(const char* part, const NamedMesh& mesh, const std::string& backend, std::size_t n, double value,
                 double other)
     {
-        if (csv_) csv_->row(part, mesh.name, mesh.mesh.triangles.size(), Quoted{backend}, n, value, other);
+        csv_.row(part, mesh.name, mesh.mesh.triangles.size(), Quoted{backend}, n, value, other);
     }
 
     /// Octants per second, by size of the batch.
@@ -145,7 +144,7 @@ private:
     OctantsOptions options_;
     std::filesystem::path data_;
     std::vector<OctantContender> contenders_;
-    std::optional<CsvFile> csv_;
+    CsvFile csv_;
 };
 
 int bench_octants(const OctantsOptions& options)
@@ -167,17 +166,12 @@ void add_octants(Arguments bench)
     Arguments sub = bench.add_command("octants", "Batches of octant queries: which octants does the surface "
                                                  "intersect?");
     auto options = std::make_shared<OctantsOptions>();
-    sub.add_option("--data", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
-        .type_name("DIR");
-    sub.add_option("--gpu", options->gpu, "number of the GPU ('oncollide doctor' lists them)").type_name("N");
-    sub.add_option("--repeats", options->repeats,
-                   "number of runs; each batch's least time counts (default "
-                   "5)")
-        .type_name("N");
-    sub.add_option("--only", options->only, "run only one part: speed, trees or misses").type_name("PART");
-    sub.add_option("--limit", options->limit_s, "skip batches that would take longer (seconds, default 2)")
-        .type_name("S");
-    sub.add_option("--csv", options->csv, "write one row per figure").type_name("FILE");
+    sub.add_option("--data DIR", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)");
+    sub.add_option("--gpu N", options->gpu, "number of the GPU ('oncollide doctor' lists them)");
+    sub.add_option("--repeats N", options->repeats, "number of runs; each batch's least time counts (default 5)");
+    sub.add_option("--only PART", options->only, "run only one part: speed, trees or misses");
+    sub.add_option("--limit S", options->limit_s, "skip batches that would take longer (seconds, default 2)");
+    sub.add_option("--csv FILE", options->csv, "write one row per figure");
     sub.action([options] { return bench_octants(*options); });
 }
 

@@ -33,11 +33,9 @@ public:
                                                 .seed = {},
                                                 .data = options.data,
                                                 .cache = {}})),
-          methods_(tree_methods(options.gpu, options.viewport))
+          methods_(tree_methods(options.gpu, options.viewport)),
+          csv_(options.csv, "table,what,backend,frames,ms,queries,cells,candidates,left_over,missed,collisions")
     {
-        if (!options.csv.empty())
-            csv_.emplace(options.csv,
-                         "table,what,backend,frames,ms,queries,cells,candidates,left_over,missed,collisions");
     }
 
     void run()
@@ -48,7 +46,7 @@ public:
         const bool paper = options_.scene == "paper" || options_.scene == "paper-5k";
         if (paper) table_1();
         play_all(paper);
-        if (csv_) csv_->commit();
+        csv_.commit();
     }
 
 private:
@@ -69,9 +67,8 @@ private:
                 const auto [ms, work] = one_level(levels, method);
                 queries = std::max(queries, work.queries);
                 times += fmt::format("{:>21.4f}", ms);
-                if (csv_)
-                    csv_->row(1, mesh.name, Quoted{method.name}, std::nullopt, ms, work.queries, 1, std::nullopt,
-                              std::nullopt, std::nullopt, std::nullopt);
+                csv_.row(1, mesh.name, Quoted{method.name}, std::nullopt, ms, work.queries, 1, std::nullopt,
+                         std::nullopt, std::nullopt, std::nullopt);
             }
             say("{:<16}{:>10}{:>9}{}\n", mesh.name, grouped(mesh.mesh.triangles.size()), queries, times);
         }
@@ -127,9 +124,9 @@ private:
                 sum.queries && trees ? fmt::format("{:.2f}", double(sum.queries) / double(sum.cells)) : "-",
                 grouped(played[i].left_over()), trees ? grouped(missed(played.back().left, played[i].left)) : "-",
                 grouped(lost), played[i].hash);
-            if (csv_ && table == 3)
-                csv_->row(table, Quoted{options_.scene}, Quoted{all[i].name}, sum.frames, sum.ms, sum.queries,
-                          sum.cells, played[i].candidates, played[i].left_over(), lost, collisions);
+            if (table == 3)
+                csv_.row(table, Quoted{options_.scene}, Quoted{all[i].name}, sum.frames, sum.ms, sum.queries, sum.cells,
+                         played[i].candidates, played[i].left_over(), lost, collisions);
             if (lost && all[i].certified)
                 throw Error(ErrorKind::internal, fmt::format("{}: {} collisions were missed", all[i].name, lost));
         }
@@ -153,9 +150,8 @@ private:
                 const double rate = window.frames ? 1e3 * double(window.frames) / window.ms : 0;
                 say("{:>24}", window.queries ? fmt::format("{:.0f} ({})", rate, grouped(window.queries))
                                              : fmt::format("{:.0f}", rate));
-                if (csv_)
-                    csv_->row(2, frame, Quoted{all[i].name}, window.frames, window.ms, window.queries, window.cells,
-                              std::nullopt, std::nullopt, std::nullopt, std::nullopt);
+                csv_.row(2, frame, Quoted{all[i].name}, window.frames, window.ms, window.queries, window.cells,
+                         std::nullopt, std::nullopt, std::nullopt, std::nullopt);
             }
             say("\n");
         }
@@ -164,7 +160,7 @@ private:
     PaperOptions options_;
     Scene scene_;
     std::vector<Method> methods_;
-    std::optional<CsvFile> csv_;
+    CsvFile csv_;
 };
 
 /// Returns the exit code: 70 if a method that promises not to missed a collision.
@@ -186,19 +182,17 @@ void add_paper(Arguments bench)
                                                "comparators (CULLIDE, viewing volumes)");
     auto options = std::make_shared<PaperOptions>();
     sub.add_flag("--large", options->large, "animate models of 5,100 triangles instead of 1,500");
-    sub.add_option("--scene", options->scene, "animate another scene: a file, or a name from 'oncollide scene --list'")
-        .type_name("SCENE");
-    sub.add_option("--bodies", options->bodies, "number of bodies of that scene").type_name("N");
-    sub.add_option("--frames", options->frames, "frames of the animation (default 2400, as in the paper)")
-        .type_name("N");
-    sub.add_option("--every", options->every, "play the comparators on every N-th frame (default 24)").type_name("N");
-    sub.add_option("--depth", options->depth, "depth of the sphere-trees (default 5, as in the paper)").type_name("D");
-    sub.add_option("--age", options->age, "frames after which unused cells are dropped (default 60)").type_name("N");
-    sub.add_option("--viewport", options->viewport, "pixels per side of a cell (default 16)").type_name("PX");
-    sub.add_option("--gpu", options->gpu, "number of the GPU ('oncollide doctor' lists them)").type_name("N");
-    sub.add_option("--data", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)")
-        .type_name("DIR");
-    sub.add_option("--csv", options->csv, "write one row per figure").type_name("FILE");
+    sub.add_option("--scene SCENE", options->scene,
+                   "animate another scene: a file, or a name from 'oncollide scene --list'");
+    sub.add_option("--bodies N", options->bodies, "number of bodies of that scene");
+    sub.add_option("--frames N", options->frames, "frames of the animation (default 2400, as in the paper)");
+    sub.add_option("--every N", options->every, "play the comparators on every N-th frame (default 24)");
+    sub.add_option("--depth D", options->depth, "depth of the sphere-trees (default 5, as in the paper)");
+    sub.add_option("--age N", options->age, "frames after which unused cells are dropped (default 60)");
+    sub.add_option("--viewport PX", options->viewport, "pixels per side of a cell (default 16)");
+    sub.add_option("--gpu N", options->gpu, "number of the GPU ('oncollide doctor' lists them)");
+    sub.add_option("--data DIR", options->data, "folder with meshes/ (default: $ONCOLLIDE_DATA, else ../shared/data)");
+    sub.add_option("--csv FILE", options->csv, "write one row per figure");
     sub.action([options] {
         if (options->large) options->scene = "paper-5k";
         return bench_paper(*options);

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <optional>
 
 #include <octomap/octomap.h>
 
@@ -265,10 +264,7 @@ int bench_rays(const RaysOptions& options)
     check_range("--rays", options.rays, 1, 10'000'000), check_range("--repeats", options.repeats, 1);
     check_range("--triangles", options.triangles, 100, 100'000'000);
     check_files({{"--csv", options.csv}});
-    std::optional<CsvFile> csv;
-    if (!options.csv.empty())
-        csv.emplace(options.csv,
-                    "geometry,parts,rays,contender,count,hits,us_per_ray,missed,invented,build_ms,first_ms");
+    CsvFile csv(options.csv, "geometry,parts,rays,contender,count,hits,us_per_ray,missed,invented,build_ms,first_ms");
     const RayContenders peers = ray_contenders();
     const std::vector<RayCase> cases = cases_of(options, peers);
     say("{}", describe_program("cpu"));
@@ -299,15 +295,14 @@ int bench_rays(const RaysOptions& options)
                 }
                 wrong |= in.contenders[c].promise == Promise::exact && (missed || invented);
                 say("{:>12.3f}{:>8}{:>8}{:>9}", result.us[kind], hits, missed, invented);
-                if (csv)
-                    csv->row(in.name, in.parts(), ray_kinds[kind], in.contenders[c].name, truth[kind].size(), hits,
-                             Digits{result.us[kind], 4}, missed, invented, Fixed{result.build_ms, 2},
-                             Fixed{result.first_ms, 2});
+                csv.row(in.name, in.parts(), ray_kinds[kind], in.contenders[c].name, truth[kind].size(), hits,
+                        Digits{result.us[kind], 4}, missed, invented, Fixed{result.build_ms, 2},
+                        Fixed{result.first_ms, 2});
             }
             say("{:>12.2f}{:>12.2f}\n", result.build_ms, result.first_ms);
         }
     }
-    if (csv) csv->commit();
+    csv.commit();
     return wrong ? int(ErrorKind::internal) : 0;
 }
 
@@ -317,13 +312,12 @@ void add_rays(Arguments bench)
 {
     Arguments sub = bench.add_command("rays", "Segments against a mesh, a terrain and a map");
     auto options = std::make_shared<RaysOptions>();
-    sub.add_option("mesh", options->mesh, "mesh file (default: generated hills, and a building)").type_name("FILE");
-    sub.add_option("--triangles", options->triangles, "approximate triangles of the hills (default 500000)")
-        .type_name("N");
-    sub.add_option("--rays", options->rays, "number of segments of each kind (default 10000)").type_name("N");
-    sub.add_option("--repeats", options->repeats, "number of runs; the fastest counts (default 3)").type_name("N");
-    sub.add_option("--seed", options->seed, "seed of the hills and the segments (default 12345)").type_name("S");
-    sub.add_option("--csv", options->csv, "write one row per contender and kind of segment").type_name("FILE");
+    sub.add_option("mesh FILE", options->mesh, "mesh file (default: generated hills, and a building)");
+    sub.add_option("--triangles N", options->triangles, "approximate triangles of the hills (default 500000)");
+    sub.add_option("--rays N", options->rays, "number of segments of each kind (default 10000)");
+    sub.add_option("--repeats N", options->repeats, "number of runs; the fastest counts (default 3)");
+    sub.add_option("--seed S", options->seed, "seed of the hills and the segments (default 12345)");
+    sub.add_option("--csv FILE", options->csv, "write one row per contender and kind of segment");
     sub.footer("slanted: down through the height of the box, in any direction, 0.37 to 0.42 of its diagonal long;\n"
                "vertical: from top to bottom; short: a hundredth of the diagonal, anywhere. 'first': until the result\n"
                "of the first segment, building included.\n"

@@ -210,20 +210,17 @@ void add_edges_bench(Arguments bench)
                                    "as planners do");
     auto options = std::make_shared<EdgeBenchOptions>();
     add_problem_options(sub, options->problem);
-    sub.add_option("--edges", options->edges, "motions of each problem (default 20)").type_name("N");
-    sub.add_option("--length", options->length,
+    sub.add_option("--edges N", options->edges, "motions of each problem (default 20)");
+    sub.add_option("--length X", options->length,
                    "longest motion, as a share of the extent of the joints' limits (default "
-                   "0.2, as RRT-Connect in OMPL)")
-        .type_name("X");
-    sub.add_option("--tolerance", options->tolerance,
+                   "0.2, as RRT-Connect in OMPL)");
+    sub.add_option("--tolerance X", options->tolerance,
                    "closeness of the first contact, as a share of the motion (default "
-                   "1e-4)")
-        .type_name("X");
-    sub.add_option("--samples", options->truth, "exact checks of each certified motion (default 1000)").type_name("N");
-    sub.add_option("--seed", options->seed, "of the random motions (default 1)").type_name("N");
-    sub.add_option("--repeats", options->repeats, "runs of each problem, of which the fastest counts (default 3)")
-        .type_name("N");
-    sub.add_option("--csv", options->csv, "write the figures as CSV").type_name("FILE");
+                   "1e-4)");
+    sub.add_option("--samples N", options->truth, "exact checks of each certified motion (default 1000)");
+    sub.add_option("--seed N", options->seed, "of the random motions (default 1)");
+    sub.add_option("--repeats N", options->repeats, "runs of each problem, of which the fastest counts (default 3)");
+    sub.add_option("--csv FILE", options->csv, "write the figures as CSV");
     sub.footer("Exit code 70: an exact check found a contact where a motion is certified.\n"
                "Example:\n"
                "  oncollide bench edges panda.urdf --srdf panda.srdf --problems problems");

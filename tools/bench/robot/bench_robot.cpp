@@ -161,10 +161,8 @@ void race_robots(const RobotBenchOptions& options, const std::vector<PlanningPro
 
 void report_robots(const RobotBenchOptions& options, std::size_t configurations, const RobotEntrants& all)
 {
-    std::optional<CsvFile> csv;
-    if (!options.csv.empty())
-        csv.emplace(options.csv, "who,configurations,free,per_second,self_per_second,of_exact,missed,refused,"
-                                 "self_missed,self_refused");
+    CsvFile csv(options.csv, "who,configurations,free,per_second,self_per_second,of_exact,missed,refused,"
+                             "self_missed,self_refused");
     say("{:<30}{:>14}{:>10}{:>14}{:>9}{:>9}{:>13}{:>14}\n", "", "checks/s", "ratio", "self only/s", "missed", "refused",
         "self missed", "self refused");
     const double count = double(configurations);
@@ -172,12 +170,11 @@ void report_robots(const RobotBenchOptions& options, std::size_t configurations,
         const double ratio = all.front()->seconds / each->seconds;
         say("{:<30}{:>14.0f}{:>10.3f}{:>14.0f}{:>9}{:>9}{:>13}{:>14}\n", each->name(), count / each->seconds, ratio,
             count / each->self_seconds, each->missed, each->refused, each->self_missed, each->self_refused);
-        if (csv)
-            csv->row(Quoted{each->name()}, configurations, each->free, Digits{count / each->seconds, 4},
-                     Digits{count / each->self_seconds, 4}, Digits{ratio, 4}, each->missed, each->refused,
-                     each->self_missed, each->self_refused);
+        csv.row(Quoted{each->name()}, configurations, each->free, Digits{count / each->seconds, 4},
+                Digits{count / each->self_seconds, 4}, Digits{ratio, 4}, each->missed, each->refused, each->self_missed,
+                each->self_refused);
     }
-    if (csv) csv->commit();
+    csv.commit();
 }
 
 int bench_robot(const RobotBenchOptions& options)
@@ -210,14 +207,12 @@ void add_robot_bench(Arguments bench)
                                                "models of spheres, and FCL");
     auto options = std::make_shared<RobotBenchOptions>();
     add_problem_options(sub, options->problem);
-    sub.add_option("--spheres", options->spheres, "published model of spheres: cuRobo's .yml, or a .urdf of spheres")
-        .type_name("MODEL");
+    sub.add_option("--spheres MODEL", options->spheres,
+                   "published model of spheres: cuRobo's .yml, or a .urdf of spheres");
     sub.add_option("--own-error", options->own_error, "over-reach of our own spheres (default 5mm)").length();
-    sub.add_option("--each", options->each, "configurations of each problem, from start to goal (default 100)")
-        .type_name("N");
-    sub.add_option("--repeats", options->repeats, "runs of each problem, of which the fastest counts (default 3)")
-        .type_name("N");
-    sub.add_option("--csv", options->csv, "write the table as CSV").type_name("FILE");
+    sub.add_option("--each N", options->each, "configurations of each problem, from start to goal (default 100)");
+    sub.add_option("--repeats N", options->repeats, "runs of each problem, of which the fastest counts (default 3)");
+    sub.add_option("--csv FILE", options->csv, "write the table as CSV");
     sub.footer(
         "Exit code 70: a bounded check, or our own spheres, missed a collision.\n"
         "Example:\n"

@@ -6,14 +6,12 @@ namespace oncollide::tools {
 
 void add_problem_options(Arguments command, ProblemOptions& options)
 {
-    command.add_option("URDF", options.robot.urdf, "robot").required().type_name("URDF");
-    command.add_option("--srdf", options.robot.srdf, "SRDF file").required().type_name("FILE");
-    command.add_option("--package", options.robot.packages, "folder of the meshes named package://NAME/...")
-        .type_name("NAME=FOLDER")
+    command.add_option("URDF URDF", options.robot.urdf, "robot").required();
+    command.add_option("--srdf FILE", options.robot.srdf, "SRDF file").required();
+    command.add_option("--package NAME=FOLDER", options.robot.packages, "folder of the meshes named package://NAME/...")
         .repeatable();
-    command.add_option("--problems", options.problems, "folder of MotionBenchMaker's problems, unpacked")
-        .required()
-        .type_name("FOLDER");
+    command.add_option("--problems FOLDER", options.problems, "folder of MotionBenchMaker's problems, unpacked")
+        .required();
     command.add_option("--most", options.most, "problems of each set at most; 0: all (default)").type_name("N");
 }
 

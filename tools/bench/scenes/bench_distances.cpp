@@ -149,7 +149,6 @@ int bench_distances(const DistancesOptions& o)
         }
     }
     say("\n'differ' counts results of FCL outside oncollide's certified bounds.\n");
-    if (o.csv.empty()) return 0;
     CsvFile csv(o.csv, "environment,bodies,percent,metres,fcl_us,us,ratio,differ",
                 shard.line(fmt::format("bench distances, {}, distances {}, tolerance {}", o.in.work(), o.distances,
                                        o.tolerance)));
@@ -167,23 +166,16 @@ void add_distances(Arguments bench)
     Arguments sub = bench.add_command("distances", "Distances of bodies to buildings and terrains, near and far");
     auto options = std::make_shared<DistancesOptions>();
     add_environment_choice(sub, options->in);
-    sub.add_option("--distances", options->distances,
-                   "in percent of the environment's diagonal (default 0.1,1,5,10,25,50,100,200)")
-        .type_name("LIST");
-    sub.add_option("--tolerance", options->tolerance,
-                   "largest difference of oncollide's bounds in metres (default 0); FCL's error for shapes is up to "
-                   "1e-6")
+    sub.add_option("--distances LIST", options->distances,
+                   "in percent of the environment's diagonal (default 0.1,1,5,10,25,50,100,200)");
+    sub.add_option(
+           "--tolerance", options->tolerance,
+           "largest difference of oncollide's bounds in metres (default 0); FCL's error for shapes is up to 1e-6")
         .length();
-    sub.add_option("--repeats", options->repeats,
-                   "number of runs; each query's least time counts (default "
-                   "3)")
-        .type_name("N");
-    sub.add_option("--csv", options->csv, "write one row per environment, bodies and distance").type_name("FILE");
-    sub.add_option("--shard", options->shard,
-                   std::string("divide the environments with their bodies among N "
-                               "processes: ") +
-                       shard_help)
-        .type_name("I/N");
+    sub.add_option("--repeats N", options->repeats, "number of runs; each query's least time counts (default 3)");
+    sub.add_option("--csv FILE", options->csv, "write one row per environment, bodies and distance");
+    sub.add_option("--shard I/N", options->shard,
+                   std::string("divide the environments with their bodies among N processes: ") + shard_help);
     sub.footer("Examples:\n"
                "  oncollide bench distances --environments hills --distances 1,10,100 --bodies 30\n"
                "  oncollide bench distances --environments campus --bodies-of shapes --csv distances.csv");

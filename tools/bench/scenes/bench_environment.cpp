@@ -154,11 +154,9 @@ int bench_environment(const EnvironmentOptions& o)
     }
     say("\nThe process held {:.0f} MB at most, including FCL's models and the environments.\n",
         double(peak_memory()) / 1e6);
-    if (!o.csv.empty())
-        write_csv(
-            o.csv,
-            shard.line(fmt::format("bench environment, {}, errors {}, {} frames", o.in.work(), o.errors, o.frames)),
-            rows, o.threads);
+    write_csv(o.csv,
+              shard.line(fmt::format("bench environment, {}, errors {}, {} frames", o.in.work(), o.errors, o.frames)),
+              rows, o.threads);
     if (!o.plot.empty()) write_plot(o.plot, rows, dials);
     const bool faulty = std::ranges::any_of(rows, [](const Row& row) { return row.missed || row.wrong; });
     return faulty ? int(ErrorKind::internal) : 0;
@@ -172,23 +170,16 @@ void add_environment(Arguments bench)
                                                      "bounds");
     auto options = std::make_shared<EnvironmentOptions>();
     add_environment_choice(sub, options->in);
-    sub.add_option("--errors", options->errors,
-                   "error bounds in metres, and 'exact' (default "
-                   "1,0.1,0.01,exact)")
-        .type_name("LIST");
-    sub.add_option("--frames", options->frames, "frames to play (default 10)").type_name("N");
-    sub.add_option("--warm-up", options->warm_up, "frames at the start that are not timed (default 3)").type_name("N");
-    sub.add_option("--repeats", options->repeats, "number of runs; each frame's least time counts (default 1)")
-        .type_name("N");
-    sub.add_option("--cold-runs", options->cold_runs, "number of cold starts (default 1)").type_name("N");
-    sub.add_option("--threads", options->threads, "threads of oncollide; 0: all (default 1)").type_name("N");
-    sub.add_option("--csv", options->csv, "write one row per environment, bodies and error").type_name("FILE");
-    sub.add_option("--shard", options->shard,
-                   std::string("divide the environments with their bodies among N "
-                               "processes: ") +
-                       shard_help)
-        .type_name("I/N");
-    sub.add_option("--plot", options->plot, "draw time against error, one panel per environment").type_name("FILE.svg");
+    sub.add_option("--errors LIST", options->errors, "error bounds in metres, and 'exact' (default 1,0.1,0.01,exact)");
+    sub.add_option("--frames N", options->frames, "frames to play (default 10)");
+    sub.add_option("--warm-up N", options->warm_up, "frames at the start that are not timed (default 3)");
+    sub.add_option("--repeats N", options->repeats, "number of runs; each frame's least time counts (default 1)");
+    sub.add_option("--cold-runs N", options->cold_runs, "number of cold starts (default 1)");
+    sub.add_option("--threads N", options->threads, "threads of oncollide; 0: all (default 1)");
+    sub.add_option("--csv FILE", options->csv, "write one row per environment, bodies and error");
+    sub.add_option("--shard I/N", options->shard,
+                   std::string("divide the environments with their bodies among N processes: ") + shard_help);
+    sub.add_option("--plot FILE.svg", options->plot, "draw time against error, one panel per environment");
     sub.footer("Examples:\n"
                "  oncollide bench environment --environments building --bodies 50 --errors 0.1,exact\n"
                "  oncollide bench environment --environments hills,hills-mesh --cells 2200 --bodies 1000\n"

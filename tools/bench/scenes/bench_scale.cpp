@@ -327,11 +327,10 @@ int bench_scale(const ScaleOptions& o)
         }
     }
     say("process    {:.0f} MB at most\n", double(peak_memory()) / 1e6);
-    if (!o.csv.empty())
-        write_rows(o.csv,
-                   shard.line(fmt::format("bench scale, {} bodies, {} ranks, sample {}, edge {}, seed {}, frame {}",
-                                          world.bodies(), o.ranks, o.sample, o.edge, o.seed, o.frame)),
-                   world, partitions);
+    write_rows(o.csv,
+               shard.line(fmt::format("bench scale, {} bodies, {} ranks, sample {}, edge {}, seed {}, frame {}",
+                                      world.bodies(), o.ranks, o.sample, o.edge, o.seed, o.frame)),
+               world, partitions);
     return good ? 0 : int(ErrorKind::internal);
 }
 
@@ -342,22 +341,17 @@ void add_scale(Arguments bench)
     Arguments sub = bench.add_command("scale", "Ranks of a large world, simulated one after another, compared with a "
                                                "cost model");
     auto options = std::make_shared<ScaleOptions>();
-    sub.add_option("--bodies", options->bodies,
-                   "approximate number of bodies in the world, a cube of cells (default "
-                   "1e6)")
-        .type_name("N");
-    sub.add_option("--ranks", options->ranks, "numbers of ranks to compare (default 64)").type_name("LIST");
-    sub.add_option("--sample", options->sample, "number of ranks to play; 0: all (default 0)").type_name("N");
-    sub.add_option("--edge", options->edge, "mean edge of the bodies, in mean spacings (default 1)").type_name("E");
-    sub.add_option("--frame", options->frame, "frame of the motion (default 0)").type_name("F");
-    sub.add_option("--threads", options->threads,
-                   "ranks played at the same time; 0: as many as processors (default "
-                   "1)")
-        .type_name("N");
-    sub.add_option("--seed", options->seed, "seed of the bodies (default 12345)").type_name("S");
-    sub.add_option("--csv", options->csv, "write one row per rank").type_name("FILE");
-    sub.add_option("--shard", options->shard, std::string("divide the ranks among N processes: ") + shard_help)
-        .type_name("I/N");
+    sub.add_option("--bodies N", options->bodies,
+                   "approximate number of bodies in the world, a cube of cells (default 1e6)");
+    sub.add_option("--ranks LIST", options->ranks, "numbers of ranks to compare (default 64)");
+    sub.add_option("--sample N", options->sample, "number of ranks to play; 0: all (default 0)");
+    sub.add_option("--edge E", options->edge, "mean edge of the bodies, in mean spacings (default 1)");
+    sub.add_option("--frame F", options->frame, "frame of the motion (default 0)");
+    sub.add_option("--threads N", options->threads,
+                   "ranks played at the same time; 0: as many as processors (default 1)");
+    sub.add_option("--seed S", options->seed, "seed of the bodies (default 12345)");
+    sub.add_option("--csv FILE", options->csv, "write one row per rank");
+    sub.add_option("--shard I/N", options->shard, std::string("divide the ranks among N processes: ") + shard_help);
     sub.footer("If all ranks are played, pairs and hash do not depend on the number of ranks. Exit code 70: they do,\n"
                "or the number of ghosts differs from the model by more than a tenth.\n"
                "  oncollide bench scale --ranks 8,64 --bodies 1e6\n"

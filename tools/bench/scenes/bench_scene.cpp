@@ -51,26 +51,17 @@ void add_compare_options(Arguments sub, CompareOptions& o)
     add_cache_options(sub, o.scene.cache);
     add_accuracy_options(sub, o.settings);
     add_pipeline_options(sub, o.settings);
-    sub.add_option("--warm-up", o.warm_up, "frames at the start that are not timed (default 3)").type_name("N");
-    sub.add_option("--repeats", o.repeats,
-                   "number of runs from frame 0; each frame's least time "
-                   "counts")
-        .type_name("N");
-    sub.add_option("--cold-runs", o.cold_runs,
-                   "number of cold starts, from the scene to the first frame's results "
-                   "(default 5)")
-        .type_name("N");
-    sub.add_option("--only", o.only, "run only fcl or only oncollide, to measure its memory").type_name("WHO");
+    sub.add_option("--warm-up N", o.warm_up, "frames at the start that are not timed (default 3)");
+    sub.add_option("--repeats N", o.repeats, "number of runs from frame 0; each frame's least time counts");
+    sub.add_option("--cold-runs N", o.cold_runs,
+                   "number of cold starts, from the scene to the first frame's results (default 5)");
+    sub.add_option("--only WHO", o.only, "run only fcl or only oncollide, to measure its memory");
     sub.add_flag("--contacts", o.contacts,
                  "find all contacts of each colliding pair, not only whether it collides; needs exact results");
-    sub.add_option("--timeline", o.timeline, "print a line every N frames: cells alive, pairs, times").type_name("N");
-    sub.add_option("--csv", o.csv, "write one row per frame").type_name("FILE");
-    sub.add_option("--summary", o.summary,
-                   "write one row: time of the first result, time per frame, "
-                   "memory")
-        .type_name("FILE");
-    sub.add_option("--shard", o.shard, std::string("divide the frames among N processes: ") + shard_help)
-        .type_name("I/N");
+    sub.add_option("--timeline N", o.timeline, "print a line every N frames: cells alive, pairs, times");
+    sub.add_option("--csv FILE", o.csv, "write one row per frame");
+    sub.add_option("--summary FILE", o.summary, "write one row: time of the first result, time per frame, memory");
+    sub.add_option("--shard I/N", o.shard, std::string("divide the frames among N processes: ") + shard_help);
 }
 
 } // namespace
@@ -88,9 +79,8 @@ void add_any_scene_bench(Arguments bench)
 {
     Arguments sub = bench.add_command("scene", "Any scene: a file or a scene of the catalogue");
     auto options = std::make_shared<CompareOptions>();
-    sub.add_option("scene", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
-        .required()
-        .type_name("SCENE.json|NAME");
+    sub.add_option("scene SCENE.json|NAME", options->scene.scene, "scene file, or a name from 'oncollide scene --list'")
+        .required();
     add_compare_options(sub, *options);
     sub.action([options] { return bench_scene(*options); });
 }

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <memory>
 #include <numeric>
-#include <optional>
 #include <set>
 #include <thread>
 #include <tuple>
@@ -180,9 +179,7 @@ int bench_world(const WorldOptions& options)
     check_range("--bodies", options.bodies, 2, 1'000'000);
     check_range("--changes", options.changes, 1, options.bodies);
     check_files({{"--csv", options.csv}});
-    std::optional<CsvFile> csv;
-    if (!options.csv.empty())
-        csv.emplace(options.csv, "bodies,pairs,refined_by,exact,skip,change,count,changes_ms,step_ms");
+    CsvFile csv(options.csv, "bodies,pairs,refined_by,exact,skip,change,count,changes_ms,step_ms");
 
     const auto begin = Clock::now();
     Crowd crowd(options, std::uint32_t(options.bodies));
@@ -198,11 +195,9 @@ int bench_world(const WorldOptions& options)
     say("{:<34}{:>14}{:>14}{:>14}\n", "ms per frame", "changes", "step", "together");
     const auto row = [&](const std::string& what, const char* kind, std::size_t count, auto change) {
         const auto [changed, step] = time_frames(crowd, options.frames, change);
-        if (csv)
-            csv->row(crowd.size(), pairs, wants_obbs(world.settings()) ? "obb" : "sphere",
-                     name_of(world.settings().exact),
-                     fmt::format("{}", fmt::join(names_of(world.settings().skip), " ")), kind, count,
-                     Digits{changed, 4}, Digits{step, 4});
+        csv.row(crowd.size(), pairs, wants_obbs(world.settings()) ? "obb" : "sphere", name_of(world.settings().exact),
+                fmt::format("{}", fmt::join(names_of(world.settings().skip), " ")), kind, count, Digits{changed, 4},
+                Digits{step, 4});
         say("{:<34}{:>14.3f}{:>14.3f}{:>14.3f}\n", what, changed, step, changed + step);
         return changed + step;
     };
@@ -222,7 +217,7 @@ int bench_world(const WorldOptions& options)
     say("memory     World {} MB; process {} MB at its peak\n", world.inspect().bytes / 1'000'000,
         peak_memory() / 1'000'000);
 
-    if (csv) csv->commit();
+    csv.commit();
     const bool same = crowd.is_as_made_anew();
     say("results    {} a newly made World\n", same ? "same as of" : "WRONG: not the same as of");
     return same ? 0 : int(ErrorKind::internal);
@@ -235,12 +230,11 @@ void add_world(Arguments bench)
     Arguments sub = bench.add_command("world", "Bodies that are added, removed and moved between frames, and queries");
     auto options = std::make_shared<WorldOptions>();
     auto settings = std::make_shared<SettingsOptions>();
-    sub.add_option("--bodies", options->bodies, "bodies (default 100000)").type_name("N");
-    sub.add_option("--changes", options->changes, "bodies moved, or removed and added, per frame (default 1000)")
-        .type_name("N");
-    sub.add_option("--frames", options->frames, "frames to time (default 20)").type_name("N");
-    sub.add_option("--seed", options->seed, "seed of the scene (default 12345)").type_name("S");
-    sub.add_option("--csv", options->csv, "write one row per kind of change").type_name("FILE");
+    sub.add_option("--bodies N", options->bodies, "bodies (default 100000)");
+    sub.add_option("--changes N", options->changes, "bodies moved, or removed and added, per frame (default 1000)");
+    sub.add_option("--frames N", options->frames, "frames to time (default 20)");
+    sub.add_option("--seed S", options->seed, "seed of the scene (default 12345)");
+    sub.add_option("--csv FILE", options->csv, "write one row per kind of change");
     add_accuracy_options(sub, *settings);
     add_pipeline_options(sub, *settings);
     sub.footer("A newly made World must give the same results. Exit code 70: they differ.");

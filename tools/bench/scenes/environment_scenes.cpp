@@ -131,24 +131,18 @@ Scene make_environment_scene(const EnvironmentScene& which)
 
 void add_environment_choice(Arguments sub, EnvironmentChoice& in)
 {
-    sub.add_option(
-           "--environments", in.environments,
-           "environments (default building,hills,hills-mesh): building, a map of 30 x 30 rooms at 6 cm; hills, a "
-           "height grid; hills-mesh, the same as a mesh; campus and st-helens, from the data folder; or one shape of "
-           "about a metre: sphere, box, capsule, cylinder, hull, ellipsoid, cone")
-        .type_name("LIST");
-    sub.add_option("--bodies-of", in.bodies_of,
+    sub.add_option("--environments LIST", in.environments,
+                   "environments (default building,hills,hills-mesh): building, a map of 30 x 30 rooms at 6 cm; hills, "
+                   "a height grid; hills-mesh, the same as a mesh; campus and st-helens, from the data folder; or one "
+                   "shape of about a metre: sphere, box, capsule, cylinder, hull, ellipsoid, cone");
+    sub.add_option("--bodies-of LIST", in.bodies_of,
                    "meshes, shapes (spheres, boxes and capsules), all-shapes (all bounded kinds), both, or a list "
-                   "(default meshes,shapes)")
-        .type_name("LIST");
-    sub.add_option("--bodies", in.bodies, fmt::format("bodies in each environment (default {})", in.bodies))
-        .type_name("N");
-    sub.add_option("--cells", in.cells,
-                   "cells along a side of the hills (default 500; 2200 give 9.7 million triangles)")
-        .type_name("N");
-    sub.add_option("--seed", in.seed, "seed of environments and bodies (default 1)").type_name("S");
-    sub.add_option("--data", in.data, "data folder (default: $ONCOLLIDE_DATA, else ../shared/data if present)")
-        .type_name("DIR");
+                   "(default meshes,shapes)");
+    sub.add_option("--bodies N", in.bodies, fmt::format("bodies in each environment (default {})", in.bodies));
+    sub.add_option("--cells N", in.cells,
+                   "cells along a side of the hills (default 500; 2200 give 9.7 million triangles)");
+    sub.add_option("--seed S", in.seed, "seed of environments and bodies (default 1)");
+    sub.add_option("--data DIR", in.data, "data folder (default: $ONCOLLIDE_DATA, else ../shared/data if present)");
 }
 
 } // namespace oncollide::tools

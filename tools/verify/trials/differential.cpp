@@ -196,6 +196,23 @@ std::optional<std::uint64_t> first_faulty_seed(std::uint64_t first, std::uint64_
     return faulty == none ? std::nullopt : std::optional<std::uint64_t>(faulty);
 }
 
+/// Each makes settings plainer.
+constexpr void (*plainer_settings[])(Settings&) = {
+    [](Settings& s) { s.threads = 1; },
+    [](Settings& s) { s.skip = {}; },
+    [](Settings& s) { s.coherence = true; },
+    [](Settings& s) { s.node_budget = 0; },
+    [](Settings& s) { s.memory_budget = 0; },
+    [](Settings& s) { s.clearance = 0; },
+    [](Settings& s) { s.age_limit = 60; },
+    [](Settings& s) { s.contact_kinds = false; },
+    [](Settings& s) { s.ignore_touching = false; },
+    [](Settings& s) { s.mode = Mode::surface, s.open_as_surface = false; },
+    [](Settings& s) { s.bounding_volume = BoundingVolume::automatic; },
+    [](Settings& s) { s.broad_phase = BroadPhaseKind::kd_tree; },
+    [](Settings& s) { s.depth.reset(), s.max_error.reset(); },
+};
+
 DrawnScene shrunk(DrawnScene drawn, const std::function<bool(const DrawnScene&)>& faulty)
 {
     const auto keep_if_faulty = [&](DrawnScene smaller) {
@@ -233,29 +250,16 @@ DrawnScene shrunk(DrawnScene drawn, const std::function<bool(const DrawnScene&)>
                 return kept;
             });
         }
-        const auto plainer = [&](auto change) {
-            DrawnScene other = drawn;
-            change(other.settings);
-            if (options_of(other.settings) != options_of(drawn.settings)) smaller |= keep_if_faulty(std::move(other));
-        };
         if (drawn.scene.frames > 1) {
             DrawnScene other = drawn;
             other.scene.frames = 1;
             smaller |= keep_if_faulty(std::move(other));
         }
-        plainer([](Settings& s) { s.threads = 1; });
-        plainer([](Settings& s) { s.skip = {}; });
-        plainer([](Settings& s) { s.coherence = true; });
-        plainer([](Settings& s) { s.node_budget = 0; });
-        plainer([](Settings& s) { s.memory_budget = 0; });
-        plainer([](Settings& s) { s.clearance = 0; });
-        plainer([](Settings& s) { s.age_limit = 60; });
-        plainer([](Settings& s) { s.contact_kinds = false; });
-        plainer([](Settings& s) { s.ignore_touching = false; });
-        plainer([](Settings& s) { s.mode = Mode::surface, s.open_as_surface = false; });
-        plainer([](Settings& s) { s.bounding_volume = BoundingVolume::automatic; });
-        plainer([](Settings& s) { s.broad_phase = BroadPhaseKind::kd_tree; });
-        plainer([](Settings& s) { s.depth.reset(), s.max_error.reset(); });
+        for (const auto change : plainer_settings) {
+            DrawnScene other = drawn;
+            change(other.settings);
+            if (options_of(other.settings) != options_of(drawn.settings)) smaller |= keep_if_faulty(std::move(other));
+        }
     }
     return drawn;
 }
