@@ -1,5 +1,6 @@
 #include <oncollide/narrowphase/model.hpp>
 
+#include <oncollide/narrowphase/inside/flat_faces.hpp>
 #include <oncollide/narrowphase/inside/mesh_links.hpp>
 #include <oncollide/scenes/cooked/cooked_map.hpp>
 
@@ -119,7 +120,13 @@ const MeshLinks& Model::links() const
 {
     std::call_once(links_once_, [this] {
         const Mesh& mesh = has_triangles() ? *surface_mesh() : bounding_mesh().mesh;
-        links_ = std::make_shared<const MeshLinks>(links_of(mesh));
+        MeshLinks links = links_of(mesh);
+        if (is_mesh())
+            if (std::optional<FlatFaces> joined = join_flat_faces(mesh, links)) {
+                auto flat = std::make_shared<FlatSurface>(std::move(*joined));
+                if (flat->links.closed == links.closed) links.flat = std::move(flat);
+            }
+        links_ = std::make_shared<const MeshLinks>(std::move(links));
     });
     return *links_;
 }

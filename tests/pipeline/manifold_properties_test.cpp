@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "pipeline/manifold_scenes.hpp"
+#include "verify/trials/manifold_trial.hpp"
 
 namespace oncollide::manifold_scenes {
 namespace {
@@ -256,6 +257,14 @@ TEST(Manifolds, CapsAreToldAndBadOptionsAreErrors)
     const BodyId gone = two.b;
     two.world.remove_body(two.b);
     EXPECT_THROW((void)two.world.manifold(two.a, gone), Error);
+}
+
+TEST(Manifolds, RationalArithmeticContradictsNoClaim)
+{
+    const tools::ManifoldTally tally = tools::try_manifolds(1, 3000, 2, [] {});
+    EXPECT_EQ(tally.faults, 0u) << tally.seed << ": " << tally.fault;
+    EXPECT_GT(tally.met, 1500u);
+    EXPECT_GT(tally.whole, 500u);
 }
 
 TEST(Manifolds, RegionsAndPairsShareTheLimitOfPointsInTurn)

@@ -55,6 +55,32 @@ TEST(Manifolds, ABoxOnManyTrianglesIsTheSameAsOnTwo)
     }
 }
 
+TEST(Manifolds, FeaturesOfJoinedFacesAreThoseOfTheMesh)
+{
+    // A block of a ground and of its copy upside down below it, without sides: 196 triangles in two planes.
+    Mesh block = flat_ground(3, 7);
+    const auto count = static_cast<std::uint32_t>(block.vertices.size());
+    for (std::uint32_t v = 0; v < count; ++v) block.vertices.push_back(block.vertices[v] - Vector3d(0, 0, 1));
+    const std::vector<Triangle> top = block.triangles;
+    for (const auto& [u, v, w] : top) block.triangles.push_back({u + count, w + count, v + count});
+    const Mesh ground = make_mesh("block", block.vertices, block.triangles);
+    // A wide box on the top meets all its corners.
+    const Two two(make_box_mesh({5, 5, 0.5}), at(0, 0, 0.5), ground, at(0, 0, 0));
+    std::vector<std::uint64_t> vertices;
+    const Manifold wide = two.manifold();
+    for (const ManifoldPoint& p : wide.points)
+        if (p.feature_b >> 62 == 1) vertices.push_back(p.feature_b ^ std::uint64_t{1} << 62);
+    std::ranges::sort(vertices);
+    EXPECT_EQ(vertices, (std::vector<std::uint64_t>{0, 7, 56, 63}));
+    const Two small(make_box_mesh({0.5, 0.5, 0.5}), at(0.1, 0.2, 0.4995), ground, at(0, 0, 0));
+    const Manifold inside = small.manifold();
+    EXPECT_EQ(inside.points.size(), 4u);
+    for (const ManifoldPoint& p : inside.points) {
+        EXPECT_EQ(p.feature_a >> 62, 1u);
+        EXPECT_EQ(p.feature_b, std::uint64_t{3} << 62) << "the first triangle names the face";
+    }
+}
+
 TEST(Manifolds, FacesInOnePlaneHaveTheirCommonPolygon)
 {
     for (const auto& [name, make] : grounds) {

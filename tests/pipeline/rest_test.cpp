@@ -144,15 +144,15 @@ TEST(Rest, ConcaveMeshesComeToRest)
         {.id = world.add_body({.model = world.add(Shape(Box{{3, 3, 1}})), .pose = at({0, 0, -1}), .is_static = true})});
     solver.dt = 0.004, solver.margin = 0.005, solver.friction = 0.8;
     const ModelId gear = world.add(make_gear_mesh(8, 0.25, 0.35, 0.2, 0.1));
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < 3; ++i) { // a fourth would lean over, and rock for ten seconds
         const Vector3d p(0.2 * (i % 2), 0.15 * (i % 3), 0.15 + 0.24 * i);
         solver.bodies.push_back(
             example::box_body(world.add_body({.model = gear, .pose = at(p)}), {0.35, 0.35, 0.1}, 300));
     }
-    const Moved moved = play(world, solver, 1600);
+    const Moved moved = play(world, solver, 1000);
     const std::string where =
         fmt::format("creep {} m/s, depth {}, {} points, {} ms", moved.creep, moved.depth, moved.most_points, moved.ms);
-    EXPECT_LE(moved.creep, 1e-3) << where;
+    EXPECT_LE(moved.creep, 1e-6) << where;
     EXPECT_LE(moved.depth, 2e-3) << where;
     for (const auto& body : solver.bodies) EXPECT_GT(world.pose(body.id).translation().z(), -1.5) << where;
     if (std::getenv("REST_SHOW")) puts(where.c_str());

@@ -143,7 +143,8 @@ void complete(Manifold& manifold, const ManifoldOptions& options, const Eigen::I
     limit_points(manifold, options.points_per_pair);
 }
 
-void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold)
+/// @param joins  see PlacedSurface
+void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold, bool joins)
 {
     const Kind kind_a = task.a->kind(), kind_b = task.b->kind();
     if (kind_a == Kind::round && kind_b == Kind::round) return manifold_of_solids(worker, task, options, manifold);
@@ -163,8 +164,8 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
         box.min.array() -= options.margin, box.max.array() += options.margin;
         return box;
     };
-    const PlacedSurface a(*task.a, RelativePose(here, here), box_in(*task.b, *task.pose_b, *task.pose_a));
-    const PlacedSurface b(*task.b, b_to_a, box_in(*task.a, *task.pose_a, *task.pose_b));
+    const PlacedSurface a(*task.a, RelativePose(here, here), box_in(*task.b, *task.pose_b, *task.pose_a), joins);
+    const PlacedSurface b(*task.b, b_to_a, box_in(*task.a, *task.pose_a, *task.pose_b), joins);
     if (a.empty() || b.empty()) return;
     ManifoldMemory& memory = memory_of(worker);
     a.with_tree([&](auto& tree_a) {
@@ -186,6 +187,10 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
         }
     }
     if (options.margin > 0) add_near_regions(worker, memory, task, a, b, b_to_a, options, manifold);
+    // A joined face is flat; its first triangles, moved with rounding, may stick out of it by that.
+    if (manifold.regions.empty() && (a.joined() || b.joined()))
+        if (const Finding found = tests_for(task).decide(worker, task, {}, nullptr); found.verdict != Verdict::separate)
+            find(worker, task, options, manifold, false);
 }
 
 } // namespace
@@ -194,7 +199,7 @@ void manifold_of(PairWorker& worker, const PairTask& task, const ManifoldOptions
 {
     const bool swapped = takes_b_first(task);
     const PairTask ordered = swapped ? task.swapped() : task;
-    find(worker, ordered, options, manifold);
+    find(worker, ordered, options, manifold, true);
     complete(manifold, options, *ordered.pose_a);
     if (!swapped) return;
     for (ManifoldRegion& r : manifold.regions) r.normal = -r.normal;

@@ -108,19 +108,39 @@ namespace {
 /// from its plane.
 struct InReach {
     unsigned corners = 0, edges = 0;
-    InReach(const TrianglePoints& t, const TrianglePoints& of, double reach)
+    /// @param normal  of the triangle `of`, unit; 0 without area
+    InReach(const TrianglePoints& t, const TrianglePoints& of, const Vector3d& normal, double reach)
     {
-        const Vector3d n = (of[1] - of[0]).cross(of[2] - of[0]);
-        const double most = reach * n.norm();
         double height[3];
-        for (int k = 0; k < 3; ++k) height[k] = n.dot(t[k] - of[0]);
+        for (int k = 0; k < 3; ++k) height[k] = normal.dot(t[k] - of[0]);
         for (int k = 0; k < 3; ++k) {
             const double from = height[k], to = height[(k + 1) % 3];
-            corners |= unsigned(!(std::abs(from) > most)) << k;
-            edges |= unsigned(!(std::min(from, to) > most || std::max(from, to) < -most)) << k;
+            corners |= unsigned(!(std::abs(from) > reach)) << k;
+            edges |= unsigned(!(std::min(from, to) > reach || std::max(from, to) < -reach)) << k;
         }
     }
+    bool any() const { return (corners | edges) != 0; }
 };
+
+/// Sorts by features, and keeps of equal ones the nearest.
+void sort_once(std::vector<NearPair>& found)
+{
+    struct Key {
+        FeatureBits a, b;
+        double distance;
+        std::uint32_t at;
+    };
+    std::vector<Key> keys;
+    for (const NearPair& p : found) keys.push_back({p.a, p.b, p.distance, static_cast<std::uint32_t>(keys.size())});
+    // Pairs were found in the order of their triangles.
+    std::ranges::sort(keys, {}, [](const Key& k) { return std::tuple(k.a, k.b, k.distance, k.at); });
+    const auto same = [](const Key& x, const Key& y) { return x.a == y.a && x.b == y.b; };
+    keys.erase(std::unique(keys.begin(), keys.end(), same), keys.end());
+    std::vector<NearPair> sorted;
+    sorted.reserve(keys.size());
+    for (const Key& k : keys) sorted.push_back(found[k.at]);
+    found.swap(sorted);
+}
 
 } // namespace
 
@@ -135,9 +155,14 @@ void near_pairs(PairWorker& worker, const PlacedSurface& a, const PlacedSurface&
     });
     found.clear();
     const double most = dhat + rounding, reach = most * (1 + 0x1p-20) + rounding;
+    const auto outward = [](const TrianglePoints& t) {
+        return Vector3d((t[1] - t[0]).cross(t[2] - t[0]).stableNormalized());
+    };
     for (const auto& [of_a, of_b] : pairs) {
         const TrianglePoints ta = a.points(of_a), tb = b.points(of_b);
-        const InReach near_a(ta, tb, reach), near_b(tb, ta, reach);
+        const Vector3d out_a = outward(ta), out_b = outward(tb);
+        const InReach near_a(ta, tb, out_b, reach), near_b(tb, ta, out_a, reach);
+        if (!near_a.any() || !near_b.any()) continue;
         NearPair pair{};
         pair.triangle_a = of_a, pair.triangle_b = of_b;
         const auto add = [&](std::uint8_t corners_a, const Vector3d& at_a, std::uint8_t corners_b,
@@ -146,7 +171,7 @@ void near_pairs(PairWorker& worker, const PlacedSurface& a, const PlacedSurface&
             if (distance2 > most * most * (1 + 0x1p-40)) return;
             pair.corners_a = corners_a, pair.corners_b = corners_b, pair.point_a = at_a, pair.point_b = at_b;
             pair.distance = std::sqrt(distance2);
-            if (pair.distance > most || (filter && !filter->keeps(pair, ta, tb))) return;
+            if (pair.distance > most || (filter && !filter->keeps(pair, out_a, out_b))) return;
             pair.a = feature(a, of_a, corners_a), pair.b = feature(b, of_b, corners_b);
             found.push_back(pair);
         };
@@ -175,18 +200,14 @@ void near_pairs(PairWorker& worker, const PlacedSurface& a, const PlacedSurface&
             }
         }
     }
-    std::ranges::sort(found, {}, [](const NearPair& p) {
-        return std::tuple(p.a, p.b, p.distance, p.triangle_a, p.triangle_b, p.corners_a, p.corners_b);
-    });
-    const auto same = [](const NearPair& x, const NearPair& y) { return x.a == y.a && x.b == y.b; };
-    found.erase(std::unique(found.begin(), found.end(), same), found.end());
+    sort_once(found);
 }
 
 void near_features_of(PairWorker& worker, const PairTask& task, double dhat, std::vector<NearFeatures>& found)
 {
     const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
     const RelativePose b_to_a(*task.pose_a, *task.pose_b);
-    const PlacedSurface a(*task.a, RelativePose(here, here), {}), b(*task.b, b_to_a, {});
+    const PlacedSurface a(*task.a, RelativePose(here, here), {}, false), b(*task.b, b_to_a, {}, false);
     const double slack = stretch(*task.pose_a) + stretch(*task.pose_b);
     const double rounding = 4 * rounding_of(a, b) + slack * dhat + a.error() + b.error();
     std::vector<NearPair> near;
@@ -274,19 +295,6 @@ NearGroups groups_of(const std::vector<NearPair>& near, double spread)
 }
 
 } // namespace
-
-bool NearFilter::keeps(const NearPair& p, const TrianglePoints& ta, const TrianglePoints& tb) const
-{
-    if (rounding < 0) return true;
-    const Vector3d way = p.point_b - p.point_a; // out of a, into b
-    const auto outward = [](const TrianglePoints& t) {
-        return Vector3d((t[1] - t[0]).cross(t[2] - t[0]).stableNormalized());
-    };
-    if (!(p.distance > rounding)) return false;
-    const double least = -0.5 * p.distance;
-    return way.dot(outward(ta)) > (p.corners_a == 7 ? 0 : least) &&
-           -way.dot(outward(tb)) > (p.corners_b == 7 ? 0 : least);
-}
 
 void add_near_regions(PairWorker& worker, ManifoldMemory& memory, const PairTask& task, const PlacedSurface& a,
                       const PlacedSurface& b, const RelativePose& b_to_a, const ManifoldOptions& options,

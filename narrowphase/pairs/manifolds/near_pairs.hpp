@@ -24,7 +24,16 @@ struct NearPair {
 struct NearFilter {
     double rounding; ///< negative: only the first
 
-    bool keeps(const NearPair& pair, const TrianglePoints& a, const TrianglePoints& b) const;
+    /// @param out_a,out_b  unit normals of the pair's triangles; 0 without area
+    bool keeps(const NearPair& pair, const Eigen::Vector3d& out_a, const Eigen::Vector3d& out_b) const
+    {
+        if (rounding < 0) return true;
+        if (!(pair.distance > rounding)) return false;
+        const Eigen::Vector3d way = pair.point_b - pair.point_a; // out of a, into b
+        const double least = -0.5 * pair.distance;
+        return way.dot(out_a) > (pair.corners_a == 7 ? 0 : least) &&
+               -way.dot(out_b) > (pair.corners_b == 7 ? 0 : least);
+    }
 };
 
 /// Finds all pairs within dhat, each once, sorted by (a, b). Distances err by at most `rounding`, which is added to

@@ -25,12 +25,15 @@ std::uint64_t hash_of(const MapCell& cell, std::uint32_t part)
 
 } // namespace
 
-PlacedSurface::PlacedSurface(Model& model, const RelativePose& into, const Aabb& other) : model_(model), into_(into)
+PlacedSurface::PlacedSurface(Model& model, const RelativePose& into, const Aabb& other, bool joins)
+    : model_(model), into_(into)
 {
     switch (model.kind()) {
     case Kind::mesh:
     case Kind::polytope:
         mesh_ = model.surface_mesh(), links_ = &model.links(), tree_ = model.obb_tree(), solid_ = links_->closed;
+        if (FlatSurface* flat = joins ? links_->flat.get() : nullptr)
+            flat_ = &flat->faces, mesh_ = &flat->faces.mesh, links_ = &flat->links, tree_ = &flat->tree;
         break;
     case Kind::terrain:
         terrain_ = &model.heights(), error_ = model.terrain()->error();
@@ -230,12 +233,13 @@ std::vector<Eigen::Vector3d> PlacedSurface::part_points() const
 FeatureBits PlacedSurface::vertex(std::uint32_t v) const
 {
     if (round()) return face_bits;
-    return vertex_bits | (corners_.empty() ? v : hash_of(corners_[v], 0) >> 2);
+    return vertex_bits | (corners_.empty() ? (flat_ ? flat_->vertex[v] : v) : hash_of(corners_[v], 0) >> 2);
 }
 
 FeatureBits PlacedSurface::edge(std::uint32_t from, std::uint32_t to) const
 {
     if (round()) return face_bits;
+    if (flat_) from = flat_->vertex[from], to = flat_->vertex[to];
     if (from > to) std::swap(from, to);
     if (!corners_.empty()) return edge_bits | splitmix(vertex(from) ^ splitmix(vertex(to))) >> 2;
     return edge_bits | splitmix(std::uint64_t{from} << 32 | to) >> 2;
@@ -244,7 +248,7 @@ FeatureBits PlacedSurface::edge(std::uint32_t from, std::uint32_t to) const
 FeatureBits PlacedSurface::face(std::uint32_t triangle) const
 {
     if (round()) return face_bits;
-    if (faces_.empty()) return face_bits | triangle;
+    if (faces_.empty()) return face_bits | (flat_ ? flat_->face[triangle] : triangle);
     const auto& [cell, face] = faces_[triangle];
     return face_bits | hash_of(cell, face + 1) >> 2;
 }

@@ -6,14 +6,15 @@
 
 #include <oncollide/narrowphase/exact/relative_pose.hpp>
 #include <oncollide/narrowphase/finding.hpp>
-#include <oncollide/narrowphase/inside/mesh_links.hpp>
+#include <oncollide/narrowphase/inside/flat_faces.hpp>
 #include <oncollide/narrowphase/model.hpp>
 #include <oncollide/narrowphase/pairs/pair_worker.hpp>
 
 namespace oncollide {
 
-/// Triangles and vertices have the numbers of the mesh or the terrain. A map consists
-/// of the cells around the other body; a half-space of one large triangle below it; a round shape of its bounding mesh.
+/// Triangles and vertices have the numbers of the mesh, of its joined faces, or of the terrain; features have the
+/// numbers of the first mesh. A map consists of the cells around the other body; a half-space of one large triangle
+/// below it; a round shape of its bounding mesh.
 class PlacedSurface {
 public:
     static constexpr std::uint32_t none = MeshLinks::none;
@@ -22,13 +23,15 @@ public:
 
     /// @param into   to the frame of the pair
     /// @param other  around the other body, in this body's frame
-    PlacedSurface(Model& model, const RelativePose& into, const Aabb& other);
+    /// @param joins  triangles of a mesh in one plane are joined to larger ones (inside/flat_faces.hpp)
+    PlacedSurface(Model& model, const RelativePose& into, const Aabb& other, bool joins);
     PlacedSurface(const PlacedSurface&) = delete;
     PlacedSurface& operator=(const PlacedSurface&) = delete;
 
     /// Calls visit with the hierarchy: an ObbTree or a TerrainTree.
     auto with_tree(auto visit) const { return terrain_ ? visit(*terrain_) : visit(*tree_); }
     bool empty() const { return !terrain_ && !tree_; }
+    bool joined() const { return flat_ != nullptr; }
     /// The corners of a triangle, counter-clockwise seen from outside.
     std::array<std::uint32_t, 3> corners(std::uint32_t triangle) const;
     Eigen::Vector3d point(std::uint32_t vertex) const;
@@ -89,6 +92,7 @@ private:
     const RelativePose into_;
     const Mesh* mesh_ = nullptr;
     const MeshLinks* links_ = nullptr;
+    const FlatFaces* flat_ = nullptr; ///< null: all triangles as they are
     ObbTree* tree_ = nullptr;
     TerrainTree* terrain_ = nullptr;
     bool solid_ = true;
