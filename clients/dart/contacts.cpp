@@ -98,18 +98,19 @@ void OncollideCollisionDetector::Core::add_contacts(std::span<const Pair> pairs,
 }
 
 /// `normal` points from a to b.
-void OncollideCollisionDetector::Core::add_contact(const Pair& pair, const Eigen::Vector3d& at,
-                                                   const Eigen::Vector3d& normal, double depth)
+void OncollideCollisionDetector::Core::add_contact(const Pair& pair, const oncollide::ManifoldPoint& point,
+                                                   const Eigen::Vector3d& normal)
 {
+    const Eigen::Vector3d at = (point.point_a + point.point_b) / 2;
     const auto face = [&](const Object& object) {
         const dynamics::SoftMeshShape* soft = object.model->soft;
         return soft ? oncollide_client::face_near(*soft, object.getTransform().inverse() * at) : 0;
     };
     Contact contact;
     contact.collisionObject1 = pair.a, contact.collisionObject2 = pair.b;
-    contact.point = at, contact.normal = -normal, contact.penetrationDepth = std::max(depth, 0.0);
+    contact.point = at, contact.normal = -normal, contact.penetrationDepth = std::max(point.depth, 0.0);
     contact.triID1 = face(*pair.a), contact.triID2 = face(*pair.b);
-    found_.push_back({0, contact});
+    found_.push_back({0, {point.feature_a, point.feature_b}, contact});
 }
 
 /// The points of a pair's manifold, the deepest first. The normal of a region is its mean: on curved surfaces, as the
@@ -127,25 +128,28 @@ void OncollideCollisionDetector::Core::add_contacts(const Pair& pair,
         }
     for (const oncollide::ManifoldRegion& region : regions) {
         const std::size_t first = found_.size();
-        double deepest = 0;
+        oncollide::ManifoldPoint middle{region.centre, region.centre, 0, 0, 0, 0};
         for (std::uint32_t p = region.first; p < region.first + region.count; ++p) {
             const oncollide::ManifoldPoint& point = manifolds_.points[p];
             if (point.depth < -point.depth_error) continue; // apart there
             const Eigen::Vector3d normal = normal_of(*pair.a, *pair.b, region, point, options);
-            deepest = std::max(deepest, point.depth);
+            middle.depth = std::max(middle.depth, point.depth);
             if (!curved)
-                add_contact(pair, (point.point_a + point.point_b) / 2, region.normal, point.depth);
+                add_contact(pair, point, region.normal);
             else if (!normal.isZero(0))
-                add_contact(pair, (point.point_a + point.point_b) / 2, normal, point.depth);
+                add_contact(pair, point, normal);
         }
-        if (curved && found_.size() == first) add_contact(pair, region.centre, region.normal, deepest);
+        if (curved && found_.size() == first) add_contact(pair, middle, region.normal);
     }
     if (found_.size() == before && pair.certain) // DART's solver skips a contact without normal
-        add_contact(pair, pair.a->getTransform().translation(), Eigen::Vector3d::Zero(), 0);
-    std::stable_sort(
-        found_.begin() + static_cast<std::ptrdiff_t>(before), found_.end(),
-        [](const Found& p, const Found& q) { return p.contact.penetrationDepth > q.contact.penetrationDepth; });
+        add_contact(pair, {}, Eigen::Vector3d::Zero());
+    const auto first = found_.begin() + static_cast<std::ptrdiff_t>(before);
+    std::stable_sort(first, found_.end(), [](const Found& p, const Found& q) {
+        return p.contact.penetrationDepth > q.contact.penetrationDepth;
+    });
     for (std::size_t i = before; i < found_.size(); ++i) found_[i].rank = i - before;
+    // In an order that lasts: the solver's impulses depend on it, and bodies at rest would creep.
+    std::stable_sort(first, found_.end(), [](const Found& p, const Found& q) { return p.features < q.features; });
 }
 
 /// Every pair keeps its deepest contact before any pair keeps its second, and so on.

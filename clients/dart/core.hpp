@@ -112,12 +112,13 @@ private:
     };
     struct Found {
         std::size_t rank; ///< the pair's deepest is 0
+        std::pair<oncollide::FeatureBits, oncollide::FeatureBits> features;
         Contact contact;
     };
     void find_pairs(const CollisionFilter* filter);
     void add_contacts(std::span<const Pair> pairs, const oncollide::ManifoldOptions& manifold);
     void add_contacts(const Pair& pair, std::span<const oncollide::ManifoldRegion> regions);
-    void add_contact(const Pair& pair, const Eigen::Vector3d& at, const Eigen::Vector3d& normal, double depth);
+    void add_contact(const Pair& pair, const oncollide::ManifoldPoint& point, const Eigen::Vector3d& normal);
     void keep_deepest(std::size_t most);
 
     std::map<ShapeModel::Key, std::weak_ptr<ShapeModel>> models_;
