@@ -15,6 +15,7 @@
 
 #include <oncollide/dart/detector.hpp>
 #include <oncollide/pipeline/world.hpp>
+#include <oncollide/scenes/geometry.hpp>
 
 namespace dart::dynamics {
 class SoftMeshShape;
@@ -29,6 +30,8 @@ struct ShapeModel {
     using Key = std::pair<std::size_t, std::size_t>; ///< the shape's number and version
     oncollide::World& world;
     oncollide::ModelId id; ///< null: the shape has none
+    std::shared_ptr<const oncollide::Geometry> geometry;
+    std::vector<std::vector<std::uint32_t>> faces_at; ///< of each vertex of a mesh that is not soft
     Eigen::Isometry3d pose;
     const dynamics::SoftMeshShape* soft; ///< null: no soft mesh
     bool is_plane;
@@ -109,11 +112,13 @@ private:
     };
     struct Found {
         std::size_t rank; ///< the pair's deepest is 0
+        std::pair<oncollide::FeatureBits, oncollide::FeatureBits> features;
         Contact contact;
     };
     void find_pairs(const CollisionFilter* filter);
     void add_contacts(std::span<const Pair> pairs, const oncollide::ManifoldOptions& manifold);
     void add_contacts(const Pair& pair, std::span<const oncollide::ManifoldRegion> regions);
+    void add_contact(const Pair& pair, const oncollide::ManifoldPoint& point, const Eigen::Vector3d& normal);
     void keep_deepest(std::size_t most);
 
     std::map<ShapeModel::Key, std::weak_ptr<ShapeModel>> models_;

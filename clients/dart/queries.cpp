@@ -1,109 +1,14 @@
-// Contacts, distances and rays of the selected objects.
+// Distances and rays of the selected objects.
 #include <algorithm>
 #include <limits>
-#include <tuple>
 
 #include <dart/collision/CollisionObject.hpp>
 #include <dart/collision/DistanceFilter.hpp>
-#include <dart/common/Console.hpp>
 #include <dart/dynamics/ShapeFrame.hpp>
 
 #include "core.hpp"
-#include "geometry_of_shape.hpp"
 
 namespace dart::collision {
-
-/// Pairs that meet or may meet: pairs of rigid bodies first, then by the order of their objects.
-void OncollideCollisionDetector::Core::find_pairs(const CollisionFilter* filter)
-{
-    pairs_.clear();
-    filter_ = filter;
-    for (const oncollide::PairResult& pair : world.step().pairs) {
-        const bool certain = pair.verdict == oncollide::Verdict::colliding;
-        if (!certain && pair.verdict != oncollide::Verdict::within) continue;
-        Object *a = &object_of(pair.a), *b = &object_of(pair.b);
-        if (b->order < a->order) std::swap(a, b);
-        pairs_.push_back({a, b, certain, a->model->soft || b->model->soft});
-    }
-    filter_ = nullptr;
-    std::sort(pairs_.begin(), pairs_.end(), [](const Pair& p, const Pair& q) {
-        return std::tuple(p.soft, p.a->order, p.b->order) < std::tuple(q.soft, q.a->order, q.b->order);
-    });
-}
-
-bool OncollideCollisionDetector::Core::collide(const CollisionOption& option, CollisionResult* result)
-{
-    find_pairs(option.collisionFilter.get());
-    if (!result && std::ranges::any_of(pairs_, &Pair::certain)) return true;
-    found_.clear();
-    const auto soft = std::ranges::find_if(pairs_, &Pair::soft);
-    add_contacts({pairs_.begin(), soft}, options.manifold);
-    oncollide::ManifoldOptions all = options.manifold; // each point mass that is inside needs a contact of its own
-    all.points_per_region = 4096;
-    add_contacts({soft, pairs_.end()}, all);
-    keep_deepest(option.maxNumContacts);
-    if (result)
-        for (Found& found : found_) {
-            if (!option.enableContact) found.contact.normal.setZero(), found.contact.point.setZero();
-            result->addContact(found.contact);
-        }
-    return !found_.empty();
-}
-
-void OncollideCollisionDetector::Core::add_contacts(std::span<const Pair> pairs,
-                                                    const oncollide::ManifoldOptions& manifold)
-{
-    bodies_.clear();
-    for (const Pair& pair : pairs) bodies_.push_back({pair.a->body, pair.b->body});
-    world.manifolds(bodies_, manifold, manifolds_);
-    for (std::size_t i = 0; i < pairs.size(); ++i)
-        add_contacts(pairs[i], std::span(manifolds_.regions)
-                                   .subspan(manifolds_.offsets[i], manifolds_.offsets[i + 1] - manifolds_.offsets[i]));
-}
-
-/// The points of a pair's manifold, the deepest first.
-void OncollideCollisionDetector::Core::add_contacts(const Pair& pair,
-                                                    std::span<const oncollide::ManifoldRegion> regions)
-{
-    const auto face_of = [](const Object& object, const Eigen::Vector3d& point) {
-        return object.model->soft
-                   ? oncollide_client::face_near(*object.model->soft, object.getTransform().inverse() * point)
-                   : 0;
-    };
-    Contact contact;
-    contact.collisionObject1 = pair.a, contact.collisionObject2 = pair.b;
-    const std::size_t before = found_.size();
-    for (const oncollide::ManifoldRegion& region : regions)
-        for (std::uint32_t p = region.first; p < region.first + region.count; ++p) {
-            const oncollide::ManifoldPoint& point = manifolds_.points[p];
-            if (point.depth < -point.depth_error) continue; // apart there
-            contact.point = (point.point_a + point.point_b) / 2;
-            contact.normal = -region.normal;
-            contact.penetrationDepth = std::max(point.depth, 0.0);
-            contact.triID1 = face_of(*pair.a, point.point_a), contact.triID2 = face_of(*pair.b, point.point_b);
-            found_.push_back({0, contact});
-        }
-    if (found_.size() == before && pair.certain) // DART's solver skips a contact without normal
-        contact.normal.setZero(), contact.penetrationDepth = 0, found_.push_back({0, contact});
-    std::stable_sort(
-        found_.begin() + static_cast<std::ptrdiff_t>(before), found_.end(),
-        [](const Found& p, const Found& q) { return p.contact.penetrationDepth > q.contact.penetrationDepth; });
-    for (std::size_t i = before; i < found_.size(); ++i) found_[i].rank = i - before;
-}
-
-/// Every pair keeps its deepest contact before any pair keeps its second, and so on.
-void OncollideCollisionDetector::Core::keep_deepest(std::size_t most)
-{
-    if (found_.size() <= most) return;
-    if (most > 1 && !std::exchange(warned_of_cut_, true)) // 1: a question of yes or no
-        dtwarn << "[OncollideCollisionDetector] " << found_.size()
-               << " contacts, but CollisionOption::maxNumContacts is " << most
-               << ": each pair keeps its deepest ones. This is said once.\n";
-    std::stable_sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) {
-        return std::pair(a.rank, -a.contact.penetrationDepth) < std::pair(b.rank, -b.contact.penetrationDepth);
-    });
-    found_.erase(found_.begin() + static_cast<std::ptrdiff_t>(most), found_.end());
-}
 
 double OncollideCollisionDetector::Core::distance(const DistanceOption& option, DistanceResult* result)
 {

@@ -328,7 +328,7 @@ TEST(OncollideSimulation, AStackOfMeshesComesToRest)
             EXPECT_NEAR(body->getTransform().translation().z(), k + 0.5, 1e-4) << cuts;
         }
         const Vector3d after = world->getSkeleton("body 2")->getRootBodyNode()->getTransform().translation();
-        EXPECT_LT((after - before).head<2>().norm() / 0.5, 1e-5) << cuts; // metres per second
+        EXPECT_LT((after - before).head<2>().norm() / 0.5, 1e-8) << cuts; // metres per second
         EXPECT_LE(world->getLastCollisionResult().getNumContacts(), 12u) << cuts;
     }
 }

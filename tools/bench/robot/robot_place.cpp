@@ -12,7 +12,7 @@ void add_problem_options(Arguments command, ProblemOptions& options)
         .repeatable();
     command.add_option("--problems FOLDER", options.problems, "folder of MotionBenchMaker's problems, unpacked")
         .required();
-    command.add_option("--most", options.most, "problems of each set at most; 0: all (default)").type_name("N");
+    command.add_option("--most N", options.most, "problems of each set at most; 0: all (default)");
 }
 
 std::vector<PlanningProblem> open_problems(const ProblemOptions& options)

@@ -1,0 +1,169 @@
+// Contacts of the selected objects, from manifolds.
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <tuple>
+
+#include <dart/common/Console.hpp>
+
+#include "core.hpp"
+#include "geometry_of_shape.hpp"
+
+namespace dart::collision {
+
+namespace {
+
+/// The outward normal of a mesh at a face or a vertex, in the world, from faces within `spread` of `outward`; 0 for
+/// other features and shapes.
+Eigen::Vector3d normal_at(const oncollide_client::Object& object, oncollide::FeatureBits feature,
+                          const Eigen::Vector3d& outward, double spread)
+{
+    const oncollide_client::ShapeModel& model = *object.model;
+    if (model.faces_at.empty()) return Eigen::Vector3d::Zero();
+    const oncollide::Mesh& mesh = std::get<oncollide::Mesh>(model.geometry->data);
+    const auto number = static_cast<std::uint32_t>(feature);
+    std::span<const std::uint32_t> faces;
+    if (feature >> 62 == 3) faces = {&number, 1};
+    if (feature >> 62 == 1) faces = model.faces_at[number];
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const std::uint32_t f : faces) {
+        const auto& [a, b, c] = mesh.triangles[f];
+        const Eigen::Vector3d across = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
+        const Eigen::Vector3d normal = object.getTransform().linear() * across;
+        if (normal.dot(outward) > std::cos(spread) * normal.norm()) sum += normal;
+    }
+    return sum.normalized();
+}
+
+/// Unit, from a to b, of the surfaces at the point; 0 if its features do not tell.
+Eigen::Vector3d normal_of(const oncollide_client::Object& a, const oncollide_client::Object& b,
+                          const oncollide::ManifoldRegion& region, const oncollide::ManifoldPoint& point,
+                          const OncollideOptions& options)
+{
+    const double spread = 2 * options.manifold.normal_spread;
+    const Eigen::Vector3d of_a = normal_at(a, point.feature_a, region.normal, spread);
+    const Eigen::Vector3d of_b = -normal_at(b, point.feature_b, -region.normal, spread);
+    const bool b_first = of_a.isZero(0) || (point.feature_a >> 62 != 3 && !of_b.isZero(0)); // faces before vertices
+    return b_first ? of_b : of_a;
+}
+
+} // namespace
+
+/// The pairs that meet, or may; those of rigid bodies first, then by the objects' order.
+void OncollideCollisionDetector::Core::find_pairs(const CollisionFilter* filter)
+{
+    pairs_.clear();
+    filter_ = filter;
+    for (const oncollide::PairResult& pair : world.step().pairs) {
+        const bool certain = pair.verdict == oncollide::Verdict::colliding;
+        if (!certain && pair.verdict != oncollide::Verdict::within) continue;
+        Object *a = &object_of(pair.a), *b = &object_of(pair.b);
+        if (b->order < a->order) std::swap(a, b);
+        pairs_.push_back({a, b, certain, a->model->soft || b->model->soft});
+    }
+    filter_ = nullptr;
+    std::sort(pairs_.begin(), pairs_.end(), [](const Pair& p, const Pair& q) {
+        return std::tuple(p.soft, p.a->order, p.b->order) < std::tuple(q.soft, q.a->order, q.b->order);
+    });
+}
+
+bool OncollideCollisionDetector::Core::collide(const CollisionOption& option, CollisionResult* result)
+{
+    find_pairs(option.collisionFilter.get());
+    if (!result && std::ranges::any_of(pairs_, &Pair::certain)) return true;
+    found_.clear();
+    const auto soft = std::ranges::find_if(pairs_, &Pair::soft);
+    add_contacts({pairs_.begin(), soft}, options.manifold);
+    oncollide::ManifoldOptions all = options.manifold; // each point mass that is inside needs a contact of its own
+    all.points_per_region = 4096;
+    add_contacts({soft, pairs_.end()}, all);
+    keep_deepest(option.maxNumContacts);
+    if (result)
+        for (Found& found : found_) {
+            if (!option.enableContact) found.contact.normal.setZero(), found.contact.point.setZero();
+            result->addContact(found.contact);
+        }
+    return !found_.empty();
+}
+
+void OncollideCollisionDetector::Core::add_contacts(std::span<const Pair> pairs,
+                                                    const oncollide::ManifoldOptions& manifold)
+{
+    bodies_.clear();
+    for (const Pair& pair : pairs) bodies_.push_back({pair.a->body, pair.b->body});
+    world.manifolds(bodies_, manifold, manifolds_);
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+        add_contacts(pairs[i], std::span(manifolds_.regions)
+                                   .subspan(manifolds_.offsets[i], manifolds_.offsets[i + 1] - manifolds_.offsets[i]));
+}
+
+/// `normal` points from a to b.
+void OncollideCollisionDetector::Core::add_contact(const Pair& pair, const oncollide::ManifoldPoint& point,
+                                                   const Eigen::Vector3d& normal)
+{
+    const Eigen::Vector3d at = (point.point_a + point.point_b) / 2;
+    const auto face = [&](const Object& object) {
+        const dynamics::SoftMeshShape* soft = object.model->soft;
+        return soft ? oncollide_client::face_near(*soft, object.getTransform().inverse() * at) : 0;
+    };
+    Contact contact;
+    contact.collisionObject1 = pair.a, contact.collisionObject2 = pair.b;
+    contact.point = at, contact.normal = -normal, contact.penetrationDepth = std::max(point.depth, 0.0);
+    contact.triID1 = face(*pair.a), contact.triID2 = face(*pair.b);
+    found_.push_back({0, {point.feature_a, point.feature_b}, contact});
+}
+
+/// The points of a pair's manifold, the deepest first. The normal of a region is its mean: on curved surfaces, as the
+/// flanks of a thread, it is false at the region's ends, and a nut would jam. There points have their own normals;
+/// where these are not known, the region has one contact, at its centre.
+void OncollideCollisionDetector::Core::add_contacts(const Pair& pair,
+                                                    std::span<const oncollide::ManifoldRegion> regions)
+{
+    const std::size_t before = found_.size();
+    bool curved = false;
+    for (const oncollide::ManifoldRegion& region : regions)
+        for (std::uint32_t p = region.first; p < region.first + region.count; ++p) {
+            const Eigen::Vector3d normal = normal_of(*pair.a, *pair.b, region, manifolds_.points[p], options);
+            curved |= normal.cross(region.normal).norm() > 1e-3;
+        }
+    for (const oncollide::ManifoldRegion& region : regions) {
+        const std::size_t first = found_.size();
+        oncollide::ManifoldPoint middle{region.centre, region.centre, 0, 0, 0, 0};
+        for (std::uint32_t p = region.first; p < region.first + region.count; ++p) {
+            const oncollide::ManifoldPoint& point = manifolds_.points[p];
+            if (point.depth < -point.depth_error) continue; // apart there
+            const Eigen::Vector3d normal = normal_of(*pair.a, *pair.b, region, point, options);
+            middle.depth = std::max(middle.depth, point.depth);
+            if (!curved)
+                add_contact(pair, point, region.normal);
+            else if (!normal.isZero(0))
+                add_contact(pair, point, normal);
+        }
+        if (curved && found_.size() == first) add_contact(pair, middle, region.normal);
+    }
+    if (found_.size() == before && pair.certain) // DART's solver skips a contact without normal
+        add_contact(pair, {}, Eigen::Vector3d::Zero());
+    const auto first = found_.begin() + static_cast<std::ptrdiff_t>(before);
+    std::stable_sort(first, found_.end(), [](const Found& p, const Found& q) {
+        return p.contact.penetrationDepth > q.contact.penetrationDepth;
+    });
+    for (std::size_t i = before; i < found_.size(); ++i) found_[i].rank = i - before;
+    // In an order that lasts: the solver's impulses depend on it, and bodies at rest would creep.
+    std::stable_sort(first, found_.end(), [](const Found& p, const Found& q) { return p.features < q.features; });
+}
+
+/// Every pair keeps its deepest contact before any pair keeps its second, and so on.
+void OncollideCollisionDetector::Core::keep_deepest(std::size_t most)
+{
+    if (found_.size() <= most) return;
+    if (most > 1 && !std::exchange(warned_of_cut_, true)) // 1: a question of yes or no
+        dtwarn << "[OncollideCollisionDetector] " << found_.size()
+               << " contacts, but CollisionOption::maxNumContacts is " << most
+               << ": each pair keeps its deepest ones. This is said once.\n";
+    std::stable_sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) {
+        return std::pair(a.rank, -a.contact.penetrationDepth) < std::pair(b.rank, -b.contact.penetrationDepth);
+    });
+    found_.erase(found_.begin() + static_cast<std::ptrdiff_t>(most), found_.end());
+}
+
+} // namespace dart::collision
