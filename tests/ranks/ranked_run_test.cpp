@@ -294,8 +294,6 @@ TEST_F(RanksTest, PairsThatNobodyOwnsAloneAreAnError)
     }
 }
 
-// --- Errors.
-
 void expect_refused(ErrorKind kind, const std::string& words, const std::function<void()>& call)
 {
     try {
@@ -349,8 +347,6 @@ TEST_F(RanksTest, AFaultOfOneRankIsAnErrorOfAll)
     expect_refused(ErrorKind::bad_data, "body 3: the pose is beyond 1e15 m", [&] { by_many(scene, 3); });
     EXPECT_TRUE(folder_.list().empty()) << "no half of a file is left";
 }
-
-// --- Checkpoints.
 
 TEST_F(RanksTest, ARunGoesOnFromItsCheckpointOnOtherRanks)
 {

@@ -58,25 +58,19 @@ std::vector<double> shared(const Vector3d& p, const Vector3d& u, const Vector3d&
     return {low, high};
 }
 
-} // namespace
+/// A direction from a to b in a's frame, and by how much they overlap along it; negative: a gap.
+struct Width {
+    Vector3d along;
+    double overlap;
+};
 
-/// The direction of the deepest overlap, the point there, and for two parallel lines their ends.
-void manifold_of_solids(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold)
+/// Apart: from point to point. Overlapping: the direction of least overlap, by descent from several starts.
+Width least_width(const Convex& a, const Convex& b, const RelativePose& into, const ConvexDistance& nearest, bool apart,
+                  double size)
 {
-    const PlacedPair placed(*task.pose_a, *task.pose_b);
-    const Convex &a = task.a->convex(), &b = task.b->convex();
-    const ConvexPair pair(a, b, placed.b_to_a, placed.slack);
-    const Finding found = tests_for(task).decide(worker, task, {}, nullptr);
-    const bool apart = found.verdict == Verdict::separate;
-    if (apart && found.bound > options.margin) return;
-    const ConvexDistance nearest = pair.distance(nearest_of_all);
-    const double size = a.extent + a.radius + b.extent + b.radius + placed.b_to_a.translation.norm();
-    if (apart && nearest.lower > options.margin) return;
-    const RelativePose& into = placed.b_to_a;
     const auto width = [&](const Vector3d& n) { // by which b moves along n until they are apart
         return a.most_along(n) + b.most_along(into.rotation.transpose() * -n) - n.dot(into.translation);
     };
-    // Apart: from point to point. Overlapping: the direction of least width, from several starts.
     Vector3d n = nearest.on_b - nearest.on_a;
     if (!apart) n = -n;
     if (n.norm() <= 0x1p-40 * size) n = into(b.centre) - a.centre;
@@ -98,6 +92,48 @@ void manifold_of_solids(PairWorker& worker, const PairTask& task, const Manifold
         for (const Vector3d& side : {u, v, Vector3d(-u), Vector3d(-v)}) look((from + step * side).normalized());
         if (n != from) step *= 2;
     }
+    return {n, least};
+}
+
+/// Points of a and of b along the direction: for two parallel lines (of capsules, or the sides of cylinders) the ends
+/// of their common part that are at least `least_depth` deep, else one pair of points.
+std::vector<std::pair<Vector3d, Vector3d>> points_along(const Vector3d& n, const Convex& a, const Convex& b,
+                                                        const RelativePose& into, const ConvexDistance& nearest,
+                                                        double least_depth)
+{
+    const std::vector<Vector3d> of_a = support_points(a, n), of_b = support_points(b, into.rotation.transpose() * -n);
+    const Vector3d tip_a = of_a[0], tip_b = into(of_b[0]);
+    std::vector<std::pair<Vector3d, Vector3d>> points;
+    if (of_a.size() > 1 && of_b.size() > 1) {
+        const Vector3d end_a = of_a.size() == 2 ? of_a[1] : of_a.back(),
+                       end_b = into(of_b.size() == 2 ? of_b[1] : of_b.back());
+        for (const double t : shared(tip_a, end_a - tip_a, tip_b, end_b - tip_b)) {
+            const Vector3d on_a = tip_a + t * (end_a - tip_a), line = end_b - tip_b;
+            points.emplace_back(on_a, tip_b + std::clamp(line.dot(on_a - tip_b) / line.squaredNorm(), 0.0, 1.0) * line);
+        }
+        std::erase_if(points, [&](const auto& p) { return n.dot(p.first - p.second) < least_depth; });
+    }
+    if (points.empty()) {
+        const Vector3d middle = 0.5 * (nearest.on_a + nearest.on_b);
+        points.emplace_back(middle + n * (n.dot(tip_a) - n.dot(middle)), middle + n * (n.dot(tip_b) - n.dot(middle)));
+    }
+    return points;
+}
+
+} // namespace
+
+/// The direction of the deepest overlap, the point there, and for two parallel lines their ends.
+void manifold_of_solids(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold)
+{
+    const PlacedPair placed(*task.pose_a, *task.pose_b);
+    const Convex &a = task.a->convex(), &b = task.b->convex();
+    const Finding found = tests_for(task).decide(worker, task, {}, nullptr);
+    const bool apart = found.verdict == Verdict::separate;
+    if (apart && found.bound > options.margin) return;
+    const ConvexDistance nearest = ConvexPair(a, b, placed.b_to_a, placed.slack).distance(nearest_of_all);
+    const double size = a.extent + a.radius + b.extent + b.radius + placed.b_to_a.translation.norm();
+    if (apart && nearest.lower > options.margin) return;
+    const auto [n, least] = least_width(a, b, placed.b_to_a, nearest, apart, size);
     const double rounding = 0x1p-42 * size * (1 + placed.slack);
     if (-least > options.margin + rounding) return;
     ManifoldRegion region{};
@@ -107,33 +143,15 @@ void manifold_of_solids(PairWorker& worker, const PairTask& task, const Manifold
     region.normal = n;
     region.normal_error =
         least > rounding ? std::min(std::numbers::pi, std::sqrt(rounding / least) + 0x1p-14) : 0x1p-14;
-    const Vector3d back = into.rotation.transpose() * -n;
-    const std::vector<Vector3d> of_a = support_points(a, n), of_b = support_points(b, back);
-    const auto depth_at = [&](const Vector3d& on_a, const Vector3d& on_b) { return n.dot(on_a - on_b); };
-    const Vector3d tip_a = of_a[0], tip_b = into(of_b[0]);
-    std::vector<std::pair<Vector3d, Vector3d>> points;
-    if (of_a.size() > 1 && of_b.size() > 1) { // lines: of capsules, or along the sides of cylinders
-        const Vector3d end_a = of_a.size() == 2 ? of_a[1] : of_a.back(),
-                       end_b = into(of_b.size() == 2 ? of_b[1] : of_b.back());
-        for (const double t : shared(tip_a, end_a - tip_a, tip_b, end_b - tip_b)) {
-            const Vector3d on_a = tip_a + t * (end_a - tip_a), line = end_b - tip_b;
-            points.emplace_back(on_a, tip_b + std::clamp(line.dot(on_a - tip_b) / line.squaredNorm(), 0.0, 1.0) * line);
-        }
-        std::erase_if(points, [&](const auto& p) {
-            return depth_at(p.first, p.second) < least - 0.5 * std::abs(least) - options.margin - rounding;
-        });
-    }
-    if (points.empty()) {
-        const Vector3d middle = 0.5 * (nearest.on_a + nearest.on_b);
-        points.emplace_back(middle + n * (n.dot(tip_a) - n.dot(middle)), middle + n * (n.dot(tip_b) - n.dot(middle)));
-    }
+    const auto points =
+        points_along(n, a, b, placed.b_to_a, nearest, least - 0.5 * std::abs(least) - options.margin - rounding);
     region.count = region.found = static_cast<std::uint32_t>(points.size());
     region.depth_lower = apart ? least - rounding : 0, region.depth_upper = std::max(least, 0.0) + rounding;
     if (apart) region.depth_upper = least + rounding;
     region.centre.setZero();
     std::uint64_t number = 0;
     for (const auto& [on_a, on_b] : points) {
-        const double depth = depth_at(on_a, on_b);
+        const double depth = n.dot(on_a - on_b);
         const FeatureBits feature = FeatureBits{3} << 62 | number++;
         // The chord through a point is no longer than the width.
         manifold.points.push_back(

@@ -221,9 +221,9 @@ void add_narrow(Arguments bench)
     sub.add_option("meshes MESH_A MESH_B", options->meshes,
                    "two mesh files; the second is moved (default: two generated knots)")
         .expected(0, 2);
-    Option distances = sub.add_option("--distances LIST", options->distances,
-                                      "distances of the surfaces, in percent of the diagonal of MESH_A's AABB (default "
-                                      "0,0.1,1,5,10,20,40); 0 just touches, negative collides");
+    sub.add_option("--distances LIST", options->distances,
+                   "distances of the surfaces, in percent of the diagonal of MESH_A's AABB (default "
+                   "0,0.1,1,5,10,20,40); 0 just touches, negative collides");
     Option poses = sub.add_option("--poses FILE", options->poses,
                                   "poses from a file for these meshes, with exact results if FILE_expected exists; "
                                   "without FILE: the data folder's set with its own meshes");
