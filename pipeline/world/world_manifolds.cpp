@@ -101,7 +101,7 @@ std::uint64_t hash_of(const ManifoldLists& lists)
         mix(hash, std::uint64_t{r.first} << 32 | r.count), mix(hash, r.found);
     }
     for (const ManifoldPoint& p : lists.points) {
-        add_vector(p.point_a), add_vector(p.point_b), add(p.depth), add(p.depth_error);
+        add_vector(p.point_a), add_vector(p.point_b), add_vector(p.normal), add(p.depth), add(p.depth_error);
         mix(hash, p.feature_a), mix(hash, p.feature_b);
     }
     return hash;

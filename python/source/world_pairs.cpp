@@ -216,7 +216,8 @@ Returns (regions, points, complete). regions: a structured array, the deepest fi
 2 enclosed, 3 near), open (bool: a surface is not closed), normal (float64 (3,), unit, from a to b), normal_error
 (radians; pi where no normal has a meaning), area, volume, centre (3,), depth_lower, depth_upper (certified), lost (no
 exact contact is farther than this from the hull of the points), first, count (its points), found (candidates before the
-reduction). points: point_a, point_b (float64 (3,)), depth (> 0 inside), depth_error, feature_a, feature_b (uint64).
+reduction). points: point_a, point_b (float64 (3,)), depth (> 0 inside), depth_error, feature_a, feature_b (uint64), normal
+(3,) (unit: across the faces at the point, or the region's).
 complete: False if a limit left out a region or a point, or the pair has no manifold. World frame, metres.)");
     world.def(
         "manifolds", &manifolds, "a"_a, "b"_a, "margin"_a = 0.0, "normal_spread"_a = spread, "points_per_region"_a = 4,

@@ -10,7 +10,8 @@ namespace {
 ManifoldLists swapped(ManifoldLists lists)
 {
     for (ManifoldRegion& r : lists.regions) r.normal = -r.normal;
-    for (ManifoldPoint& p : lists.points) std::swap(p.point_a, p.point_b), std::swap(p.feature_a, p.feature_b);
+    for (ManifoldPoint& p : lists.points)
+        std::swap(p.point_a, p.point_b), std::swap(p.feature_a, p.feature_b), p.normal = -p.normal;
     return lists;
 }
 

@@ -100,6 +100,8 @@ inline void check(const Manifold& m, const std::string& where)
             const ManifoldPoint& p = m.points.at(k);
             EXPECT_TRUE(p.point_a.allFinite() && p.point_b.allFinite()) << where;
             EXPECT_NEAR(r.normal.dot(p.point_a - p.point_b), p.depth, 1e-9 * (1 + p.point_a.norm())) << where;
+            EXPECT_NEAR(p.normal.norm(), 1, 1e-12) << where;
+            EXPECT_GE(p.normal.dot(r.normal), 0.7071) << where;
             EXPECT_GE(p.depth_error, 0) << where;
             EXPECT_LE(p.depth - p.depth_error, r.depth_upper) << where;
         }

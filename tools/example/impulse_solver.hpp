@@ -72,7 +72,7 @@ private:
                 if (region.normal_error > 1) continue; // no normal has a meaning there
                 for (std::uint32_t p = region.first; p < region.first + region.count; ++p) {
                     row_of_[p] = static_cast<std::uint32_t>(rows_.size());
-                    add(pairs_[i], region, lists_.points[p], kept[p]);
+                    add(pairs_[i], lists_.points[p], kept[p]);
                 }
             }
         std::swap(last_row_of_, row_of_);
@@ -82,16 +82,15 @@ private:
         const std::uint32_t row = last_row_of_[point];
         return row == ManifoldTracker::none ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : impulses_[row];
     }
-    void add(const PairOfBodies& pair, const ManifoldRegion& region, const ManifoldPoint& point,
-             const Eigen::Vector3d& impulse)
+    void add(const PairOfBodies& pair, const ManifoldPoint& point, const Eigen::Vector3d& impulse)
     {
-        Row row{&bodies[pair.a.slot], &bodies[pair.b.slot], {}, {}, region.normal, {}, point.depth, 0, {}, impulse};
+        Row row{&bodies[pair.a.slot], &bodies[pair.b.slot], {}, {}, point.normal, {}, point.depth, 0, {}, impulse};
         const Eigen::Vector3d at = 0.5 * (point.point_a + point.point_b);
         row.arm_a = at - world_.pose(pair.a).translation(), row.arm_b = at - world_.pose(pair.b).translation();
         Eigen::Index axis = 0;
-        region.normal.cwiseAbs().minCoeff(&axis);
-        row.along[0] = region.normal.cross(Eigen::Vector3d::Unit(axis)).normalized();
-        row.along[1] = region.normal.cross(row.along[0]);
+        point.normal.cwiseAbs().minCoeff(&axis);
+        row.along[0] = point.normal.cross(Eigen::Vector3d::Unit(axis)).normalized();
+        row.along[1] = point.normal.cross(row.along[0]);
         const auto mass_along = [&](const Eigen::Vector3d& d) {
             const Eigen::Vector3d turn_a = row.arm_a.cross(d), turn_b = row.arm_b.cross(d);
             return 1 / (row.a->inverse_mass + row.b->inverse_mass + turn_a.dot(inverse_inertia(*row.a, turn_a)) +

@@ -209,11 +209,19 @@ std::size_t most_regions(const ManifoldOptions& options)
 namespace {
 
 /// Drops candidates that face nothing, or are too shallow, if others are left.
-void drop_idle(RegionDraft& draft)
+void drop_idle(RegionDraft& draft, bool resolved)
 {
     auto& all = draft.candidates;
     if (std::ranges::any_of(all, &ManifoldCandidate::opposite))
         std::erase_if(all, [](const auto& c) { return !c.opposite; });
+    const auto known = [](const ManifoldCandidate& c) { return !c.normal.isZero(0); };
+    constexpr double flat = 0.9994; // 2 degrees
+    // On a thread, the normal of the region is none of a point.
+    if (std::ranges::any_of(all, [&](const auto& c) {
+            return known(c) && (resolved || c.of == ManifoldCandidate::of_both) &&
+                   c.normal.dot(draft.region.normal) < flat;
+        }))
+        std::erase_if(all, [&](const auto& c) { return !known(c); });
     const auto deep = [&](const ManifoldCandidate& c) { return c.depth >= draft.least_depth; };
     if (std::ranges::any_of(all, deep)) std::erase_if(all, [&](const auto& c) { return !deep(c); });
 }
@@ -238,20 +246,25 @@ void finish(ManifoldMemory& memory, const PlacedSurface& a, const PlacedSurface&
     auto& all = draft.candidates;
     const Vector3d n = draft.region.normal;
     memory.ahead_a.set(draft.faces_a, n), memory.ahead_b.set(draft.faces_b, -n);
+    constexpr std::size_t most_rays = 1 << 10;
+    const bool early = all.size() * (draft.faces_a.size() + draft.faces_b.size()) <= most_rays;
     const auto resolve = [&](ManifoldCandidate& c) {
         if (c.of == ManifoldCandidate::of_both) return;
         const bool of_a = c.of == ManifoldCandidate::of_a;
         double depth;
         if (const auto* found = (of_a ? memory.ahead_b : memory.ahead_a).nearest(c.at, depth)) {
             c.depth = depth, c.error = draft.rounding * found->error;
+            const Vector3d across = (of_a ? 1 : -1) * found->depth.normalized(); // of the face, from a to b
+            c.normal = of_a ? normal_across(c.normal, across) : normal_across(across, c.normal);
+            if (!early && c.normal.isZero(0)) c.normal = across;
             (of_a ? c.b : c.a) = (of_a ? b : a).face(found->triangle);
         } else {
             c.depth = 0, c.error = draft.region.depth_upper + draft.rounding, c.opposite = false;
+            c.normal.setZero();
         }
     };
-    constexpr std::size_t most_rays = 1 << 10;
-    const bool early = all.size() * (draft.faces_a.size() + draft.faces_b.size()) <= most_rays;
-    if (early) std::ranges::for_each(all, resolve), drop_idle(draft);
+    if (early) std::ranges::for_each(all, resolve);
+    drop_idle(draft, early);
     if (all.empty()) return;
     if (!early) estimate_depths(all, n);
     ManifoldRegion& region = draft.region;
@@ -264,7 +277,9 @@ void finish(ManifoldMemory& memory, const PlacedSurface& a, const PlacedSurface&
         // Support points of a round solid are on its true surface.
         const double off = (c.of == ManifoldCandidate::of_a && a.round() ? 0 : a.error()) +
                            (c.of == ManifoldCandidate::of_b && b.round() ? 0 : b.error());
-        ManifoldPoint p{c.at, c.at, c.depth, c.error + draft.rounding + off, c.a, c.b};
+        constexpr double least_cosine = std::numbers::sqrt2 / 2; // 45 degrees
+        const Vector3d normal = c.normal.dot(n) >= least_cosine ? c.normal : n;
+        ManifoldPoint p{c.at, c.at, c.depth, c.error + draft.rounding + off, c.a, c.b, normal};
         if (c.of == ManifoldCandidate::of_a) p.point_b = c.at - c.depth * n;
         if (c.of == ManifoldCandidate::of_b) p.point_a = c.at + c.depth * n;
         region.depth_lower = std::max(region.depth_lower, p.depth - p.depth_error);

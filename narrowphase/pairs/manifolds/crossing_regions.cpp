@@ -191,27 +191,35 @@ void RegionBuilder::collect(const Part& part)
     for (const int side : {0, 1}) {
         const PlacedSurface& surface = side == 0 ? a : b;
         auto& faces = side == 0 ? draft.faces_a : draft.faces_b;
+        const std::size_t first = draft.candidates.size();
         memory.vertices.clear();
         for (const std::uint32_t i : side == 0 ? part.a : part.b) {
             const Patch& p = memory.overlap.patches[side][i];
+            const Vector3d normal = side == 0 ? p.normal : Vector3d(-p.normal);
             faces.emplace_back(p.triangle, p.points);
             for (int k = 0; k < 3; ++k) {
                 if (p.inside[k] <= 0) continue;
                 bool is_new;
-                memory.vertices.add(p.corners[k], is_new);
-                if (!is_new) continue;
+                const std::uint32_t number = memory.vertices.add(p.corners[k], is_new);
+                if (!is_new) { // the face that agrees best with the region
+                    ManifoldCandidate& known = draft.candidates[first + number];
+                    if (normal.dot(draft.region.normal) > known.normal.dot(draft.region.normal)) known.normal = normal;
+                    continue;
+                }
                 const FeatureBits v = surface.vertex(p.corners[k]);
                 if (side == 0)
-                    draft.candidates.push_back({p.points[k], ManifoldCandidate::of_a, v, 0});
+                    draft.candidates.push_back({p.points[k], ManifoldCandidate::of_a, v, 0, 0, 0, true, normal});
                 else
-                    draft.candidates.push_back({p.points[k], ManifoldCandidate::of_b, 0, v});
+                    draft.candidates.push_back({p.points[k], ManifoldCandidate::of_b, 0, v, 0, 0, true, normal});
             }
         }
     }
     for (const std::uint32_t i : part.curve) {
         const CurvePoint& c = memory.overlap.curve[i];
         const std::size_t before = draft.candidates.size();
-        draft.add_shared({c.at, ManifoldCandidate::of_both, c.a, c.b});
+        const Vector3d normal =
+            normal_across(memory.overlap.patches[0][c.patch_a].normal, -memory.overlap.patches[1][c.patch_b].normal);
+        draft.add_shared({c.at, ManifoldCandidate::of_both, c.a, c.b, 0, 0, true, normal});
         if (draft.candidates.size() > before) draft.contacts.push_back(c.at);
     }
 }

@@ -80,8 +80,9 @@ void add_enclosed_region(PairWorker& worker, const PlacedSurface& a, const Place
     region.centre = 0.5 * (last + wall_point);
     const double error = std::max(to_wall - region.depth_lower, region.depth_upper - to_wall);
     constexpr FeatureBits whole = FeatureBits{3} << 62;
-    manifold.points.push_back(inner_is_a ? ManifoldPoint{last, wall_point, to_wall, error, whole, whole}
-                                         : ManifoldPoint{wall_point, last, to_wall, error, whole, whole});
+    manifold.points.push_back(inner_is_a
+                                  ? ManifoldPoint{last, wall_point, to_wall, error, whole, whole, region.normal}
+                                  : ManifoldPoint{wall_point, last, to_wall, error, whole, whole, region.normal});
     manifold.regions.push_back(region);
 }
 
@@ -138,7 +139,8 @@ void complete(Manifold& manifold, const ManifoldOptions& options, const Eigen::I
         points.insert(points.end(), own.begin(), own.end());
         r.normal = pose.linear() * r.normal, r.centre = pose * r.centre;
     }
-    for (ManifoldPoint& p : points) p.point_a = pose * p.point_a, p.point_b = pose * p.point_b;
+    for (ManifoldPoint& p : points)
+        p.point_a = pose * p.point_a, p.point_b = pose * p.point_b, p.normal = pose.linear() * p.normal;
     manifold.points = std::move(points);
     limit_points(manifold, options.points_per_pair);
 }
@@ -203,7 +205,8 @@ void manifold_of(PairWorker& worker, const PairTask& task, const ManifoldOptions
     complete(manifold, options, *ordered.pose_a);
     if (!swapped) return;
     for (ManifoldRegion& r : manifold.regions) r.normal = -r.normal;
-    for (ManifoldPoint& p : manifold.points) std::swap(p.point_a, p.point_b), std::swap(p.feature_a, p.feature_b);
+    for (ManifoldPoint& p : manifold.points)
+        std::swap(p.point_a, p.point_b), std::swap(p.feature_a, p.feature_b), p.normal = -p.normal;
 }
 
 } // namespace oncollide

@@ -337,7 +337,8 @@ void add_near_regions(PairWorker& worker, ManifoldMemory& memory, const PairTask
             const double depth = region.normal.dot(p->point_a - p->point_b);
             box.add(middle), least = std::min(least, -depth);
             const double aside = (p->point_b - p->point_a + depth * region.normal).norm();
-            draft.candidates.push_back({middle, ManifoldCandidate::of_both, p->a, p->b, depth, aside});
+            draft.candidates.push_back({middle, ManifoldCandidate::of_both, p->a, p->b, depth, aside, true,
+                                        (p->point_b - p->point_a) / p->distance});
         }
         region.centre = box.centre(), region.depth_upper = -least + 2 * rounding;
         finish(memory, a, b, options, manifold);

@@ -20,7 +20,18 @@ struct ManifoldCandidate {
     double depth = 0; ///< estimated until the point is kept, unless it is of both
     double error = 0;
     bool opposite = true; ///< a point opposite to it was found
+    /// The normal of the faces at the point, from a to b; 0: not known. The own face alone counts until the opposite
+    /// one is found.
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
 };
+
+/// The normal across two faces, given by their normals from a to b, if they are opposite each other; else 0.
+inline Eigen::Vector3d normal_across(const Eigen::Vector3d& of_a, const Eigen::Vector3d& of_b)
+{
+    constexpr double least_cosine = 0.9396926; // 20 degrees
+    return of_a.dot(of_b) >= least_cosine ? Eigen::Vector3d((of_a + of_b).normalized())
+                                          : Eigen::Vector3d(Eigen::Vector3d::Zero());
+}
 
 /// In the frame of the pair.
 struct RegionDraft {

@@ -155,7 +155,7 @@ void manifold_of_solids(PairWorker& worker, const PairTask& task, const Manifold
         const FeatureBits feature = FeatureBits{3} << 62 | number++;
         // The chord through a point is no longer than the width.
         manifold.points.push_back(
-            {on_a, on_b, depth, std::max(least - depth, 0.0) + std::abs(least) + rounding, feature, feature});
+            {on_a, on_b, depth, std::max(least - depth, 0.0) + std::abs(least) + rounding, feature, feature, n});
         region.centre += 0.5 / double(points.size()) * (on_a + on_b);
     }
     for (const Vector3d& p : {nearest.on_a, nearest.on_b})
