@@ -21,8 +21,8 @@ struct SweepTask {
     bool solid = false;   ///< the inside of a closed mesh belongs to the mesh
     double until = 1;     ///< the search ends as soon as no earlier contact is possible
     // Hints: results do not depend on them.
-    bool begins_apart = false;          ///< probably: examine a window before the poses at time 0
-    const PairMemory* memory = nullptr; ///< witnesses of a pose that is probably near
+    bool begins_apart = false;    ///< probably: examine a window before the poses at time 0
+    PairMemory* memory = nullptr; ///< witnesses of a pose that is probably near; set by a contact at time 0
 };
 
 /// A body during a window of time.
