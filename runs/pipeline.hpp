@@ -32,6 +32,7 @@ public:
     /// From now on, step() moves bodies from their poses to the new ones by World::set_motion(), so contacts on the way
     /// are reported. Default: off.
     void set_continuous(bool continuous) { continuous_ = continuous; }
+    bool continuous() const { return continuous_; }
 
     World& world() { return world_; }
     const World& world() const { return world_; }

@@ -54,12 +54,18 @@ std::string settings_json(const Settings& s)
     return text + "}";
 }
 
+void add_csv_cells(CsvWriter& csv, std::uint64_t frame, const std::string& a, const std::string& b,
+                   const PairResult& pair, std::string_view stage, double max_error)
+{
+    csv.add(frame, CsvField{a}, CsvField{b}, name_of(pair.verdict),
+            std::isfinite(pair.bound) ? std::optional(pair.bound) : std::nullopt, stage,
+            pair.kind == ContactKind::unknown ? "" : name_of(pair.kind), max_error);
+}
+
 void write_csv_row(CsvWriter& csv, std::uint64_t frame, const std::string& a, const std::string& b,
                    const PairResult& pair, std::string_view stage, double max_error)
 {
-    csv.row(frame, CsvField{a}, CsvField{b}, name_of(pair.verdict),
-            std::isfinite(pair.bound) ? std::optional(pair.bound) : std::nullopt, stage,
-            pair.kind == ContactKind::unknown ? "" : name_of(pair.kind), max_error);
+    add_csv_cells(csv, frame, a, b, pair, stage, max_error), csv.end_row();
 }
 
 Report::Report(const Scene& scene, const Pipeline& pipeline, const ReportParts& parts)
@@ -219,23 +225,41 @@ void Report::add_json(const FrameView& f, const Verdicts& verdicts)
                        pair.bound, name_of(pair.stage),
                        pair.kind == ContactKind::unknown ? std::nullopt : std::optional(name_of(pair.kind)),
                        pipeline_.world().max_error(pair.a, pair.b));
-    json.end_array(), json.end_object();
+    json.end_array();
+    if (pipeline_.continuous()) {
+        json.key("sweeps"), json.begin_array();
+        for (const PairSweep& sweep : f.sweeps)
+            if (const PairResult& pair = f.pairs[sweep.pair]; keeps(pair))
+                write_json_row(json, names[index(pair.a)], names[index(pair.b)], sweep);
+        json.end_array();
+    }
+    json.end_object();
 }
 
 void Report::add_csv(const FrameView& f)
 {
     const std::vector<std::string>& names = kept_->csv->names;
-    for (const PairResult& pair : f.pairs)
-        if (keeps(pair))
-            write_csv_row(kept_->csv->writer, f.frame, names[index(pair.a)], names[index(pair.b)], pair,
-                          name_of(pair.stage), pipeline_.world().max_error(pair.a, pair.b));
+    CsvWriter& csv = kept_->csv->writer;
+    SweepOfPair sweep_of(f);
+    for (std::size_t i = 0; i < f.pairs.size(); ++i) {
+        const PairResult& pair = f.pairs[i];
+        if (!keeps(pair)) continue;
+        add_csv_cells(csv, f.frame, names[index(pair.a)], names[index(pair.b)], pair, name_of(pair.stage),
+                      pipeline_.world().max_error(pair.a, pair.b));
+        if (pipeline_.continuous()) add_csv_cells(csv, sweep_of(i));
+        csv.end_row();
+    }
 }
 
 void Report::write_csv(const std::filesystem::path& path, std::string_view first_line) const
 {
     refuse_unless(kept_->csv.has_value(), "CSV");
     OutputFile file(path);
-    file.write(first_line), file.write(csv_header);
+    file.write(first_line);
+    if (pipeline_.continuous())
+        file.print("{},{}\n", csv_header.substr(0, csv_header.size() - 1), sweep_csv_header);
+    else
+        file.write(csv_header);
     copy(kept_->csv->text, file);
     file.commit();
 }

@@ -13,9 +13,36 @@
 namespace oncollide {
 
 inline constexpr std::string_view csv_header = "frame,a,b,verdict,gap_bound,stage,kind,max_error\n";
+/// More columns, if bodies move on the way (Pipeline::set_continuous).
+inline constexpr std::string_view sweep_csv_header =
+    "clear_until,contact_by,gap,separating,part_a,part_b,x,y,z,normal_x,normal_y,normal_z";
 /// @param a, b  names as returned by csv_field
 void write_csv_row(CsvWriter& csv, std::uint64_t frame, const std::string& a, const std::string& b,
                    const PairResult& pair, std::string_view stage, double max_error);
+/// The same without the end of the row.
+void add_csv_cells(CsvWriter& csv, std::uint64_t frame, const std::string& a, const std::string& b,
+                   const PairResult& pair, std::string_view stage, double max_error);
+/// The cells of sweep_csv_header; empty where there is no sweep, or the sweep does not give them.
+void add_csv_cells(CsvWriter& csv, const PairSweep* sweep);
+/// The values of sweep_csv_header as one row of JSON that begins with two names, in quotes, and the verdict.
+void write_json_row(JsonWriter& json, const std::string& a, const std::string& b, const PairSweep& sweep);
+/// A triangle's number, or a cell as its lowest corner and its side, in units of the map's smallest cells.
+std::string part_text(const BodyPart& part);
+
+/// The sweeps of a frame by the numbers of their pairs, which must ascend from call to call.
+class SweepOfPair {
+public:
+    explicit SweepOfPair(const FrameView& frame) : sweeps_(frame.sweeps) {}
+    /// Null: there is none.
+    const PairSweep* operator()(std::size_t pair)
+    {
+        while (!sweeps_.empty() && sweeps_.front().pair < pair) sweeps_ = sweeps_.subspan(1);
+        return !sweeps_.empty() && sweeps_.front().pair == pair ? &sweeps_.front() : nullptr;
+    }
+
+private:
+    std::span<const PairSweep> sweeps_;
+};
 /// Lines of the stage table.
 std::string stage_table(std::span<const StageStats> totals);
 std::string verdict_line(const std::array<std::uint64_t, 4>& counts);

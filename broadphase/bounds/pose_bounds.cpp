@@ -163,26 +163,20 @@ Aabb PoseBounds::box(const RigidMotion& motion, bool tight) const
     const auto* shape = std::get_if<Shape>(&geometry_);
     const bool half_space = shape && std::holds_alternative<HalfSpace>(*shape);
     const auto at = [&](double time) { return tight ? box(motion.pose(time)) : sphere_box(motion.pose(time)); };
-    Aabb all = at(0);
+    Aabb here = at(0), all = here;
     for (double begin = 0, end; begin < 1; begin = end) {
         const RigidMotion::State state = motion.at(begin);
         end = state.key;
-        const double spin = state.angular.norm(), angle = spin * (end - begin);
+        const double angle = state.angular.norm() * (end - begin);
         if (half_space && angle > 0) {
             all.min.setConstant(-half_space_end), all.max.setConstant(half_space_end);
             return all;
         }
         const int parts = std::max(1, static_cast<int>(std::ceil(angle / most_turn)));
-        Aabb of_piece = at(begin);
-        for (int k = 1; k <= parts; ++k) of_piece.add(at(k == parts ? end : begin + (end - begin) * k / parts));
-        // A point leaves the straight line between two poses by at most a^2 r / 8.
-        const double off_axis =
-            spin > 0 ? state.angular.cross(state.pose * centre_ - state.pivot).norm() / spin + radius_ : 0;
-        const double part = angle / parts;
-        const double bulge = (0.125 * part * part * off_axis + 2 * state.position_error +
-                              2 * state.rotation_error * (centre_.norm() + radius_)) *
-                             (1 + 0x1p-18);
-        of_piece.min.array() -= bulge, of_piece.max.array() += bulge;
+        Aabb of_piece = here;
+        for (int k = 1; k <= parts; ++k) of_piece.add(here = at(k == parts ? end : begin + (end - begin) * k / parts));
+        const double out = bulge(state, (end - begin) / parts);
+        of_piece.min.array() -= out, of_piece.max.array() += out;
         all.add(of_piece);
     }
     return all;
@@ -198,6 +192,21 @@ double PoseBounds::motion(const Eigen::Isometry3d& from, const Eigen::Isometry3d
     const double around = radius_ * std::min(norm, 0.70710678118654757 * norm + 0x1p-18);
     const auto off = [](const Eigen::Matrix3d& r) { return (r.transpose() * r - Eigen::Matrix3d::Identity()).norm(); };
     return (shift + around + (off(from.linear()) + off(to.linear())) * reach()) * (1 + 0x1p-18);
+}
+
+double PoseBounds::bulge(const RigidMotion::State& state, double duration) const
+{
+    const double spin = state.angular.norm(), angle = spin * duration;
+    const double off_axis =
+        spin > 0 ? state.angular.cross(state.pose * centre_ - state.pivot).norm() / spin + radius_ : 0;
+    return (0.125 * angle * angle * off_axis + 2 * state.position_error +
+            2 * state.rotation_error * (centre_.norm() + radius_)) *
+           (1 + 0x1p-18);
+}
+
+double PoseBounds::motion(const Eigen::Isometry3d& from, const RigidMotion& motion) const
+{
+    return this->motion(from, motion.pose(0)) + motion.travel(0, 1, centre_, radius_);
 }
 
 Aabb PoseBounds::box(const Eigen::Isometry3d& pose) const

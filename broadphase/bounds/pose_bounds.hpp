@@ -39,6 +39,12 @@ public:
     /// deformation by poses that are not exactly rigid. For a rotated half-space, this includes its far end, 2^52 m
     /// away.
     double motion(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) const;
+    /// The same for the distance from a pose to any pose of a motion.
+    double motion(const Eigen::Isometry3d& from, const RigidMotion& motion) const;
+    /// Upper bound on how far any point of the geometry leaves the straight line between its places at two times of a
+    /// motion, up to the next key of the state: from the place that moves along the line at constant speed.
+    /// @param duration  between the two times
+    double bulge(const RigidMotion::State& state, double duration) const;
 
     /// Diagonal of the geometry's own box.
     double diagonal() const { return 2 * half_.norm(); }

@@ -498,6 +498,19 @@ def continuous():
                    *(number(r[what]) for what in ("contacts", "missed", "invented", "early", "late"))] for r in rows])
 
 
+def sweeps():
+    r = next(r for r in rows_of("sweeps") if r["a"] == "all")
+    return (f"{number(r['sweeps'])} sweeps: {number(r['contacts'])} with a contact on the way, {number(r['at_start'])} in contact at the start, "
+            f"{number(r['clear'])} free, {number(r['open'])} not decided because of rounding or the limit of steps; {number(r['poses'])} poses, {number(r['truths'])} by the reference: {number(r['missed'])} "
+            f"missed, {number(r['early'])} early, {number(r['wide'])} out of tolerance, {number(r['changed'])} changed by the order of the bodies")
+
+
+def articulated():
+    r = next(r for r in rows_of("articulated") if r["a"] == "articulated")
+    return (f"{number(r['a_triangles'])} triangles past {number(r['b_triangles'])} of posts, {number(r['motions'])} steps: "
+            f"{float(r['mean_us']) / 1000:.2f} ms per step on average, {number(r['contacts'])} contacts, {number(r['missed'])} contradicted")
+
+
 def rays():
     titles = {"oncollide": "oncollide, one call each", "oncollide-batch": "oncollide, one call for all",
               "oncollide-cast": "oncollide, first point, one call each",
@@ -608,6 +621,8 @@ PHRASES = {
     "many_bound": lambda: many_totals("1k", "10k"),
     "environments": environment_ratios,
     "halved_error": halved_error,
+    "sweeps": sweeps,
+    "articulated": articulated,
 }
 # On these pages every speed comes from the data.
 HEADLINES = [DOCS.parent / "README.md", DOCS / "index.md", DOCS / "choosing.md"]

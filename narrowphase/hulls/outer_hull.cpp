@@ -131,25 +131,43 @@ Vector3d OuterHull::farthest(const Vector3f& direction) const
     return point(points_, number_of_farthest(points_, direction));
 }
 
+namespace {
+
+/// Poses may be 2^-20 from rigid. The projection of a support point found in float may be too small by 2^-21 of the
+/// extent, and by as much again because the direction was rotated and rounded.
+double covered_by(const OuterHull& a, const OuterHull& b, const RelativePose& b_to_a)
+{
+    const double rounding = 0x1p-18 * (a.extent() + b.extent()) + 0x1p-46 * b_to_a.translation.norm();
+    return (a.cover() + b.cover()) * (1 + 0x1p-18) + rounding;
+}
+
+/// The vector from A's support point along `n` to B's against it, and A's.
+ConvexDifference::Point supports(const OuterHull& a, const OuterHull& b, const RelativePose& b_to_a, const Vector3d& n)
+{
+    const Vector3d of_a = a.farthest(n.cast<float>());
+    const Vector3d of_b = b.farthest((b_to_a.rotation.transpose() * -n).cast<float>());
+    return {b_to_a(b.centre()) - a.centre() + b_to_a.rotation * of_b - of_a, of_a};
+}
+
+} // namespace
+
 HullGap hull_gap(const OuterHull& a, const OuterHull& b, const RelativePose& b_to_a, const Vector3f& first,
                  double enough)
 {
-    const Vector3d between = b_to_a(b.centre()) - a.centre();
-    // Poses may be 2^-20 from rigid. The projection of a support point found in float may be too small by 2^-21 of the
-    // extent, and by as much again because the direction was rotated and rounded.
-    const double rounding = 0x1p-18 * (a.extent() + b.extent()) + 0x1p-46 * b_to_a.translation.norm();
-    const double covered = (a.cover() + b.cover()) * (1 + 0x1p-18) + rounding;
+    const double covered = covered_by(a, b, b_to_a);
     Search search;
     search.run(
-        first.isZero(0) ? between : first.cast<double>(),
-        [&](const Vector3d& n) {
-            const Vector3d of_a = a.farthest(n.cast<float>());
-            const Vector3d of_b = b.farthest((b_to_a.rotation.transpose() * -n).cast<float>());
-            return ConvexDifference::Point{between + b_to_a.rotation * of_b - of_a, of_a};
-        },
+        first.isZero(0) ? Vector3d(b_to_a(b.centre()) - a.centre()) : first.cast<double>(),
+        [&](const Vector3d& n) { return supports(a, b, b_to_a, n); },
         [&](const Search& s) { return s.upper <= covered || s.lower >= 0.9 * s.upper || s.lower - covered >= enough; });
     const double gap = (search.lower - covered) * (1 - 0x1p-18);
     return {std::max(gap, 0.0), search.across.cast<float>()};
+}
+
+double gap_along(const OuterHull& a, const OuterHull& b, const RelativePose& b_to_a, const Vector3d& direction)
+{
+    const double gap = direction.dot(supports(a, b, b_to_a, direction).w) - covered_by(a, b, b_to_a);
+    return gap - 0x1p-18 * std::abs(gap);
 }
 
 } // namespace oncollide

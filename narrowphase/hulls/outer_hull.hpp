@@ -47,4 +47,7 @@ struct HullGap {
 HullGap hull_gap(const OuterHull& a, const OuterHull& b, const RelativePose& b_to_a, const Eigen::Vector3f& first,
                  double enough = std::numeric_limits<double>::infinity());
 
+/// A lower bound of how far B's solid lies beyond A's along a unit direction in A's frame; negative if it does not.
+double gap_along(const OuterHull& a, const OuterHull& b, const RelativePose& b_to_a, const Eigen::Vector3d& direction);
+
 } // namespace oncollide

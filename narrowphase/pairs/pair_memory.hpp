@@ -19,6 +19,7 @@ struct PairMemory {
     double walked_at = -1;                            ///< travel at the last traversal or separation by hulls
     Eigen::Vector3f across = Eigen::Vector3f::Zero(); ///< separating direction of their hulls (hull_gap), or the last
                                                       ///< one tried
+    bool by_hulls = false; ///< the hulls were apart along `across`, by the last result's bound
     struct Rest {
         std::uint8_t walks = 0;   ///< skip the test for this many more traversals
         std::uint8_t in_vain = 0; ///< consecutive tests without result; sets `walks`
@@ -26,6 +27,7 @@ struct PairMemory {
     Rest hulls{};             ///< of the outer hulls
     Rest balls{};             ///< of the inner spheres
     bool near = false;        ///< the last traversal did not separate them
+    bool meets = false;       ///< the pair probably met at the last poses
     bool met = false;         ///< `triangles` met, or came within the cutoff
     TrianglePair triangles{}; ///< witness of contact; index 0 for a shape
     LeafPair leaves{};        ///< leaves of the sphere-trees that touched

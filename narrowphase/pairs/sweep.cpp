@@ -151,7 +151,8 @@ private:
     {
         if (!meets_at(0)) return false;
         set_contact(0);
-        const double soon = tolerance_in(MotionWindow(task_, 0, next_key()));
+        if (task_.memory) *task_.memory = memory_;
+        const double soon = tolerance_in(MotionWindow(task_, 0, 0));
         result_.separating = decide(soon).verdict == Verdict::separate;
         return true;
     }
@@ -185,7 +186,7 @@ private:
     /// Looks for a contact soon after `now`.
     bool try_contact(double now, double end, bool moved_on)
     {
-        const double soon = std::min(now + tolerance_, 1.0);
+        const double soon = std::min(now + tolerance_, next_key()); // after a key, the bodies may be faster
         if ((moved_on || soon != tried_) && meets_at(tried_ = soon)) return set_contact(soon), true;
         if (end < soon && meets_at(end)) return set_contact(end), true;
         if (end - now > tolerance_) return false;
@@ -209,6 +210,8 @@ private:
     {
         const MovingBody a = moving_body(*task_.a, *task_.motion_a, begin),
                          b = moving_body(*task_.b, *task_.motion_b, begin);
+        // Two half-spaces meet far away as soon as one rotates, from any distance.
+        if (is_plane(a) && is_plane(b) && !(a.state.angular.isZero(0) && b.state.angular.isZero(0))) return no_bound;
         const auto travel = [&](const RigidMotion& motion, const MovingBody& body, const Vector3d& centre,
                                 double radius) {
             if (motion.rests()) return 0.0;

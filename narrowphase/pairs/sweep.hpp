@@ -24,8 +24,8 @@ struct SweepTask {
     /// one in which the bodies may meet.
     bool bound_only = false;
     // Hints: results do not depend on them.
-    bool begins_apart = false;          ///< probably: examine a window before the poses at time 0
-    const PairMemory* memory = nullptr; ///< witnesses of a pose that is probably near
+    bool begins_apart = false;    ///< probably: examine a window before the poses at time 0
+    PairMemory* memory = nullptr; ///< witnesses of a pose that is probably near; set by a contact at time 0
 };
 
 /// A body during a window of time.

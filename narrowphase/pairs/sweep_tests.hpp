@@ -106,15 +106,15 @@ PartsEntry entry_in(const direct_tests::OnHalfSpace<Body>& test, const SweepTask
     const Eigen::Vector3d centre = test.pose_a.linear().transpose() * (body.centre - test.pose_a.translation());
     const Eigen::Vector3d of_plane = motion.a.at(centre), of_body = motion.b.at(centre), speed = of_body - of_plane;
     const double turn_a = motion.a.turn.norm(), turn_b = motion.b.turn.norm();
-    const double turn = std::same_as<Body, operand::Plane> && turn_a + turn_b > 0
-                            ? walk_tests::infinity
-                            : (motion.b.turn - motion.a.turn).norm() + 0x1p-50 * (turn_a + turn_b);
+    // Two half-spaces, of which one rotates, meet far away.
+    const bool at_once = std::same_as<Body, operand::Plane> && turn_a + turn_b > 0;
+    if (!(height > 0) || at_once) return {-1, -1, {0, 0, 1}};
+    const double turn = (motion.b.turn - motion.a.turn).norm() + 0x1p-50 * (turn_a + turn_b);
     // The change of the speeds, of the normal and of the centre's place in the window, in all less than these.
     const double bent = (turn_a + turn_b) * (2 * speed.norm() + of_plane.norm() + of_body.norm()) + motion.slack -
                         task.clearance + turn * turn_b * body.radius;
-    const double fall =
-        -speed.z() * (1 + 0x1p-30) + turn * body.radius + bent * (1 + 0x1p-10) + (std::isinf(turn) ? turn : 0);
-    if (!(height > 0) || std::isinf(fall)) return {-1, -1, {0, 0, 1}};
+    const double fall = -speed.z() * (1 + 0x1p-30) + turn * body.radius + bent * (1 + 0x1p-10);
+    if (!std::isfinite(fall)) return {-1, -1, {0, 0, 1}};
     if (!(height <= 2 * fall)) return {};
     return {
         -1 + height / fall * (1 - 0x1p-40), speed.z() < 0 ? std::min(-1 - height / speed.z(), 1.0) : 1.0, {0, 0, 1}};

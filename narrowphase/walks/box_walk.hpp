@@ -390,7 +390,8 @@ private:
     std::uint32_t line_number_ = 0;              ///< of all lines so far
     std::vector<Reaches> reaches_a_, reaches_b_; ///< by slot
     double origin_along_line_;
-    SweptMotion swept_; ///< of points in the boxes' coordinates
+    SweptMotion swept_;              ///< of points in the boxes' coordinates
+    double turn_a_ = 0, turn_b_ = 0; ///< lengths of the rotations
     double box_rounding_ = 0;
     float toward_b_[3]; ///< line_ for boxes: a little shorter, so that rounding makes it no longer than 1
     Leaves leaves_;

@@ -15,7 +15,7 @@ void BoxWalk<A, B, Leaves>::set_motion(BoxMotion& motion, Entry e, bool down_a) 
     const Eigen::Vector3d centre(other.c[0][k], other.c[1][k], other.c[2][k]), base = mine.shift - others.at(centre);
     for (int i = 0; i < 3; ++i)
         motion.base[i] = static_cast<float>(base[i]), motion.turn[i] = static_cast<float>(mine.turn[i]);
-    const double turn = mine.turn.norm(), other_turn = others.turn.norm();
+    const double turn = down_a ? turn_a_ : turn_b_, other_turn = down_a ? turn_b_ : turn_a_;
     motion.turn_length = static_cast<float>(turn * (1 + 0x1p-20));
     motion.slack = static_cast<float>((swept_.slack + other_turn * std::sqrt(double(other.size[k])) * (1 + 0x1p-10)) *
                                           (1 + 0x1p-20) +
@@ -26,13 +26,14 @@ void BoxWalk<A, B, Leaves>::set_motion(BoxMotion& motion, Entry e, bool down_a) 
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 SweptParts BoxWalk<A, B, Leaves>::motion_of(Entry e) const
 {
-    const auto side = [](const SweptSide& motion, const OpenBoxes& boxes, unsigned k, Eigen::Vector3d& speed) {
+    const auto side = [](const SweptSide& motion, double turn, const OpenBoxes& boxes, unsigned k,
+                         Eigen::Vector3d& speed) {
         speed = motion.at({boxes.c[0][k], boxes.c[1][k], boxes.c[2][k]});
-        return motion.turn.norm() * (std::sqrt(double(boxes.size[k])) * (1 + 0x1p-10) + boxes.margin);
+        return turn * (std::sqrt(double(boxes.size[k])) * (1 + 0x1p-10) + boxes.margin);
     };
     Eigen::Vector3d of_a, of_b;
-    const double slack_a = side(swept_.a, a_[e.slot_a()].boxes, e.lane_a(), of_a);
-    const double slack_b = side(swept_.b, b_[e.slot_b()].boxes, e.lane_b(), of_b);
+    const double slack_a = side(swept_.a, turn_a_, a_[e.slot_a()].boxes, e.lane_a(), of_a);
+    const double slack_b = side(swept_.b, turn_b_, b_[e.slot_b()].boxes, e.lane_b(), of_b);
     return {of_b - of_a, swept_.slack + slack_a + slack_b + 0x1p-40 * (of_a.norm() + of_b.norm())};
 }
 
@@ -44,6 +45,7 @@ FirstEntry<typename Leaves::Pair> BoxWalk<A, B, Leaves>::first_entry(A& a, B& b,
     origin_ = frame.origin;
     const auto moved = [&](const SweptSide& side) { return SweptSide{side.at(origin_), side.turn}; };
     swept_ = {moved(motion.a), moved(motion.b), motion.slack}, box_rounding_ = frame.box_rounding;
+    turn_a_ = motion.a.turn.norm(), turn_b_ = motion.b.turn.norm();
     FirstEntry<Pair> best;
     const SweptParts all{motion.b.at(b_to_a(b.centre())) - motion.a.at(a.centre()), 0};
     const double reach = all.speed.norm() * (1 + 0x1p-20) + motion.slack + motion.a.turn.norm() * a.radius() * 1.01 +

@@ -11,7 +11,7 @@ namespace oncollide {
 /// A point at x moves by shift + turn x x for each unit of time.
 struct SweptSide {
     Eigen::Vector3d shift = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();
-    Eigen::Vector3d at(const Eigen::Vector3d& x) const { return shift + turn.cross(x); }
+    [[gnu::always_inline]] Eigen::Vector3d at(const Eigen::Vector3d& x) const { return shift + turn.cross(x); }
 };
 
 /// The points of a ball with centre c and radius r stay within |turn| r of the motion of c. Together, both bodies stay

@@ -158,22 +158,22 @@ Finding ObbRefiner::refine(const RefineContext& context, const PairTask& task, P
         return goal_ == Goal::exact || tolerance >= 2 * rounding_of(task) + 0x1p-16 * settings.clearance;
     };
     if (!kept && task.a->balls() && task.b->balls() && !wants_kinds(settings) && sure() && balls_meet(task, *memory)) {
-        ++worker.by_balls;
+        ++worker.by_balls, memory->meets = true;
         if (!settings.coherence) return walk(nullptr);
         if (goal_ == Goal::exact) return {Verdict::colliding, ContactKind::unknown, 0};
         return {Verdict::within, ContactKind::unknown, beyond};
     }
     const bool parted = !kept && hulls_part(task, beyond, *memory, gap);
     if (kept || parted) {
-        ++(kept ? worker.by_gap : worker.by_hull);
+        ++(kept ? worker.by_gap : worker.by_hull), memory->meets = false, memory->by_hulls = parted;
         // Without coherence, traverse anyway.
         if (settings.coherence) return {Verdict::separate, ContactKind::unknown, gap};
         const Finding again = walk(nullptr);
         return again.verdict == Verdict::separate ? Finding{Verdict::separate, ContactKind::unknown, gap} : again;
     }
     const Finding result = walk(settings.coherence ? memory : nullptr);
-    memory->walked_at = task.travel;
-    memory->near = result.verdict != Verdict::separate;
+    memory->walked_at = task.travel, memory->by_hulls = false;
+    memory->near = memory->meets = result.verdict != Verdict::separate;
     if (result.verdict == Verdict::separate)
         memory->part(result.bound, task.travel);
     else

@@ -90,8 +90,10 @@ void Bodies::remove(std::uint32_t slot)
 
 void Bodies::set_motion(std::uint32_t slot, RigidMotion motion)
 {
+    const double travel = (travel_[slot] + model(slot).bounds().motion(poses_[slot], motion)) * (1 + 0x1p-52);
     set_pose(slot, motion.pose(1));
     if (motion.rests()) return;
+    travel_[slot] = std::max(travel_[slot], travel);
     if (motion_of_.size() <= slot) motion_of_.resize(slots());
     motions_.push_back(std::move(motion)), moving_.push_back(slot);
     motion_of_[slot] = static_cast<std::uint32_t>(motions_.size());

@@ -87,8 +87,8 @@ public:
     std::uint32_t mask(std::uint32_t slot) const { return masks_[slot]; }
     std::uint32_t group(std::uint32_t slot) const { return groups_[slot]; }
     std::uint64_t user(std::uint32_t slot) const { return slot < user_.size() ? user_[slot] : 0; }
-    /// Upper bound on the distance that any point of the body has moved in total, metres; only differences are
-    /// meaningful.
+    /// Upper bound on the distance that any point of the body has moved in total, to any pose on its ways, metres; only
+    /// differences are meaningful.
     double travel(std::uint32_t slot) const { return travel_[slot]; }
 
     /// Prefetches the body's data: bodies are scattered in memory.

@@ -71,6 +71,7 @@ struct Frame {
     std::vector<PairRun> kept;                   ///< pairs that keep their last result, ascending; all others are open
     std::vector<std::uint32_t> open;             ///< pairs to be decided
     std::vector<std::uint32_t> retested;         ///< without coherence, pairs at rest: tested, but without their memory
+    std::vector<std::uint32_t> swept;            ///< pairs that sweeps alone decide, as they probably meet at time 0
     std::vector<PairSweep> sweeps;               ///< of the pairs with a body on its way, ascending
     SweepOptions sweep_options;
     KeptCounts kept_counts;    ///< of the pairs in `kept`

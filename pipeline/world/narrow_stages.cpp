@@ -87,7 +87,8 @@ public:
     {
         begin(bodies, frame);
         level_.run(bodies, frame, stats, [](const PairResult&) { return true; });
-        stats.in += frame.kept_counts.pairs, stats.out += frame.kept_counts.left_by_refine;
+        stats.in += frame.kept_counts.pairs + frame.swept.size();
+        stats.out += frame.kept_counts.left_by_refine + frame.swept.size();
         for (const Round& round : frame.context.rounds) stats.gpu_ms += round.gpu_ms, stats.wait_ms += round.wait_ms;
     }
 
@@ -121,6 +122,7 @@ private:
             }
         open_until(static_cast<std::uint32_t>(frame.pairs.size()));
         bound(bodies, frame, frame.open), bound(bodies, frame, frame.retested);
+        leave_to_sweeps(bodies, frame);
         frame.context.trees.kept = frame.kept_counts.pairs;
     }
 
@@ -139,6 +141,20 @@ private:
             if (i > begin) frame.kept.push_back({run.now + begin, run.before + begin, i - begin});
             if (i < run.count) frame.results.emplace_back(), frame.open.push_back(run.now + i++);
         }
+    }
+
+    /// Pairs that met, of which a body moves on: the poses at time 0 decide, not the last ones.
+    static void leave_to_sweeps(const Bodies& bodies, Frame& frame)
+    {
+        frame.swept.clear();
+        if (!bodies.any_motion() || !frame.settings.coherence) return;
+        std::erase_if(frame.open, [&](std::uint32_t i) {
+            const BodyPair pair = frame.pairs[i];
+            const bool moves = bodies.motion(pair.a) || bodies.motion(pair.b);
+            if (!moves || !frame.cache[i].meets) return false;
+            frame.swept.push_back(i);
+            return true;
+        });
     }
 
     static void retest(Frame& frame, PairRun run)

@@ -1,22 +1,14 @@
 #include <oncollide/pipeline/world/sweep_pairs.hpp>
 
+#include <algorithm>
 #include <optional>
 
 #include <oncollide/base/threads/parallel.hpp>
+#include <oncollide/narrowphase/hulls/outer_hull.hpp>
 
 namespace oncollide {
 
 namespace {
-
-/// Upper bound on how far any point of the body moves on its way.
-double motion_of(const Bodies& bodies, std::uint32_t slot)
-{
-    const RigidMotion* const motion = bodies.motion(slot);
-    if (!motion) return 0;
-    if (bodies.model(slot).kind() == Kind::half_space) return std::numeric_limits<double>::infinity();
-    const Aabb box = bounds_of(bodies.model(slot).geometry());
-    return motion->travel(0, 1, box.centre(), box.half_extent().norm());
-}
 
 } // namespace
 
@@ -30,34 +22,79 @@ SweepResult sweep_pair(ModelStore& models, PairWorker& worker, const SweepTask& 
     }
 }
 
-bool SweepPairs::apart_on_the_way(const Bodies& bodies, const Frame& frame, std::uint32_t pair)
+/// Upper bound on how far any point of the body moves on its way.
+double SweepPairs::moved(const Bodies& bodies, std::uint32_t slot)
+{
+    if (moved_[slot] >= 0) return moved_[slot];
+    const RigidMotion* const motion = bodies.motion(slot);
+    return moved_[slot] = motion ? bodies.model(slot).bounds().motion(motion->pose(0), *motion) : 0;
+}
+
+/// True if the hulls are apart at both ends of the ways, in one direction, by more than any point bends out between.
+bool SweepPairs::hulls_stay_apart(const Bodies& bodies, const PairMemory& memory, const PairResult& last, double needed)
+{
+    Eigen::Isometry3d starts[2];
+    double bends = 0x1p-20 * farthest_apart(bodies.boxes()[last.a.slot], bodies.boxes()[last.b.slot]);
+    for (const int side : {0, 1}) {
+        const std::uint32_t slot = side ? last.b.slot : last.a.slot;
+        const RigidMotion* const motion = bodies.motion(slot);
+        starts[side] = motion ? motion->pose(0) : bodies.pose(slot);
+        if (!motion) continue;
+        const RigidMotion::State state = motion->at(0);
+        if (state.key < 1) return false;
+        bends += bodies.model(slot).bounds().bulge(state, 1);
+    }
+    const OuterHull *const a = bodies.model(last.a.slot).hull(), *const b = bodies.model(last.b.slot).hull();
+    if (!a || !b || !(last.bound * (1 - 0x1p-18) - bends > needed)) return false;
+    const Eigen::Vector3d across = bodies.pose(last.a.slot).linear() * memory.across.cast<double>().normalized();
+    const Eigen::Vector3d in_a = starts[0].linear().transpose() * across;
+    return gap_along(*a, *b, RelativePose(starts[0], starts[1]), in_a) - bends > needed;
+}
+
+bool SweepPairs::apart_on_the_way(const Bodies& bodies, Frame& frame, std::uint32_t pair)
 {
     const PairResult& last = frame.results[pair];
     if (last.verdict != Verdict::separate || last.kind == ContactKind::touching) return false;
-    double moved = 0;
-    for (const std::uint32_t slot : {last.a.slot, last.b.slot}) {
-        if (moved_[slot] < 0) moved_[slot] = motion_of(bodies, slot);
-        moved += moved_[slot];
-    }
-    return last.bound * (1 - 0x1p-18) - moved > frame.settings.clearance * (1 + 0x1p-16);
+    const PairMemory& memory = frame.cache[pair];
+    const std::uint32_t a = last.a.slot, b = last.b.slot;
+    const double travel = bodies.travel(a) + bodies.travel(b), gap = last.bound * (1 - 0x1p-18),
+                 needed = frame.settings.clearance * (1 + 0x1p-16);
+    // The gap of an earlier frame is less the motion of this one.
+    if (memory.walked_at < travel && memory.gap(travel) > 0 && gap > needed) return true;
+    if (gap - moved(bodies, a) - moved(bodies, b) > needed) return true;
+    return memory.by_hulls && memory.walked_at == travel && hulls_stay_apart(bodies, memory, last, needed);
 }
 
-void SweepPairs::run(const Bodies& bodies, Frame& frame)
+void SweepPairs::run(const Bodies& bodies, Frame& frame, StageStats& stats)
 {
     frame.sweeps.clear(), open_.clear();
     moved_.assign(bodies.slots(), -1);
+    auto swept = frame.swept.begin();
     for (std::uint32_t i = 0; i < frame.pairs.size(); ++i) {
         if (!bodies.motion(frame.pairs[i].a) && !bodies.motion(frame.pairs[i].b)) continue;
         PairSweep& sweep = frame.sweeps.emplace_back();
         sweep.pair = i;
-        if (apart_on_the_way(bodies, frame, i))
+        const bool met = swept != frame.swept.end() && *swept == i;
+        swept += met;
+        if (!met && frame.settings.coherence && apart_on_the_way(bodies, frame, i))
             sweep.verdict = Verdict::separate, sweep.clear_until = 1;
         else
-            open_.push_back(static_cast<std::uint32_t>(frame.sweeps.size() - 1));
+            open_.push_back({static_cast<std::uint32_t>(frame.sweeps.size() - 1), met});
     }
     sweep(bodies, frame);
+    for (const Open& open : open_)
+        if (open.met) frame.cache[frame.sweeps[open.sweep].pair].meets = frame.sweeps[open.sweep].contact_by == 0;
+    report(bodies, frame, stats);
+}
+
+/// Sets the results of the pairs, and the counts of pairs as if these results were of the last stage.
+void SweepPairs::report(const Bodies& bodies, Frame& frame, StageStats& stats)
+{
+    if (!stats.skipped) stats.in += frame.swept.size(), stats.out += frame.swept.size();
+    std::uint64_t before = 0;
     for (const PairSweep& sweep : frame.sweeps) {
         PairResult& result = frame.results[sweep.pair];
+        before += result.verdict != Verdict::separate, stats.out += sweep.verdict != Verdict::separate;
         result.verdict = sweep.verdict, result.kind = sweep.kind;
         if (sweep.verdict != Verdict::undecided) result.stage = StageId::exact;
         if (sweep.verdict == Verdict::separate) result.bound = 0x1p-1000;
@@ -66,16 +103,17 @@ void SweepPairs::run(const Bodies& bodies, Frame& frame)
         if (sweep.verdict == Verdict::undecided)
             result.bound = farthest_apart(bodies.boxes()[result.a.slot], bodies.boxes()[result.b.slot]);
     }
+    stats.out -= std::min(stats.out, before), stats.culled = stats.in - stats.out;
 }
 
 void SweepPairs::sweep(const Bodies& bodies, Frame& frame)
 {
     std::vector<SweepTask> tasks;
-    for (const std::uint32_t i : open_) {
-        const BodyPair pair = frame.pairs[frame.sweeps[i].pair];
+    for (const Open& open : open_) {
+        const std::uint32_t number = frame.sweeps[open.sweep].pair;
+        const BodyPair pair = frame.pairs[number];
         Model &a = bodies.model(pair.a), &b = bodies.model(pair.b);
         const bool room = models_.admit_obb_tree(a, frame.number) && models_.admit_obb_tree(b, frame.number);
-        const std::uint32_t number = frame.sweeps[i].pair;
         tasks.push_back({.a = room ? &a : nullptr,
                          .b = &b,
                          .motion_a = bodies.motion(pair.a),
@@ -83,14 +121,14 @@ void SweepPairs::sweep(const Bodies& bodies, Frame& frame)
                          .options = frame.sweep_options,
                          .clearance = frame.settings.clearance,
                          .solid = frame.settings.mode == Mode::solid,
-                         .begins_apart = frame.results[number].verdict == Verdict::separate,
+                         .begins_apart = !open.met,
                          .memory = frame.settings.coherence ? &frame.cache[number] : nullptr});
     }
     const auto threads = static_cast<std::size_t>(std::max(frame.context.threads, 1));
     if (workers_.size() < threads) workers_ = std::vector<PairWorker>(threads);
     parallel_chunks(tasks.size(), 4, frame.context.threads, [&](std::size_t begin, std::size_t end, int thread) {
         for (std::size_t i = begin; i < end; ++i) {
-            PairSweep& sweep = frame.sweeps[open_[i]];
+            PairSweep& sweep = frame.sweeps[open_[i].sweep];
             SweepTask& task = tasks[i];
             const BodyPair pair = frame.pairs[sweep.pair];
             if (!task.a || frame.context.stopped()) continue;

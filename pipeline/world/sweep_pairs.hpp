@@ -11,17 +11,26 @@ class SweepPairs {
 public:
     explicit SweepPairs(ModelStore& models) : models_(models) {}
     /// Sets frame.sweeps and the results of these pairs. On entry, frame.results has the results for the ends of the
-    /// ways. A pair did not meet if its distance there exceeds the motion of its bodies. Pairs stay undecided if a
-    /// budget has no room for a tree, if a file cannot be read, or once the caller stops the frame.
-    void run(const Bodies& bodies, Frame& frame);
+    /// ways, except of the pairs in frame.swept. A pair did not meet if its distance there exceeds the motion of its
+    /// bodies, or if a gap of an earlier frame exceeds all motion since; without coherence, it is swept anyway. Pairs
+    /// stay undecided if a budget has no room for a tree, if a file cannot be read, or once the caller stops the frame.
+    /// @param stats  of the last stage
+    void run(const Bodies& bodies, Frame& frame, StageStats& stats);
 
 private:
-    bool apart_on_the_way(const Bodies& bodies, const Frame& frame, std::uint32_t pair);
+    double moved(const Bodies& bodies, std::uint32_t slot);
+    static bool hulls_stay_apart(const Bodies& bodies, const PairMemory& memory, const PairResult& last, double needed);
+    bool apart_on_the_way(const Bodies& bodies, Frame& frame, std::uint32_t pair);
     void sweep(const Bodies& bodies, Frame& frame);
+    static void report(const Bodies& bodies, Frame& frame, StageStats& stats);
 
     ModelStore& models_;
-    std::vector<double> moved_;       ///< by slot: upper bound on the motion in this frame; negative: not known yet
-    std::vector<std::uint32_t> open_; ///< indices in frame.sweeps
+    std::vector<double> moved_; ///< by slot: see moved(); negative: not known yet
+    struct Open {
+        std::uint32_t sweep; ///< index in frame.sweeps
+        bool met;            ///< in frame.swept
+    };
+    std::vector<Open> open_;
     std::vector<PairWorker> workers_; ///< by thread
 };
 

@@ -226,7 +226,7 @@ void World::Impl::run_stages()
         from = to;
     }
     if (!bodies.any_motion()) return;
-    sweeps.run(bodies, frame);
+    sweeps.run(bodies, frame, stats.back());
     stats.back().cpu_ms += milliseconds(Clock::now() - from);
 }
 

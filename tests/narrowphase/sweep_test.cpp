@@ -149,7 +149,10 @@ TEST_F(Sweeps, APropellerPassesBetweenPostsOrTouchesThem)
     Model &propeller = add(make_box_mesh({1, 0.1, 0.05})), &post = add(make_box_mesh({0.5, 2, 1}));
     const RigidMotion turn(placed({0, 0, 0}, M_PI / 2), placed({0, 0, 0}));
     for (const double face : {reach + 1e-6, 1.004, 1.001}) {
-        const SweepResult r = sweep(propeller, turn, post, placed({face + 0.5, 0, 0}));
+        const SweepResult r = sweep(propeller, turn, post, placed({face + 0.5, 0, 0})),
+                          other = sweep(propeller, turn, post, placed({-face - 0.5, 0, 0}));
+        EXPECT_EQ(other.verdict, r.verdict);
+        EXPECT_NEAR(other.clear_until, r.clear_until, 1e-4) << "the other blade";
         if (face > reach)
             expect_clear(r);
         else // the corner comes from above: its direction is (1 - t) 90 degrees - atan(0.1)
@@ -209,6 +212,24 @@ TEST_F(Sweeps, AFallingBodyMeetsAHalfSpace)
     expect_contact(sweep(ground, {placed({0, 0, 0}), placed({0, 0, 2})}, box, placed({0, 0, 2})), 0.5);
 }
 
+TEST_F(Sweeps, HalfSpacesThatRotateMeetAtOnce)
+{
+    Model &a = add(Shape(HalfSpace{})), &b = add(Shape(HalfSpace{}));
+    const Isometry3d floor = placed({0, 0, 0}), tilted = placed({0, 0, 1}, M_PI - 0.1, Vector3d::UnitX());
+    Isometry3d ceiling = placed({0, 0, 1}), raised = placed({3, 4, 9});
+    ceiling.linear().diagonal() = raised.linear().diagonal() = Vector3d(1, -1, -1); // exactly half a turn
+    expect_clear(sweep(a, floor, b, {ceiling, raised}));
+    for (const RigidMotion& turn : {RigidMotion(ceiling, tilted), RigidMotion(ceiling, placed({0, 0, 1}))}) {
+        const RigidMotion rest(floor), other(floor, placed({0, 0, 0}, 0.2, Vector3d::UnitX()));
+        for (const SweepResult& r : {sweep(a, rest, b, turn), sweep(b, turn, a, rest), sweep(a, other, b, turn)}) {
+            EXPECT_EQ(r.verdict, Verdict::colliding);
+            EXPECT_EQ(r.clear_until, 0);
+            EXPECT_LE(r.contact_by, 1e-4);
+            EXPECT_EQ(r.gap, std::numeric_limits<double>::infinity()) << "they are 1 m apart at time 0";
+        }
+    }
+}
+
 TEST_F(Sweeps, AStepLimitLeavesThePairUndecided)
 {
     Model &a = add(make_torus_mesh(2, 0.5, 500)), &b = add(make_torus_mesh(2, 0.5, 500));
@@ -217,6 +238,34 @@ TEST_F(Sweeps, AStepLimitLeavesThePairUndecided)
     EXPECT_EQ(r.verdict, Verdict::undecided);
     EXPECT_LT(r.clear_until, 1);
     EXPECT_EQ(r.steps, 1);
+}
+
+TEST_F(Sweeps, TheGapIsWithinItsToleranceWhereTheBodiesSpeedUp)
+{
+    // At the key, a slow body is 1e-5 m from the wall; then it is a thousand times as fast.
+    Model &wall = add(make_box_mesh({1, 5, 5})), &box = add(make_box_mesh({0.5, 0.5, 0.5}));
+    const RigidMotion::Key keys[] = {
+        {0, placed({2.5, 0, 0})}, {0.5, placed({1.5 + 1e-5, 0, 0})}, {1, placed({-998.5, 0, 0})}};
+    const SweepResult r = sweep(wall, placed({0, 0, 0}), box, RigidMotion(keys));
+    expect_contact(r, 0.5 + 0.5 * 1e-5 / 1000);
+}
+
+TEST_F(Sweeps, TenThousandPosesBeforeTheContactAreFree)
+{
+    Model &a = add(make_torus_knot_mesh(2, 3, 0.6, 0.25, 0.1, 600)), &b = add(make_torus_mesh(0.7, 0.2, 400));
+    int contacts = 0;
+    for (std::uint64_t seed = 0; contacts < 6; ++seed) {
+        const RigidMotion motion_a(random_pose(4 * seed, 1), random_pose(4 * seed + 1, 1)),
+            motion_b(random_pose(4 * seed + 2, 3), random_pose(4 * seed + 3, 3), MotionPath::screw);
+        const SweepResult r = sweep(a, motion_a, b, motion_b);
+        if (r.verdict != Verdict::colliding || r.contact_by == 0) continue;
+        ++contacts;
+        for (int n = 0; n < 10'000; ++n) {
+            const double time = r.clear_until * (n == 9'999 ? 1 - 0x1p-52 : n / 9'999.0);
+            ASSERT_EQ(decide(a, motion_a, b, motion_b, time).verdict, Verdict::separate) << seed << " at " << time;
+        }
+        EXPECT_EQ(decide(a, motion_a, b, motion_b, r.contact_by).verdict, Verdict::colliding);
+    }
 }
 
 /// All pairs of kinds, in both orders, by single poses.

@@ -7,6 +7,7 @@
 #include <oncollide/samples/generators.hpp>
 
 #include "verify/trials/differential.hpp"
+#include "verify/trials/sweep_trial.hpp"
 
 namespace oncollide {
 namespace {
@@ -17,6 +18,47 @@ TEST(Differential, DrawnScenesHaveNoFault)
         const tools::DrawnScene drawn = tools::draw_scene(seed);
         ASSERT_EQ(tools::fault_in(drawn), "") << "seed " << seed << "; 'oncollide accuracy fuzz' shrinks it";
     }
+}
+
+TEST(Differential, DrawnSweepsHaveNoFault)
+{
+    const tools::SweepTallies tallies = tools::try_sweeps(1, 4000, 1, [] {});
+    EXPECT_EQ(tallies.first_fault, "") << "seed " << tallies.faulty_seed;
+    tools::SweepTally all;
+    for (const auto& [kinds, tally] : tallies) all += tally;
+    EXPECT_EQ(all.sweeps, 4000u);
+    EXPECT_EQ(all.contacts + all.at_start + all.clear + all.open, 4000u);
+    EXPECT_GT(all.contacts, 1000u);
+    EXPECT_GT(all.clear, 1000u);
+    EXPECT_LT(all.open, 40u);
+    EXPECT_GT(tallies.size(), 60u) << "pairs of kinds";
+}
+
+TEST(Differential, WrongSweepsAreFaults)
+{
+    int missed = 0, early = 0, wide = 0, changed = 0;
+    for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+        const tools::DrawnSweep drawn = tools::draw_sweep(seed);
+        const SweepResult found = tools::sweep_of(drawn);
+        if (found.verdict != Verdict::colliding || found.contact_by == 0 || found.contact_by > 0.9) continue;
+        const auto judged = [&](auto change) {
+            SweepResult wrong = found;
+            change(wrong);
+            tools::SweepTally tally;
+            tools::fault_in(drawn, wrong, found, seed,
+                            seed % 2 ? tools::PoseJudge::truth : tools::PoseJudge::exact_tests, tally);
+            return tally;
+        };
+        missed += judged([](SweepResult& r) { r.verdict = Verdict::separate, r.clear_until = 1; }).missed;
+        missed += judged([](SweepResult& r) { r.clear_until = r.contact_by + 0.02; }).missed;
+        early += judged([](SweepResult& r) { r.contact_by = r.clear_until = 0.5 * r.clear_until; }).early;
+        wide += judged([](SweepResult& r) { r.clear_until -= 0.01 * r.clear_until + 0.001; }).wide;
+        changed += judged([](SweepResult& r) { r.clear_until = r.contact_by = r.contact_by + 1e-9; }).faults() > 0;
+    }
+    EXPECT_GT(missed, 40);
+    EXPECT_GT(early, 20);
+    EXPECT_GT(wide, 20);
+    EXPECT_GT(changed, 20);
 }
 
 /// Seeds of former faults.

@@ -170,6 +170,60 @@ TEST(WorldMotion, ResultsDoNotDependOnThreadsOrCoherence)
     EXPECT_EQ(play({.broad_phase = BroadPhaseKind::brute_force}), hash);
 }
 
+/// Pairs that touch, part, or keep a gap for frames.
+TEST(WorldMotion, SlowBodiesGiveTheSameResultsWithoutCoherence)
+{
+    const auto play = [](bool coherence) {
+        World world({.coherence = coherence});
+        const ModelId knot = world.add(make_torus_knot_mesh(2, 3, 0.6, 0.25, 0.1, 400)),
+                      ball = world.add(Shape(Sphere{0.4}));
+        constexpr std::uint64_t count = 40;
+        for (std::uint64_t i = 0; i < count; ++i)
+            world.add_body({.model = i % 3 ? knot : ball, .pose = random_pose(i, 2.5)});
+        std::vector<std::uint64_t> hashes;
+        std::size_t contacts = 0;
+        for (std::uint64_t frame = 0; frame < 60; ++frame) {
+            for (std::uint32_t i = 0; i < count; ++i) {
+                const BodyId body = world.body_at(i);
+                const Vector3d step = 0.1 * (random_pose(1000 * frame + i, 1).translation());
+                Isometry3d to(Eigen::AngleAxisd(step.norm(), step.normalized()) * world.pose(body).linear());
+                to.translation() = world.pose(body).translation() + 0.5 * step;
+                if ((i + frame) % 4) world.set_motion(body, to, frame % 2 ? MotionPath::screw : MotionPath::linear);
+            }
+            const FrameView view = world.step();
+            for (const PairSweep& sweep : view.sweeps)
+                contacts += sweep.verdict == Verdict::colliding && sweep.contact_by > 0;
+            hashes.push_back(view.hash);
+        }
+        EXPECT_GT(contacts, 20u);
+        return hashes;
+    };
+    EXPECT_EQ(play(true), play(false));
+}
+
+/// The pair keeps a gap of an earlier frame, and the body ends where it began.
+TEST(WorldMotion, AContactOnAWayThatComesBackIsFound)
+{
+    World world;
+    Isometry3d slanted(Eigen::AngleAxisd(M_PI / 4, Vector3d::UnitZ()));
+    const Vector3d normal = slanted.linear().col(0);
+    world.add_body({.model = world.add(make_box_mesh({0.01, 5, 5})), .pose = slanted, .is_static = true});
+    const auto beside = [&](double distance) { return Isometry3d(Eigen::Translation3d(distance * normal)); };
+    const BodyId ball = world.add_body({.model = world.add(make_sphere_mesh(0.5, 200)), .pose = beside(2)});
+    const FrameView apart = world.step();
+    ASSERT_EQ(apart.pairs.size(), 1u);
+    ASSERT_GT(apart.pairs[0].bound, 0.1) << "the gap";
+    for (const double nearest : {0.6, 0.4}) {
+        const RigidMotion::Key way[] = {{0, beside(2)}, {0.5, beside(nearest)}, {1, beside(2 - 1e-3)}};
+        world.set_motion(ball, RigidMotion(way));
+        const FrameView frame = world.step();
+        ASSERT_EQ(frame.sweeps.size(), 1u);
+        EXPECT_EQ(frame.sweeps[0].verdict, nearest < 0.5 ? Verdict::colliding : Verdict::separate);
+        world.set_pose(ball, beside(2));
+        world.step();
+    }
+}
+
 TEST(WorldMotion, FindsAllContactsOfSampledPoses)
 {
     World world, sampled;

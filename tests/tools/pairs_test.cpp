@@ -109,6 +109,50 @@ print("same")
     }
 }
 
+TEST_F(Pairs, SweepsStandBesideThePairs)
+{
+    ASSERT_EQ(run(city(5, {"--pace", "20", "--continuous", "--separate", "--csv", "p.csv", "--pairs", "p.h5"})).code,
+              0);
+    const auto same = python(R"(
+import h5py, pandas
+with h5py.File("p.h5", "r") as file:
+    pairs, sweeps = pandas.DataFrame(file["pairs"][:]), pandas.DataFrame(file["sweeps"][:])
+csv = pandas.read_csv("p.csv", float_precision="round_trip")
+assert len(csv) == len(pairs) == len(sweeps)
+assert csv["contact_by"].notna().sum() > 5 and csv["clear_until"].isna().sum() > 0
+for column in "clear_until", "x", "y", "z", "normal_x", "normal_y", "normal_z":
+    assert (csv[column].fillna(-9) == sweeps[column].fillna(-9)).all(), column
+for column in "contact_by", "gap":
+    assert (csv[column].fillna(9e9) == sweeps[column].replace(float("inf"), 9e9).fillna(9e9)).all(), column
+assert (csv["separating"].fillna(0) == sweeps["separating"]).all()
+none = 2**32 - 1
+for side in "a", "b":
+    triangles = sweeps["triangle_" + side]
+    known = triangles != none
+    assert (csv["part_" + side][known].astype(float) == triangles[known]).all(), side
+    assert not (csv["part_" + side].isna() & known).any(), side
+print("same")
+)");
+    if (same) {
+        EXPECT_EQ(*same, "same\n");
+    }
+}
+
+TEST_F(Pairs, AContinuousRunGoesOnToTheSameHash)
+{
+    const std::vector<std::string> fast{"--pace", "20", "--continuous", "--pairs"};
+    const auto with = [&](int frames, std::vector<std::string> more) {
+        more.insert(more.begin(), fast.begin(), fast.end());
+        return city(frames, std::move(more));
+    };
+    const std::string whole = hash_of(with(6, {"whole.h5"}));
+    ASSERT_EQ(run(with(4, {"p.h5"})).code, 0);
+    EXPECT_EQ(hash_of(with(6, {"p.h5", "--from-frame", "3"})), whole);
+    EXPECT_EQ(folder_.read("p.h5").size(), folder_.read("whole.h5").size());
+    expect_error(64, city(6, {"--pace", "20", "--pairs", "p.h5", "--from-frame", "3"}),
+                 {"p.h5", "its 'settings' differs from this run's", "continuous"});
+}
+
 TEST_F(Pairs, AreReadByTheProgramOfTheManual)
 {
     ASSERT_EQ(run(city(4, {"--pairs", "out.h5"})).code, 0);

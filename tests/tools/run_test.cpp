@@ -32,19 +32,6 @@ TEST_F(CommandLine, RunWritesResultsThatAgreeWithEachOther)
     EXPECT_EQ(folder_.list(), (std::vector<std::string>{"p.svg", "r.csv", "r.json", "t.json"}));
 }
 
-TEST_F(CommandLine, AContinuousRunFindsContactsBetweenFrames)
-{
-    folder_.write("scene.json", R"({"frames": 3, "geometries": {
-            "wall": {"shape": {"kind": "box", "half": [0.01, 5, 5]}},
-            "bullet": {"shape": {"kind": "sphere", "radius": 0.005}}},
-        "bodies": [{"geometry": "wall", "static": true},
-                   {"geometry": "bullet", "position": [-9.5, 0, 0], "motion": {"drift": {"velocity": [10, 0, 0]}}}]})");
-    const Outcome discrete = run({"run", "scene.json", "--exit-code"});
-    EXPECT_EQ(discrete.code, 0) << discrete.out << discrete.err;
-    const Outcome continuous = run({"run", "scene.json", "--exit-code", "--continuous"});
-    EXPECT_EQ(continuous.code, 1) << continuous.out << continuous.err;
-}
-
 TEST_F(CommandLine, QuietRunsPrintNothing)
 {
     const Outcome outcome = run({"run", "city", "--bodies", "20", "--frames", "2", "--quiet"});

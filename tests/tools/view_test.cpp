@@ -171,6 +171,8 @@ TEST_F(ViewOfResults, IsThePageOfTheRun)
     const std::vector<std::vector<std::string>> runs{
         {"city", "--bodies", "300", "--seed", "5", "--frames", "6", "--pace", "2", "--clearance", "0.1"},
         {"scene.json", "--exact", "predicates", "--separate"},
+        {"scene.json", "--exact", "predicates", "--continuous"},
+        {"city", "--bodies", "100", "--frames", "6", "--pace", "9", "--continuous", "--from-frame", "2"},
         {"scene.json", "--mode", "solid", "--exact", "predicates", "--kinds", "--from-frame", "3"}};
     for (const std::vector<std::string>& options : runs) {
         std::vector<std::string> arguments{"run", "--quiet", "--pairs", "p.h5", "--view", "x.html"};

@@ -24,6 +24,7 @@ void add_doctor(Arguments app);
 void add_reference(Arguments app); ///< hidden: for build scripts
 
 // Commands of `oncollide accuracy`.
+void add_accuracy_continuous(Arguments accuracy);
 void add_accuracy_fuzz(Arguments accuracy);
 void add_accuracy_hard(Arguments accuracy);
 void add_accuracy_study(Arguments accuracy);

@@ -21,6 +21,7 @@
 #include <oncollide/base/text/csv_writer.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/pipeline/results.hpp>
+#include <oncollide/runs/report_kept.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 
@@ -118,13 +119,6 @@ std::string tinted_verdict(const std::string& text, Verdict verdict, bool on_std
     const std::size_t end = text.find_first_of(" :");
     return tinted(tint, text.substr(0, end), on_stderr ? stderr_is_terminal() : stdout_is_terminal()) +
            text.substr(end);
-}
-
-/// A triangle's number, or a cell as its lowest corner and its side, in units of the map's smallest cells.
-std::string part_text(const BodyPart& part)
-{
-    const MapCell& c = part.cell;
-    return c.side > 0 ? fmt::format("{}/{}/{}/{}", c.x, c.y, c.z, c.side) : std::to_string(part.triangle);
 }
 
 std::string describe(const BodyPart& part, const std::string& name)

@@ -60,7 +60,9 @@ int run(const RunOptions& options)
     if (!shard.whole() && wants_ranks(options.ranks))
         usage("--shard is for independent processes: not under mpirun, and without checkpoints");
     if (options.continuous && wants_ranks(options.ranks))
-        usage("--continuous: not under mpirun, and without checkpoints");
+        usage(
+            "--continuous: the hash numbers the pairs of all bodies on their ways, which no process knows; run in one "
+            "process, without mpirun and checkpoints");
     if (wants_ranks(options.ranks))
         return play_on_ranks(options.scene, options.settings, options.outputs, options.ranks);
     if (!shard.whole() && options.from_frame)
@@ -79,6 +81,7 @@ int run(const RunOptions& options)
         usage(fmt::format("--from-frame {}: the scene has frames 0 to {}", options.from_frame, scene.frames - 1));
     const auto [begin, end] = shard.range(std::size_t(scene.frames));
     const int first = shard.whole() ? options.from_frame : int(begin);
+    if (options.continuous && first > 0) Mover().move(scene, first - 1); // the bodies come from there
     Pipeline pipeline(scene, settings);
     pipeline.set_continuous(options.continuous);
     if (first) pipeline.world().continue_from(std::uint32_t(first), 0);

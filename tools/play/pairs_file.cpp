@@ -1,5 +1,8 @@
 #include "play/pairs_file.hpp"
 
+#include <cmath>
+#include <limits>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -8,6 +11,7 @@
 #include <oncollide/base/text/json_writer.hpp>
 #include <oncollide/pipeline/settings_table.hpp>
 #include <oncollide/runs/report.hpp>
+#include <oncollide/runs/report_kept.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -60,10 +64,34 @@ ResultsHeader header_of(const SceneOptions& source, const Scene& scene, const Pi
     if (settings.backend != BackendKind::gl_query) settings.backend = BackendKind::cpu;
     const std::string run = settings_json(settings);
     TextInMemory text;
-    JsonWriter(text).object("bodies", scene.size(), "pace", scene.pace, "separate", separate, "run", JsonText{run});
+    JsonWriter json(text);
+    json.begin_object();
+    json.members("bodies", scene.size(), "pace", scene.pace, "separate", separate);
+    if (pipeline.continuous()) json.members("continuous", true);
+    json.members("run", JsonText{run});
+    json.end_object();
+    header.sweeps = pipeline.continuous();
     header.settings = text.text();
     header.source = source_json(source);
     return header;
+}
+
+SweepRow row_of(const PairSweep* sweep)
+{
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    SweepRow row{unknown, unknown, unknown, SweepRow::no_triangle, SweepRow::no_triangle, 0, {}, {}};
+    row.point.fill(unknown), row.normal.fill(unknown);
+    if (!sweep) return row;
+    row.clear_until = sweep->clear_until, row.contact_by = sweep->contact_by, row.gap = sweep->gap;
+    row.separating = sweep->separating;
+    if (!sweep->normal.isZero(0)) Eigen::Vector3d::Map(row.normal.data()) = sweep->normal;
+    if (!std::isfinite(sweep->contact_by) || sweep->kind == ContactKind::enclosed) return row;
+    const auto triangle = [](const BodyPart& part) {
+        return part.cell.side > 0 ? SweepRow::no_triangle : part.triangle;
+    };
+    row.triangle_a = triangle(sweep->contact.a), row.triangle_b = triangle(sweep->contact.b);
+    Eigen::Vector3d::Map(row.point.data()) = 0.5 * (sweep->contact.ends[0] + sweep->contact.ends[1]);
+    return row;
 }
 
 } // namespace
@@ -78,12 +106,16 @@ PairsFile::PairsFile(const std::filesystem::path& path, const SceneOptions& sour
 
 void PairsFile::add(const FrameView& frame)
 {
-    rows_.clear();
-    for (const PairResult& pair : frame.pairs)
-        if (separate_ || pair.verdict != Verdict::separate)
-            rows_.push_back({index(pair.a), index(pair.b), static_cast<std::uint8_t>(pair.verdict),
-                             static_cast<std::uint8_t>(pair.stage), static_cast<std::uint8_t>(pair.kind), pair.bound,
-                             pipeline_.world().max_error(pair.a, pair.b)});
+    rows_.clear(), sweeps_.clear();
+    SweepOfPair sweep_of(frame);
+    for (std::size_t i = 0; i < frame.pairs.size(); ++i) {
+        const PairResult& pair = frame.pairs[i];
+        if (!separate_ && pair.verdict == Verdict::separate) continue;
+        rows_.push_back({index(pair.a), index(pair.b), static_cast<std::uint8_t>(pair.verdict),
+                         static_cast<std::uint8_t>(pair.stage), static_cast<std::uint8_t>(pair.kind), pair.bound,
+                         pipeline_.world().max_error(pair.a, pair.b)});
+        if (pipeline_.continuous()) sweeps_.push_back(row_of(sweep_of(i)));
+    }
     FrameRow row{.frame = frame.frame,
                  .first = 0,
                  .pairs = 0,
@@ -94,7 +126,7 @@ void PairsFile::add(const FrameView& frame)
     std::ranges::transform(frame.stages, row.stages.begin(), [](const StageStats& s) {
         return StageRow{s.in, s.out, s.undecided, s.cpu_ms};
     });
-    file_.add(rows_, row);
+    file_.add(rows_, row, sweeps_);
 }
 
 StoredResults open_pairs(const std::filesystem::path& path)
@@ -111,7 +143,10 @@ StoredRun stored_run(const std::string& name, const ResultsHeader& header)
     try {
         const json settings = json::parse(header.settings), run = settings.at("run"),
                    source = json::parse(header.source);
-        StoredRun stored{.scene = {}, .settings = {}, .separate = settings.at("separate")};
+        StoredRun stored{.scene = {},
+                         .settings = {},
+                         .separate = settings.at("separate"),
+                         .continuous = settings.value("continuous", false)};
         Settings& s = stored.settings;
         set_results_settings(s, run);
         check(s);

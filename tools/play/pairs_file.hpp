@@ -28,6 +28,7 @@ private:
     bool separate_;
     ResultsFile file_;
     std::vector<PairRow> rows_;
+    std::vector<SweepRow> sweeps_;
 };
 
 /// The run that a results file describes.
@@ -35,6 +36,7 @@ struct StoredRun {
     SceneOptions scene; ///< without a name if it was read from standard input
     Settings settings;  ///< without settings that never change a result
     bool separate;      ///< the file also has separate pairs
+    bool continuous;    ///< bodies moved on the way from frame to frame
 };
 /// Throws Error{no_input} for a missing file, and the errors of StoredResults.
 StoredResults open_pairs(const std::filesystem::path& path);

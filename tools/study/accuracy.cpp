@@ -150,7 +150,8 @@ int accuracy(const AccuracyOptions& options)
     if (options.scene.scene.empty())
         throw Error(ErrorKind::usage, "accuracy: a scene is required (oncollide accuracy --help)");
     const std::string& word = options.scene.scene; // a misspelt subcommand ends up here
-    if (const std::string hint = did_you_mean(word, {"fuzz", "study"}); !hint.empty() && !is_scene_file(word))
+    if (const std::string hint = did_you_mean(word, {"continuous", "fuzz", "study"});
+        !hint.empty() && !is_scene_file(word))
         if (std::ranges::find(catalogue(), word, &CatalogueEntry::name) == catalogue().end())
             usage(fmt::format("accuracy: '{}' is neither a command nor a scene{} (scenes: oncollide scene --list)",
                               word, hint));
@@ -200,6 +201,7 @@ void add_accuracy(Arguments app)
     // Not marked as required: CLI11 would then take a subcommand's name for the scene.
     sub.add_option("scene SCENE.json|NAME", options->scene.scene,
                    "scene file, or a name from 'oncollide scene --list'");
+    add_accuracy_continuous(sub);
     add_accuracy_fuzz(sub);
     add_accuracy_hard(sub);
     add_accuracy_study(sub);

@@ -1,42 +1,77 @@
-// oncollide accuracy fuzz: small random scenes, checked against the truth and against each other.
+// oncollide accuracy fuzz: small random scenes and motions, checked against the truth and against each other.
 #include "cli/command.hpp"
+#include "common/text.hpp"
 
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 
 #include "cli/outputs.hpp"
 #include "cli/progress.hpp"
 #include "verify/trials/differential.hpp"
+#include "verify/trials/sweep_trial.hpp"
 
 namespace oncollide::tools {
 namespace {
 
 struct FuzzOptions {
-    std::int64_t scenes = 10'000;
+    std::int64_t scenes = 10'000, sweeps = 0;
     std::uint64_t seed = 1;
     int threads = 1;
-    std::string out = "fault.json";
+    std::string out = "fault.json", csv;
 };
+
+/// Returns the exit code.
+int fuzz_sweeps(const FuzzOptions& options, int threads)
+{
+    Progress progress("sweeps", std::size_t(options.sweeps));
+    const SweepTallies tallies =
+        try_sweeps(options.seed, std::uint64_t(options.sweeps), threads, [&] { progress.step(); });
+    SweepTally all;
+    std::optional<CsvFile> csv;
+    if (!options.csv.empty())
+        csv.emplace(options.csv, "a,b,sweeps,contacts,at_start,clear,open,poses,truths,missed,early,wide,changed");
+    const auto row = [&](const std::string& a, const std::string& b, const SweepTally& t) {
+        if (csv)
+            csv->row(a, b, t.sweeps, t.contacts, t.at_start, t.clear, t.open, t.poses, t.truths, t.missed, t.early,
+                     t.wide, t.changed);
+    };
+    for (const auto& [kinds, tally] : tallies) row(kinds.first, kinds.second, tally), all += tally;
+    row("all", "all", all);
+    if (csv) csv->commit();
+    say("{} sweeps, seeds {} to {}: {} contacts on the way, {} at time 0, {} free, {} not decided\n"
+        "{} poses by exact tests, {} by the truth: {} missed, {} early, {} out of tolerance, {} changed by the order "
+        "of the bodies\n",
+        options.sweeps, options.seed, options.seed + std::uint64_t(options.sweeps) - 1, all.contacts, all.at_start,
+        all.clear, all.open, all.poses, all.truths, all.missed, all.early, all.wide, all.changed);
+    if (tallies.first_fault.empty()) return 0;
+    say("FAULT      seed {}: {}\n", tallies.faulty_seed, tallies.first_fault);
+    return int(ErrorKind::internal);
+}
 
 int fuzz(const FuzzOptions& options)
 {
-    check_range("--scenes", options.scenes, 1);
+    check_range("--scenes", options.scenes, options.sweeps > 0 ? 0 : 1), check_range("--sweeps", options.sweeps, 0);
     check_range("--threads", options.threads, 0, 1024);
-    check_files({{"--out", options.out}});
-    Progress progress("scenes", std::size_t(options.scenes));
+    check_files({{"--out", options.out}, {"--csv", options.csv}});
+    if (!options.csv.empty() && options.sweeps == 0) usage("--csv: it lists sweeps; give their number with --sweeps");
     const int threads = options.threads ? options.threads : hardware_threads();
+    const int of_sweeps = options.sweeps > 0 ? fuzz_sweeps(options, threads) : 0;
+    if (options.scenes == 0) return of_sweeps;
+    Progress progress("scenes", std::size_t(options.scenes));
     const auto first =
         first_faulty_seed(options.seed, std::uint64_t(options.scenes), threads, [&] { progress.step(); });
     if (!first) {
         std::cout << fmt::format("{} scenes, seeds {} to {}: no fault\n", options.scenes, options.seed,
                                  options.seed + std::uint64_t(options.scenes) - 1);
-        return 0;
+        return of_sweeps;
     }
     const DrawnScene drawn = draw_scene(*first),
                      small = shrunk(drawn, [](const DrawnScene&d) { return !fault_in(d).empty(); });
@@ -53,13 +88,19 @@ void add_accuracy_fuzz(Arguments accuracy)
     Arguments sub = accuracy.add_command("fuzz", "Check small random scenes against the truth and against each other");
     auto options = std::make_shared<FuzzOptions>();
     sub.add_option("--scenes N", options->scenes, "number of scenes (default 10000)");
-    sub.add_option("--seed S", options->seed, "seed of the first scene; each scene has the next number (default 1)");
-    sub.add_option("--threads N", options->threads, "number of threads; 0: all (default 1)");
+    sub.add_option("--sweeps N", options->sweeps,
+                   "number of sweeps of two moving bodies to check before the scenes (default 0)");
+    sub.add_option("--csv FILE", options->csv, "write one row of sweeps for each two kinds of geometry");
+    sub.add_option("--seed", options->seed,
+                   "seed of the first scene, and of the first sweep; each next one has the next number (default 1)")
+        .type_name("S");
+    sub.add_option("--threads", options->threads, "number of threads; 0: all (default 1)").type_name("N");
     sub.add_option("--out FILE", options->out, "file for the smallest faulty scene (default fault.json)");
     sub.footer("Scenes of two to four meshes, shapes, maps and terrains, with all settings. Most are on a grid of 1/8, "
                "where touching is common. The truth comes from extended precision and shares no code with the library. "
                "Exit code 70: a fault was found; the scene is reduced to a small scene file, and the options are "
-               "printed.");
+               "printed. Sweeps are judged by the truth of single poses before and at the contact, and with the bodies "
+               "swapped.");
     sub.action([options] { return fuzz(*options); });
 }
 

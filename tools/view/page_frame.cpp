@@ -91,7 +91,23 @@ std::vector<PairResult> PageFrames::chosen(std::span<const PairResult> pairs) co
     return all;
 }
 
-PageFrames::Places PageFrames::places_of(std::span<const PairResult> pairs) const
+/// The sweeps of chosen pairs; null: there is none, or it found no contact.
+std::vector<const PairSweep*> PageFrames::sweeps_of(const FrameView& view, std::span<const PairResult> chosen)
+{
+    std::vector<const PairSweep*> sweeps(chosen.size(), nullptr);
+    std::size_t k = 0;
+    for (const PairSweep& sweep : view.sweeps) {
+        const PairResult& pair = view.pairs[sweep.pair];
+        while (k < chosen.size() && std::pair(chosen[k].a.slot, chosen[k].b.slot) < std::pair(pair.a.slot, pair.b.slot))
+            ++k;
+        if (k == chosen.size()) break;
+        if (chosen[k].a == pair.a && chosen[k].b == pair.b && std::isfinite(sweep.contact_by)) sweeps[k] = &sweep;
+    }
+    return sweeps;
+}
+
+PageFrames::Places PageFrames::places_of(std::span<const PairResult> pairs,
+                                         std::span<const PairSweep* const> sweeps) const
 {
     const World& world = pipeline_.world();
     Places places;
@@ -112,6 +128,11 @@ PageFrames::Places PageFrames::places_of(std::span<const PairResult> pairs) cons
     std::size_t measured = 0;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
         const PairResult& pair = pairs[k];
+        if (const PairSweep* const sweep = sweeps[k]; sweep && sweep->contact_by > 0) {
+            const std::array<Eigen::Vector3d, 2>& ends = sweep->contact.ends;
+            if (sweep->kind != ContactKind::enclosed) put(k, 0.5 * (ends[0] + ends[1]));
+            continue;
+        }
         if (pair.verdict == Verdict::colliding && colliding.size() < most_measured)
             colliding.push_back(k), bodies.push_back({pair.a, pair.b});
         if ((pair.verdict != Verdict::within && pair.verdict != Verdict::undecided) || measured++ >= most_measured)
@@ -151,11 +172,12 @@ PageFrame PageFrames::make(const FrameView& view)
         for (const BodyId body : {pair.a, pair.b}) ++touched_[index(scene_.geometry[index(body)])];
     }
     const std::vector<PairResult> pairs = chosen(view.pairs);
-    const Places places = places_of(pairs);
+    const std::vector<const PairSweep*> sweeps = sweeps_of(view, pairs);
+    const Places places = places_of(pairs, sweeps);
     std::vector<DelimitedRegion> regions = pipeline_.inspect().regions;
     if (regions.size() > most_regions) regions.resize(most_regions); // the deepest levels come last
 
-    std::vector<float> positions, bounds, errors, boxes;
+    std::vector<float> positions, bounds, errors, boxes, times;
     std::vector<std::int16_t> turns;
     std::vector<std::uint32_t> a, b;
     std::vector<std::uint8_t> small; // verdicts, stages, kinds; levels of regions, and which regions are rejected
@@ -168,6 +190,12 @@ PageFrame PageFrames::make(const FrameView& view)
         bounds.push_back(pair.verdict == Verdict::separate ? below(pair.bound) : above(pair.bound));
         errors.push_back(above(pipeline_.world().max_error(pair.a, pair.b)));
     }
+    const bool swept = std::ranges::any_of(sweeps, [](const PairSweep* sweep) { return sweep != nullptr; });
+    for (const PairSweep* const sweep : sweeps) {
+        if (!swept) break;
+        times.push_back(sweep ? below(sweep->clear_until) : not_known);
+        times.push_back(sweep ? above(sweep->contact_by) : not_known);
+    }
     for (const DelimitedRegion& region : regions)
         append(boxes, region.box.min - origin_), append(boxes, region.box.max - origin_);
     for (const PairResult& pair : pairs) small.push_back(std::uint8_t(pair.verdict));
@@ -179,7 +207,8 @@ PageFrame PageFrames::make(const FrameView& view)
     PageFrame frame;
     frame.block.add(positions), frame.block.add(a), frame.block.add(b), frame.block.add(bounds);
     frame.block.add(errors), frame.block.add(places.where), frame.block.add(places.nearest);
-    frame.block.add(places.apart), frame.block.add(places.curve), frame.block.add(places.of_curve);
+    frame.block.add(places.apart), frame.block.add(times), frame.block.add(places.curve),
+        frame.block.add(places.of_curve);
     frame.block.add(boxes), frame.block.add(turns), frame.block.add(small);
     std::uint64_t listed = 0;
     for (std::size_t v = 0; v < verdicts.size(); ++v) listed += v || separate_ ? verdicts[v] : 0;
@@ -188,6 +217,7 @@ PageFrame PageFrames::make(const FrameView& view)
                     {"hash", fmt::format("{:016x}", view.hash)},
                     {"pairs", pairs.size()},
                     {"left_out", listed - pairs.size()},
+                    {"swept", swept},
                     {"curve", places.of_curve.size()},
                     {"regions", regions.size()},
                     {"verdicts", verdicts},

@@ -45,7 +45,8 @@ private:
         std::vector<std::uint32_t> of_curve; ///< the pair of each segment
     };
     std::vector<PairResult> chosen(std::span<const PairResult> pairs) const;
-    Places places_of(std::span<const PairResult> pairs) const;
+    static std::vector<const PairSweep*> sweeps_of(const FrameView& view, std::span<const PairResult> chosen);
+    Places places_of(std::span<const PairResult> pairs, std::span<const PairSweep* const> sweeps) const;
 
     const Scene& scene_;
     const Pipeline& pipeline_;

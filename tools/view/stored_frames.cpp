@@ -1,5 +1,6 @@
 #include "view/stored_frames.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
@@ -38,6 +39,15 @@ Scene scene_of(const std::string& name, const StoredRun& run)
     }
 }
 
+/// Where bodies move on the way, they come from the frame before the first one.
+Scene scene_before(const std::string& name, const StoredRun& run, std::span<const FrameRow> frames)
+{
+    Scene scene = scene_of(name, run);
+    if (run.continuous && !frames.empty() && frames.front().frame > 0)
+        Mover().move(scene, static_cast<int>(frames.front().frame) - 1);
+    return scene;
+}
+
 Settings without_narrow_phase(Settings settings, int threads)
 {
     settings.threads = threads, settings.backend = BackendKind::cpu;
@@ -49,7 +59,8 @@ Settings without_narrow_phase(Settings settings, int threads)
 
 StoredFrames::StoredFrames(const std::string& results, const std::string& scene, const std::string& data, int threads)
     : name_(results), stored_(open_pairs(results)), run_(run_of(results, stored_.header(), scene, data)),
-      scene_(scene_of(results, run_)), pipeline_(scene_, without_narrow_phase(run_.settings, threads))
+      scene_(scene_before(results, run_, stored_.frames())),
+      pipeline_(scene_, without_narrow_phase(run_.settings, threads))
 {
     if (scene_.size() != stored_.header().bodies)
         refuse_scene(
@@ -60,6 +71,7 @@ StoredFrames::StoredFrames(const std::string& results, const std::string& scene,
     if (stored_.frames().back().frame >= std::uint64_t(scene_.frames))
         refuse_scene(fmt::format("the scene has frames 0 to {}, the results end with frame {}", scene_.frames - 1,
                                  stored_.frames().back().frame));
+    played_ = first() - 1;
 }
 
 void StoredFrames::refuse_scene(const std::string& why) const
@@ -68,12 +80,23 @@ void StoredFrames::refuse_scene(const std::string& why) const
                 fmt::format("{}: does not fit {} in its present state: {}", name_, run_.scene.scene, why));
 }
 
+FrameView StoredFrames::step(int frame)
+{
+    if (run_.continuous && frame > 0 && played_ != frame - 1) {
+        pipeline_.set_continuous(false);
+        mover_.move(scene_, frame - 1);
+        pipeline_.step(scene_);
+    }
+    pipeline_.world().continue_from(std::uint32_t(frame), 0);
+    pipeline_.set_continuous(run_.continuous && frame > 0);
+    mover_.move(scene_, played_ = frame);
+    return pipeline_.step(scene_);
+}
+
 FrameView StoredFrames::play(int frame)
 {
     const FrameRow& row = stored_.frames()[std::size_t(frame - first())];
-    pipeline_.world().continue_from(std::uint32_t(frame), 0);
-    mover_.move(scene_, frame);
-    const FrameView played = pipeline_.step(scene_);
+    const FrameView played = step(frame);
     pipeline_.world().continue_from(std::uint32_t(frame) + 1, row.chain);
     decide(row, played.pairs);
     count(row, played.stages);
@@ -88,13 +111,14 @@ FrameView StoredFrames::play(int frame)
             .trees = played.trees,
             .rounds = played.rounds,
             .hash = row.hash,
-            .sweeps = {}};
+            .sweeps = sweeps_};
 }
 
 /// Both are sorted by their bodies. Candidates that are not in the file were separate.
 void StoredFrames::decide(const FrameRow& row, std::span<const PairResult> candidates)
 {
-    stored_.read(row, rows_);
+    stored_.read(row, rows_), stored_.read(row, sweep_rows_);
+    sweeps_.clear();
     results_.assign(candidates.begin(), candidates.end());
     std::uint64_t hash = 0;
     auto next = rows_.begin();
@@ -109,14 +133,31 @@ void StoredFrames::decide(const FrameRow& row, std::span<const PairResult> candi
         pair.verdict = Verdict(next->verdict), pair.stage = StageId(next->stage), pair.kind = ContactKind(next->kind);
         pair.bound = next->bound;
         mix(hash, pair, wants_kinds(run_.settings));
+        if (!sweep_rows_.empty())
+            add_sweep(sweep_rows_[std::size_t(next - rows_.begin())], std::size_t(&pair - results_.data()));
         ++next;
     }
+    for (const PairSweep& sweep : sweeps_) mix(hash, sweep);
     if (next != rows_.end())
         refuse_scene(fmt::format("in frame {} the results have a pair of bodies {} and {}, whose boxes are "
                                  "apart",
                                  row.frame, next->a, next->b));
     if (hash != row.hash)
         refuse(name_, fmt::format("the pairs of frame {} are damaged: their hash differs", row.frame));
+}
+
+/// The stored parts of the sweep of a pair in results_.
+void StoredFrames::add_sweep(const SweepRow& row, std::size_t pair)
+{
+    if (std::isnan(row.clear_until)) return;
+    PairSweep& sweep = sweeps_.emplace_back();
+    sweep.pair = static_cast<std::uint32_t>(pair);
+    sweep.verdict = results_[pair].verdict, sweep.kind = results_[pair].kind;
+    sweep.clear_until = row.clear_until, sweep.contact_by = row.contact_by, sweep.gap = row.gap;
+    sweep.separating = row.separating != 0;
+    sweep.contact.a = row.triangle_a, sweep.contact.b = row.triangle_b;
+    sweep.contact.ends[0] = sweep.contact.ends[1] = Eigen::Vector3d::Map(row.point.data());
+    if (!std::isnan(row.normal[0])) sweep.normal = Eigen::Vector3d::Map(row.normal.data());
 }
 
 /// Input and output counts of each stage come from the file; the reason for skipping one follows from settings and

@@ -28,7 +28,9 @@ public:
     FrameView play(int frame);
 
 private:
+    FrameView step(int frame);
     void decide(const FrameRow& row, std::span<const PairResult> candidates);
+    void add_sweep(const SweepRow& row, std::size_t pair);
     void count(const FrameRow& row, std::span<const StageStats> stages);
     [[noreturn]] void refuse_scene(const std::string& why) const;
 
@@ -38,8 +40,11 @@ private:
     Scene scene_;
     Pipeline pipeline_;
     Mover mover_;
+    int played_; ///< the frame of the bodies' poses
     std::vector<PairRow> rows_;
+    std::vector<SweepRow> sweep_rows_;
     std::vector<PairResult> results_;
+    std::vector<PairSweep> sweeps_;
     std::vector<StageStats> stages_;
 };
 

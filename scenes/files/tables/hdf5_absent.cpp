@@ -45,7 +45,7 @@ ResultsFile::ResultsFile(const std::filesystem::path& path, const ResultsHeader&
 }
 
 ResultsFile::~ResultsFile() = default;
-void ResultsFile::add(std::span<const PairRow>, FrameRow) {}
+void ResultsFile::add(std::span<const PairRow>, FrameRow, std::span<const SweepRow>) {}
 void ResultsFile::close() {}
 
 void ResultsFile::fail()
@@ -68,5 +68,6 @@ std::string StoredResults::unlike(const NameColumn&) const
     return {};
 }
 void StoredResults::read(const FrameRow&, std::vector<PairRow>&) const {}
+void StoredResults::read(const FrameRow&, std::vector<SweepRow>&) const {}
 
 } // namespace oncollide

@@ -19,6 +19,7 @@ struct ResultsHeader {
     std::string source; ///< the scene's origin (JSON); may differ from the origin in a file that is continued
     std::uint64_t bodies = 0;
     std::vector<std::string> verdicts, stages, kinds; ///< names of the numbers in a row, from 0 on
+    bool sweeps = false;                              ///< a row of sweeps for each row of pairs
 };
 
 /// One pair in one frame: 27 bytes, as in the file.
@@ -27,6 +28,18 @@ struct PairRow {
     std::uint32_t a, b; ///< bodies
     std::uint8_t verdict, stage, kind;
     double bound, max_error; ///< metres; infinite: unknown
+};
+#pragma pack(pop)
+
+/// When the pair met on its way, in a run in which bodies do. Numbers are NaN where nothing is known: all, if no body
+/// of the pair moved.
+#pragma pack(push, 1)
+struct SweepRow {
+    double clear_until, contact_by, gap;
+    std::uint32_t triangle_a, triangle_b; ///< no_triangle: no contact, or the part is none
+    std::uint8_t separating;
+    std::array<double, 3> point, normal;
+    static constexpr std::uint32_t no_triangle = ~0u;
 };
 #pragma pack(pop)
 
@@ -62,7 +75,8 @@ public:
     /// The hash of the frames of the earlier run; 0 if there was none.
     std::uint64_t chain() const { return chain_; }
     /// Appends a frame; sets row.first and row.pairs. Throws Error{cannot_write}; the file then ends before the frame.
-    void add(std::span<const PairRow> pairs, FrameRow row);
+    /// @param sweeps  one for each of the pairs, if the header says so
+    void add(std::span<const PairRow> pairs, FrameRow row, std::span<const SweepRow> sweeps = {});
     /// No frame can be added afterwards. Throws Error{cannot_write}.
     void close();
 
@@ -92,6 +106,8 @@ public:
     /// The pairs of a frame of the file, in the order in which they were added. Throws Error{bad_data} if they cannot
     /// be read.
     void read(const FrameRow& frame, std::vector<PairRow>& pairs) const;
+    /// The same for their sweeps, if header().sweeps; otherwise none.
+    void read(const FrameRow& frame, std::vector<SweepRow>& sweeps) const;
 
 private:
     struct Open;

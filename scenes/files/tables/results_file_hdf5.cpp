@@ -4,6 +4,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -85,6 +86,24 @@ Hdf5Handle pair_type(const ResultsHeader& header)
                                       {"kind", offsetof(PairRow, kind), kind.id()},
                                       {"gap_bound", offsetof(PairRow, bound), h5.native_double},
                                       {"max_error", offsetof(PairRow, max_error), h5.native_double}});
+}
+
+Hdf5Handle sweep_type()
+{
+    const Hdf5& h5 = hdf5();
+    std::vector<Field> fields{{"clear_until", offsetof(SweepRow, clear_until), h5.native_double},
+                              {"contact_by", offsetof(SweepRow, contact_by), h5.native_double},
+                              {"gap", offsetof(SweepRow, gap), h5.native_double},
+                              {"triangle_a", offsetof(SweepRow, triangle_a), h5.native_uint32},
+                              {"triangle_b", offsetof(SweepRow, triangle_b), h5.native_uint32},
+                              {"separating", offsetof(SweepRow, separating), h5.native_uint8}};
+    for (std::size_t k = 0; k < 3; ++k) {
+        fields.push_back({std::string(1, "xyz"[k]), offsetof(SweepRow, point) + k * sizeof(double), h5.native_double});
+        fields.push_back(
+            {fmt::format("normal_{}", "xyz"[k]), offsetof(SweepRow, normal) + k * sizeof(double), h5.native_double});
+    }
+    std::ranges::sort(fields, {}, &Field::name);
+    return row_type(sizeof(SweepRow), fields);
 }
 
 Hdf5Handle frame_type(const ResultsHeader& header)
@@ -222,6 +241,7 @@ std::span<const FrameRow> frames_before(const std::string& name, std::span<const
 struct ResultsFile::Open {
     Hdf5Handle file;
     Rows frames, pairs;
+    std::optional<Rows> sweeps;
 };
 
 ResultsFile::ResultsFile(const fs::path& path, const ResultsHeader& header, const NameColumn& names,
@@ -241,6 +261,7 @@ ResultsFile::ResultsFile(const fs::path& path, const ResultsHeader& header, cons
         write_header(file, header);
         write_names(file, names);
         open_->pairs = make_rows(file, "pairs", pair_type(header), pair_chunk);
+        if (header.sweeps) open_->sweeps = make_rows(file, "sweeps", sweep_type(), pair_chunk);
         open_->frames = make_rows(file, "frames", frame_type(header), frame_chunk);
         sure(hdf5().H5Fflush(file, H5F_SCOPE_LOCAL));
         sure(hdf5().H5Fstart_swmr_write(file));
@@ -264,7 +285,9 @@ void ResultsFile::copy(const fs::path& from, const ResultsHeader& header, std::u
     const StoredResults earlier(from, header);
     check_header(name_, earlier.header(), header);
     std::vector<PairRow> pairs;
-    for (const FrameRow& row : frames_before(name_, earlier.frames(), frame)) earlier.read(row, pairs), add(pairs, row);
+    std::vector<SweepRow> sweeps;
+    for (const FrameRow& row : frames_before(name_, earlier.frames(), frame))
+        earlier.read(row, pairs), earlier.read(row, sweeps), add(pairs, row, sweeps);
 }
 
 ResultsFile::~ResultsFile()
@@ -275,14 +298,19 @@ ResultsFile::~ResultsFile()
         }
 }
 
-void ResultsFile::add(std::span<const PairRow> pairs, FrameRow row)
+void ResultsFile::add(std::span<const PairRow> pairs, FrameRow row, std::span<const SweepRow> sweeps)
 {
+    ONCOLLIDE_ASSERT(sweeps.size() == (open_->sweeps ? pairs.size() : 0));
     row.first = pairs_, row.pairs = pairs.size();
     try {
         const Hdf5& h5 = hdf5();
         errno = 0;
         open_->pairs.append(pairs_, pairs.size(), pairs.data());
         sure(h5.H5Dflush(open_->pairs.dataset.id()));
+        if (open_->sweeps) {
+            open_->sweeps->append(pairs_, sweeps.size(), sweeps.data());
+            sure(h5.H5Dflush(open_->sweeps->dataset.id()));
+        }
         open_->frames.append(frames_, 1, &row); // from now on the frame is part of the file
         sure(h5.H5Dflush(open_->frames.dataset.id()));
     } catch (const Failed&) {
@@ -296,7 +324,7 @@ void ResultsFile::close()
     if (!open_) return;
     try {
         errno = 0;
-        open_->pairs = {}, open_->frames = {};
+        open_->pairs = {}, open_->sweeps.reset(), open_->frames = {};
         sure(hdf5().H5Fflush(open_->file.id(), H5F_SCOPE_LOCAL));
         open_.reset();
     } catch (const Failed&) {

@@ -35,6 +35,22 @@ std::vector<StoredField> pair_fields(const ResultsHeader& words)
             {"max_error", offsetof(PairRow, max_error), 8, Hdf5Type::Kind::real}};
 }
 
+std::vector<StoredField> sweep_fields()
+{
+    std::vector<StoredField> fields{{"clear_until", offsetof(SweepRow, clear_until), 8, Hdf5Type::Kind::real},
+                                    {"contact_by", offsetof(SweepRow, contact_by), 8, Hdf5Type::Kind::real},
+                                    {"gap", offsetof(SweepRow, gap), 8, Hdf5Type::Kind::real},
+                                    {"triangle_a", offsetof(SweepRow, triangle_a), 4, Hdf5Type::Kind::whole},
+                                    {"triangle_b", offsetof(SweepRow, triangle_b), 4, Hdf5Type::Kind::whole},
+                                    {"separating", offsetof(SweepRow, separating), 1, Hdf5Type::Kind::whole}};
+    for (std::uint64_t k = 0; k < 3; ++k) {
+        fields.push_back({std::string(1, "xyz"[k]), offsetof(SweepRow, point) + 8 * k, 8, Hdf5Type::Kind::real});
+        fields.push_back(
+            {fmt::format("normal_{}", "xyz"[k]), offsetof(SweepRow, normal) + 8 * k, 8, Hdf5Type::Kind::real});
+    }
+    return fields;
+}
+
 std::vector<StoredField> frame_fields(const ResultsHeader& words)
 {
     std::vector<StoredField> fields{{"frame", offsetof(FrameRow, frame), 8, Hdf5Type::Kind::whole},
@@ -136,7 +152,7 @@ private:
 
 struct StoredResults::Open {
     std::shared_ptr<const Hdf5Bytes> file;
-    std::unique_ptr<StoredRows> frames, pairs;
+    std::unique_ptr<StoredRows> frames, pairs, sweeps;
 
     std::optional<Hdf5Dataset> find(const char* name) const
     {
@@ -184,7 +200,10 @@ StoredResults::StoredResults(const std::filesystem::path& path, const ResultsHea
         frames_.resize(open_->frames->size());
         open_->frames->read(0, frames_.size(), frames_.data());
         open_->pairs = open_->rows(name_, "pairs", pair_fields(words)); // after the frames, which it may outrun
-        const std::uint64_t pairs = open_->pairs->size();
+        header_.sweeps = open_->find("sweeps").has_value();
+        if (header_.sweeps) open_->sweeps = open_->rows(name_, "sweeps", sweep_fields());
+        std::uint64_t pairs = open_->pairs->size();
+        if (header_.sweeps) pairs = std::min(pairs, open_->sweeps->size());
         for (std::size_t k = 0; k < frames_.size(); ++k) {
             const FrameRow& row = frames_[k];
             if (row.frame - frames_[0].frame != k || row.first > pairs || row.pairs > pairs - row.first)
@@ -220,6 +239,17 @@ std::string StoredResults::unlike(const NameColumn& names) const
     } catch (const Hdf5Fault& fault) {
         if (fault.what == hdf5_in_other_file) refuse(name_ + ": names", fault.what);
         refuse(name_, "the names of its bodies cannot be read: " + fault.what);
+    }
+}
+
+void StoredResults::read(const FrameRow& frame, std::vector<SweepRow>& sweeps) const
+{
+    sweeps.resize(header_.sweeps ? frame.pairs : 0);
+    if (sweeps.empty()) return;
+    try {
+        open_->sweeps->read(frame.first, frame.pairs, sweeps.data());
+    } catch (const Hdf5Fault& fault) {
+        refuse(name_, fmt::format("the sweeps of frame {} cannot be read: {}", frame.frame, fault.what));
     }
 }
 

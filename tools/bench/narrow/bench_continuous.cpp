@@ -1,5 +1,6 @@
-// oncollide bench continuous: when two moving meshes first meet, compared with FCL's modes.
+// oncollide bench continuous: when two moving meshes first meet, compared with FCL's modes; and an articulated body.
 #include "bench/bench.hpp"
+#include "bench/narrow/articulated.hpp"
 #include "cli/options.hpp"
 #include "common/race.hpp"
 #include "common/statistics.hpp"
@@ -22,7 +23,7 @@ namespace {
 
 struct ContinuousOptions {
     std::vector<std::string> meshes; ///< two files; empty: two generated knots
-    int motions = 1000;
+    int motions = 1000, steps = 400;
     double reach = 1;        ///< of the positions, in diagonals of the meshes
     double tolerance = 1e-4; ///< of the time, and of the distance in diagonals
     int samples = 200;       ///< poses before each contact that are tested
@@ -126,10 +127,28 @@ private:
     FclGeometry fcl_a_, fcl_b_;
 };
 
+/// Returns how many results are wrong.
+std::size_t bench_articulated(const ContinuousOptions& options, CsvFile& csv)
+{
+    constexpr int samples = 10;
+    if (options.steps == 0) return 0;
+    const ArticulatedResult r = walk_articulated_body(options.steps, options.tolerance, samples);
+    say("\narticulated body: {} links, {} triangles, past {} posts of {} triangles; {} steps: {:.3g} ms, mean, {:.3g} "
+        "ms, "
+        "median; {} contacts; {} contradicted by exact tests of all pairs at {} poses in each step\n",
+        r.links, grouped(r.triangles), r.posts, grouped(r.triangles_of_posts), options.steps, 1e-3 * mean(r.us),
+        1e-3 * median(r.us), r.contacts, r.contradicted, samples);
+    csv.row(Quoted{"articulated"}, r.triangles, Quoted{"posts"}, r.triangles_of_posts, 0, options.tolerance,
+            options.steps, "oncollide", Digits{median(r.us), 4}, Digits{mean(r.us), 4}, r.contacts, r.contradicted, 0,
+            0, 0);
+    return r.contradicted;
+}
+
 /// Returns the exit code: 70 if a result of oncollide is wrong.
 int bench_continuous(const ContinuousOptions& options)
 {
     check_range("--motions", options.motions, 1, 10'000'000), check_range("--samples", options.samples, 0);
+    check_range("--steps", options.steps, 0, 1'000'000);
     if (!(options.tolerance >= 1e-12 && options.tolerance <= 1))
         usage(fmt::format("--tolerance {}: must be from 1e-12 to 1", options.tolerance));
     if (!(options.reach > 0 && options.reach <= 1e6))
@@ -177,6 +196,7 @@ int bench_continuous(const ContinuousOptions& options)
     }
     say("\noncollide: {} of {} results contradicted by {} exact tests each; {} left open\n", wrong, options.motions,
         options.samples + 1, open);
+    wrong += bench_articulated(options, csv);
     csv.commit();
     return wrong ? int(ErrorKind::internal) : 0;
 }
@@ -193,6 +213,9 @@ void add_continuous(Arguments bench)
     sub.add_option("--reach R", options->reach, "largest coordinate of B's random positions (default 1)");
     sub.add_option("--tolerance T", options->tolerance, "of the time of contact and of the distance (default 1e-4)");
     sub.add_option("--samples N", options->samples, "poses before each contact that exact tests check (default 200)");
+    sub.add_option("--steps", options->steps,
+                   "steps of an articulated body of 15 links and 20,000 triangles (default 400; 0: none)")
+        .type_name("N");
     sub.add_option("--seed S", options->seed, "seed of the motions (default 12345)");
     sub.add_option("--csv FILE", options->csv, "write one row per contender");
     sub.footer("Contenders take turns, motion by motion. missed: a contact that exact tests confirm is not found;\n"

@@ -51,6 +51,20 @@ public:
         const double speed = on_grid_ ? 0.0625 : 0.05;
         return Drift{.velocity = speed * point(), .spin = Eigen::Vector3d::Zero(), .walls = {}};
     }
+    RigidMotion way()
+    {
+        const Eigen::Isometry3d from = pose();
+        if (one_in(6)) return RigidMotion(from);
+        std::vector<RigidMotion::Key> keys{{0, from}};
+        const int inner = one_in(4) ? number(1, 3) : 0;
+        for (int k = 1; k <= inner + 1; ++k) {
+            Eigen::Isometry3d to = pose();
+            if (one_in(2)) to.linear() = keys.back().pose.linear();
+            if (one_in(8)) to.translation() *= 256;
+            keys.push_back({k == inner + 1 ? 1 : 0.25 * k, to});
+        }
+        return RigidMotion(keys, one_in(3) ? MotionPath::screw : MotionPath::linear);
+    }
     GeometryData geometry()
     {
         if (terrains_ && one_in(2)) return terrain();
@@ -223,6 +237,17 @@ DrawnScene draw_scene(std::uint64_t seed)
     }
     drawn.settings = draw.settings();
     return drawn;
+}
+
+DrawnSweep draw_sweep(std::uint64_t seed)
+{
+    Draw draw(seed);
+    GeometryData a = draw.geometry(), b = draw.geometry();
+    RigidMotion motion_a = draw.way(), motion_b = draw.way();
+    Settings settings;
+    if (draw.one_in(4)) settings.clearance = draw.length();
+    if (draw.one_in(4)) settings.mode = Mode::solid, settings.open_as_surface = true;
+    return {std::move(a), std::move(b), std::move(motion_a), std::move(motion_b), settings};
 }
 
 } // namespace oncollide::tools

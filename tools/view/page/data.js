@@ -82,7 +82,7 @@ function frameAt(k) {
   const h = header.frames[k], c = new Columns("f" + k), m = header.moving, n = h.pairs;
   const frame = {position: c.take(Float32Array, 3 * m), a: c.take(Uint32Array, n), b: c.take(Uint32Array, n),
     bound: c.take(Float32Array, n), error: c.take(Float32Array, n), where: c.take(Float32Array, 3 * n),
-    nearest: c.take(Float32Array, n), apart: c.take(Float32Array, n), curve: c.take(Float32Array, 6 * h.curve),
+    nearest: c.take(Float32Array, n), apart: c.take(Float32Array, n), times: c.take(Float32Array, h.swept ? 2 * n : 0), curve: c.take(Float32Array, 6 * h.curve),
     ofCurve: c.take(Uint32Array, h.curve), regions: c.take(Float32Array, 6 * h.regions), turn: c.take(Int16Array, 4 * m),
     verdict: c.take(Uint8Array, n), stage: c.take(Uint8Array, n), kind: c.take(Uint8Array, n),
     level: c.take(Uint8Array, h.regions), rejected: c.take(Uint8Array, h.regions), header: h, pairs: n};

@@ -72,6 +72,9 @@ function pairFacts(frame, p) {
   const verdict = VERDICTS[frame.verdict[p]], bound = frame.bound[p], facts = [], kind = KINDS[frame.kind[p]], out = [];
   out.push(element("p.verdict", {}, element("span.swatch." + verdict), VERDICT_TEXT[verdict][0], element("small", {}, VERDICT_TEXT[verdict][1])));
   if (kind) facts.push(...fact("How", KIND_TEXT[kind] + ` (${kind})`));
+  const share = (x) => (100 * x).toPrecision(6).replace(/\.?0+$/, "") + " %", [clear, contact] = frame.times.subarray(2 * p, 2 * p + 2);
+  if (contact === 0) facts.push(...fact("On the way to this frame", "in contact from the start"));
+  if (contact > 0) facts.push(...fact("On the way to this frame", `free until ${share(clear)} of the way, in contact by ${share(contact)}; the mark is there`));
   if (verdict !== "colliding") facts.push(...fact(verdict === "separate" ? "At least apart (bound)" : "At most apart (bound)", isFinite(bound) ? lengthText(bound) : "no bound known"));
   if (verdict !== "colliding" && frame.apart[p] >= 0) {
     const near = frame.nearest[p], far = frame.apart[p];

@@ -1,0 +1,21 @@
+#pragma once
+#include <string>
+#include <string_view>
+
+#include <oncollide/base/files/output_file.hpp>
+
+#include "study/pictures.hpp"
+
+// Parts of the pages of `accuracy study` and `accuracy continuous`: self-contained, well-formed as XML.
+namespace oncollide::tools {
+
+/// @param command  that made the page, as typed; empty: unknown
+void begin_page(OutputFile& file, const std::string& title, const std::string& command);
+void heading(OutputFile& file, std::string_view words);
+void paragraph(OutputFile& file, std::string_view words);
+void fault(OutputFile& file, std::string_view words);
+void show_picture(OutputFile& file, const StudyPicture& picture);
+/// @param about  settings and program, lines of plain text
+void end_page(OutputFile& file, const std::string& about);
+
+} // namespace oncollide::tools
