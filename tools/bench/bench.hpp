@@ -12,6 +12,7 @@ void add_planner(Arguments bench);
 void add_continuous(Arguments bench);
 void add_shapes(Arguments bench);
 void add_rays(Arguments bench);
+void add_contacts(Arguments bench);
 void add_robot_bench(Arguments bench);
 void add_world(Arguments bench);
 void add_environment(Arguments bench);

@@ -26,6 +26,7 @@ void add_reference(Arguments app); ///< hidden: for build scripts
 // Commands of `oncollide accuracy`.
 void add_accuracy_fuzz(Arguments accuracy);
 void add_accuracy_hard(Arguments accuracy);
+void add_accuracy_manifolds(Arguments accuracy);
 void add_accuracy_study(Arguments accuracy);
 
 } // namespace oncollide::tools

@@ -202,6 +202,7 @@ void add_accuracy(Arguments app)
         .type_name("SCENE.json|NAME");
     add_accuracy_fuzz(sub);
     add_accuracy_hard(sub);
+    add_accuracy_manifolds(sub);
     add_accuracy_study(sub);
     sub.at_most_one_command(); // words after a subcommand belong to it, even 'hard'
     sub.add_option("--depths", options->depths, "depths to check (default 1-8)").type_name("LIST");
