@@ -1,4 +1,4 @@
-// oncollide accuracy manifolds: what manifolds state, judged by rational arithmetic.
+// oncollide accuracy manifolds: the claims of manifolds, judged by rational arithmetic.
 #include "cli/command.hpp"
 
 #include <iostream>

@@ -6,7 +6,7 @@ namespace {
 
 TEST_F(CommandLine, BenchContactsComparesScenesAtTheSamePoses)
 {
-    const Outcome outcome = run({"bench", "contacts", "--scene", "stack-12,stack-1200,enclosed-mesh,knots-240",
+    const Outcome outcome = run({"bench", "contacts", "--scene", "stack-12,stack-1200,enclosed-mesh,knots-1500",
                                  "--steps", "60", "--repeats", "1", "--csv", "c.csv", "--json", "c.json"});
     EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
     EXPECT_NE(folder_.read("c.json").find("\"schema\": \"oncollide.bench_contacts\""), std::string::npos);

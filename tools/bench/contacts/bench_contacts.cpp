@@ -32,7 +32,7 @@ struct ContactsOptions {
     int repeats = 5, steps = 0, threads = 1;
 };
 
-/// What the reference solver made of a scene.
+/// The run of a scene in the reference solver.
 struct Played {
     std::vector<Poses> poses; ///< of all bodies, in each timed step
     double step_ms = 0;       ///< of the solver and the World together, median of the timed steps

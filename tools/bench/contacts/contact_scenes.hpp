@@ -22,10 +22,9 @@ struct ContactScene {
     std::string name{}, what{};
     std::vector<ContactBody> bodies{};
     double dt = 1e-3, friction = 0.5, margin = 1e-3, slop = 1e-4;
-    int steps = 0; ///< 0: the poses as they are
-    int timed = 1; ///< steps at the end that are timed
-    /// What must hold at the end: the greatest speed of a body that should rest, m/s; 0: nothing is asked.
-    double most_creep = 0;
+    int steps = 0;         ///< 0: the poses as they are
+    int timed = 1;         ///< steps at the end that are timed
+    double most_creep = 0; ///< limit of the speed of all bodies at the end, m/s; 0: no limit
 };
 
 /// Files that replace generated meshes, or add scenes; empty: none.
