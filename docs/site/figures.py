@@ -531,6 +531,30 @@ def rays():
     return table(["geometry, triangles or cells", "", *(f"{k}, microseconds" for k in kinds), "missed", "invented"], out)
 
 
+def contacts():
+    who = {"oncollide": "oncollide", "fcl": "FCL", "bullet": "Bullet", "ode": "ODE"}
+    of = {}
+    for r in rows_of("contacts"):
+        of.setdefault(r["scene"], {})[r["who"]] = r
+    cell = lambda r: f"{three(r['ms'])} ({float(r['contacts']):,.0f})" if r else "-"
+    return table(["scene", *(f"{title}, ms (contacts)" for title in who.values())],
+                 [[f"`{scene}`", *(cell(rows.get(name)) for name in who)] for scene, rows in of.items()])
+
+
+def contacts_played():
+    millimetres = lambda x: f"{1e3 * float(x):.2g}"
+    out = []
+    for r in rows_of("contacts"):
+        if r["who"] != "oncollide" or float(r["step_ms"]) == 0:
+            continue
+        aside = millimetres(r["aside"]) if float(r["speed"]) else ""
+        lead = f"{abs(1e3 * float(r['lead'])):.3f}" if float(r["lead"]) else ""
+        out.append([f"`{r['scene']}`", three(r["step_ms"]), r["most_points"], "" if aside or lead else millimetres(r["creep"]),
+                    millimetres(r["depth"]), aside, lead])
+    return table(["scene", "step with the solver, ms", "points of a pair, at most", "creep, mm/s", "depth, mm", "speed aside, mm/s",
+                  "mm a turn"], out)
+
+
 def world():
     titles = {"none": "nothing changes", "move": "{} move", "exchange": "{} removed, {} added"}
     rows = rows_of("world")
@@ -611,6 +635,7 @@ def mutants():
 
 
 TABLES = {f.__name__: f for f in (headline, many, many_pairs, exact_cost, narrow, narrow_large, continuous, study, study_peers, octants, octants_missed, paper, comparators, gpu, planner, rays,
+                                  contacts, contacts_played,
                                   world, broad, hard, spheres, sphere_levels, occlusion_losses, delimitation,
                                   environments, worlds, distances, shape_distances, shapes, reading, clash,
                                   python, view, robot_models, robot_checks, mutants)}

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "pipeline/manifold_scenes.hpp"
+#include "verify/oracle/manifold_truth.hpp"
 #include "verify/trials/manifold_trial.hpp"
 
 namespace oncollide::manifold_scenes {
@@ -266,6 +267,37 @@ TEST(Manifolds, RationalArithmeticContradictsNoClaim)
     EXPECT_EQ(tally.faults, 0u) << tally.seed << ": " << tally.fault;
     EXPECT_GT(tally.met, 1500u);
     EXPECT_GT(tally.whole, 500u);
+}
+
+TEST(Manifolds, TheJudgeRejectsFalseClaims)
+{
+    // Two tetrahedra in general position; the tip of one is in the other.
+    const auto tetrahedron = [](const Vector3d& by) {
+        return make_mesh("tetrahedron",
+                         {by + Vector3d(0.61, 0.02, 0), by + Vector3d(-0.43, 0.52, 0.01),
+                          by + Vector3d(-0.41, -0.53, -0.02), by + Vector3d(0.03, 0.01, 0.7)},
+                         {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}});
+    };
+    const Mesh below = tetrahedron({0, 0, 0}), above = tetrahedron({0.05, 0.07, 0.6});
+    const auto surface = [](const Mesh& mesh) {
+        oracle::Surface all;
+        for (const auto& [a, b, c] : mesh.triangles)
+            all.push_back({mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]});
+        return all;
+    };
+    const Two two(below, at(0, 0, 0), above, at(0, 0, 0));
+    const Manifold right = two.manifold({.points_per_region = 1}); // loses some
+    ASSERT_EQ(right.regions.size(), 1u);
+    const auto fault = [&](auto change) {
+        Manifold wrong = right;
+        change(wrong.regions[0]);
+        return oracle::judge_manifold(surface(below), surface(above), wrong).fault;
+    };
+    EXPECT_EQ(fault([](ManifoldRegion&) {}), "");
+    EXPECT_NE(fault([](ManifoldRegion& r) { r.lost *= 1 - 1e-6; }), "");
+    EXPECT_NE(fault([](ManifoldRegion& r) { r.depth_upper *= 1 - 1e-6; }), "");
+    EXPECT_NE(fault([](ManifoldRegion& r) { r.depth_lower *= 1 + 1e-6; }), "");
+    EXPECT_NE(fault([](ManifoldRegion& r) { r.normal = (r.normal + Vector3d(1e-5, 0, 0)).normalized(); }), "");
 }
 
 TEST(Manifolds, RegionsAndPairsShareTheLimitOfPointsInTurn)

@@ -11,10 +11,11 @@ void add_bench(Arguments app)
                                  "alternation");
     bench.at_most_one_command();
     bench.action([]() -> int {
-        usage("bench: choose a benchmark: broad, narrow, planner, continuous, rays, robot, world, environment, "
-              "distances, "
-              "shapes, clash, read, "
-              "scale, many, octants, paper, gpu, poses or scene (oncollide bench --help)");
+        usage(
+            "bench: choose a benchmark: broad, narrow, planner, continuous, rays, contacts, robot, world, environment, "
+            "distances, "
+            "shapes, clash, read, "
+            "scale, many, octants, paper, gpu, poses or scene (oncollide bench --help)");
     });
     add_broad(bench);
     add_narrow(bench);
@@ -22,6 +23,7 @@ void add_bench(Arguments app)
     add_continuous(bench);
     add_rays(bench);
     add_edges_bench(bench);
+    add_contacts(bench);
     add_robot_bench(bench);
     add_world(bench);
     add_environment(bench);

@@ -27,6 +27,7 @@ void add_reference(Arguments app); ///< hidden: for build scripts
 void add_accuracy_continuous(Arguments accuracy);
 void add_accuracy_fuzz(Arguments accuracy);
 void add_accuracy_hard(Arguments accuracy);
+void add_accuracy_manifolds(Arguments accuracy);
 void add_accuracy_study(Arguments accuracy);
 
 } // namespace oncollide::tools

@@ -1,5 +1,6 @@
 // The contenders in this build.
 #include "peers/broad/broad_peer.hpp"
+#include "peers/contacts/contact_peer.hpp"
 #include "peers/narrow/narrow_peer.hpp"
 #include "peers/rays/ray_peer.hpp"
 
@@ -34,6 +35,7 @@ void ContenderList<Kind>::keep(const std::string& only)
 template struct ContenderList<BroadContender>;
 template struct ContenderList<NarrowContender>;
 template struct ContenderList<RayContender>;
+template struct ContenderList<ContactContender>;
 
 BroadContenders broad_contenders()
 {
@@ -99,6 +101,23 @@ RayContenders ray_contenders()
     add_ray_bullet(contenders.all);
 #else
     contenders.missing.push_back({"Bullet", "libbullet-dev"});
+#endif
+    return contenders;
+}
+
+ContactContenders contact_contenders()
+{
+    ContactContenders contenders;
+    add_contact_fcl(contenders.all);
+#ifdef ONCOLLIDE_WITH_BULLET
+    add_contact_bullet(contenders.all);
+#else
+    contenders.missing.push_back({"Bullet", "libbullet-dev"});
+#endif
+#ifdef ONCOLLIDE_WITH_ODE
+    add_contact_ode(contenders.all);
+#else
+    contenders.missing.push_back({"ODE", "libode-dev"});
 #endif
     return contenders;
 }

@@ -204,6 +204,7 @@ void add_accuracy(Arguments app)
     add_accuracy_continuous(sub);
     add_accuracy_fuzz(sub);
     add_accuracy_hard(sub);
+    add_accuracy_manifolds(sub);
     add_accuracy_study(sub);
     sub.at_most_one_command(); // words after a subcommand belong to it, even 'hard'
     sub.add_option("--depths LIST", options->depths, "depths to check (default 1-8)");

@@ -7,8 +7,11 @@
 #include <oncollide/pipeline/result_hash.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 
+#include "cli/outputs.hpp"
 #include "cli/shard.hpp"
 #include "cli/system.hpp"
+#include "common/statistics.hpp"
+#include "common/text.hpp"
 
 namespace oncollide::tools {
 
