@@ -92,7 +92,8 @@ struct OncollideCollisionDetector::Core {
     void refresh(Object& object);
     /// Takes the object's pose; the shape, too, if it changed.
     void update(Object& object);
-    /// Updates the objects of both groups, and limits the calls that follow to pairs of an object of `a` and one of `b`.
+    /// Updates the objects of both groups, and limits the calls that follow to pairs of an object of `a` and one of
+    /// `b`.
     void select(const oncollide_client::Group& a, const oncollide_client::Group& b);
 
     bool collide(const CollisionOption& option, CollisionResult* result);
