@@ -35,7 +35,7 @@ Eigen::Vector3d normal_at(const oncollide_client::Object& object, oncollide::Fea
     return sum.normalized();
 }
 
-/// Unit, from a to b, of the surfaces at the point; 0 if its features do not tell.
+/// Unit, from a to b, of the surfaces at the point; 0 if its features have no normal.
 Eigen::Vector3d normal_of(const oncollide_client::Object& a, const oncollide_client::Object& b,
                           const oncollide::ManifoldRegion& region, const oncollide::ManifoldPoint& point,
                           const OncollideOptions& options)
@@ -49,7 +49,7 @@ Eigen::Vector3d normal_of(const oncollide_client::Object& a, const oncollide_cli
 
 } // namespace
 
-/// The pairs that meet, or may; those of rigid bodies first, then by the objects' order.
+/// Sets the pairs that meet or may meet: pairs of rigid bodies first, then by the objects' order.
 void OncollideCollisionDetector::Core::find_pairs(const CollisionFilter* filter)
 {
     pairs_.clear();

@@ -92,7 +92,8 @@ struct OncollideCollisionDetector::Core {
     void refresh(Object& object);
     /// Takes the object's pose; the shape, too, if it changed.
     void update(Object& object);
-    /// Limits all that follows to pairs of an object of `a` with one of `b`, and updates them.
+    /// Updates the objects of both groups, and limits the calls that follow to pairs of an object of `a` and one of
+    /// `b`.
     void select(const oncollide_client::Group& a, const oncollide_client::Group& b);
 
     bool collide(const CollisionOption& option, CollisionResult* result);
@@ -123,11 +124,11 @@ private:
 
     std::map<ShapeModel::Key, std::weak_ptr<ShapeModel>> models_;
     std::vector<Object*> objects_, by_slot_;
-    std::vector<Object*> selected_; ///< those of the query that have a model, in order
+    std::vector<Object*> selected_; ///< the objects of the query with a model, in order
     const CollisionFilter* filter_ = nullptr;
     bool warned_of_cut_ = false, warned_of_pose_ = false;
 
-    // Of one collide().
+    // Results of one collide().
     std::vector<Pair> pairs_;
     std::vector<oncollide::PairOfBodies> bodies_; ///< of some pairs
     oncollide::ManifoldLists manifolds_;          ///< of these

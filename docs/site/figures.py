@@ -634,11 +634,58 @@ def mutants():
                   for r in rows_of("mutants")])
 
 
+DART_DETECTORS = {"fcl": "FCL", "bullet": "Bullet", "ode": "ODE", "oncollide": "oncollide"}
+
+
+def dart(scene, first, *columns):
+    """One row per variant and detector; `columns` are measures of docs/data/dart.csv and dart_nut.csv."""
+    of = {}
+    for r in rows_of("dart", "dart_nut"):
+        if r["scene"] == scene:
+            of.setdefault((r["variant"], r["detector"]), {})[r["measure"]] = float(r["value"])
+
+    def shown(value):
+        if value is None or value != value:
+            return "-"
+        return f"{value:,.0f}" if abs(value) >= 100 or value == int(value) else f"{value:.3g}"
+
+    return table([first, "detector", *(c.replace(" mm", ", mm").replace(" ms", ", ms") for c in columns)],
+                 [[variant, DART_DETECTORS[detector], *(shown(row.get(c)) for c in columns)] for (variant, detector), row in of.items()])
+
+
+def dart_stack():
+    return dart("stack", "boxes of 1 m", "creep mm/s", "depth told mm", "normals off degrees", "contacts of a pair, most",
+                "step ms", "detection ms")
+
+
+def dart_slide():
+    return dart("slide", "ground", "sideways mm/s", "speed off", "tilt degrees", "contacts", "step ms", "detection ms")
+
+
+def dart_enclosed():
+    return dart("enclosed", "bodies", "seen %", "normal right %")
+
+
+def dart_pile():
+    return dart("pile", "pile", "detection ms", "step ms", "contacts", "lost bodies", "fastest at the end mm/s", "simulated s",
+                "failures of the solver")
+
+
+def dart_overlap():
+    return dart("overlap", "bodies", "detection ms", "contacts")
+
+
+def dart_nut():
+    return dart("nut M16", "nut M16", "mm per turn", "turns", "tilt degrees", "depth told mm", "contacts", "detection ms", "step ms",
+                "failures of the solver")
+
+
 TABLES = {f.__name__: f for f in (headline, many, many_pairs, exact_cost, narrow, narrow_large, continuous, study, study_peers, octants, octants_missed, paper, comparators, gpu, planner, rays,
                                   contacts, contacts_played,
                                   world, broad, hard, spheres, sphere_levels, occlusion_losses, delimitation,
                                   environments, worlds, distances, shape_distances, shapes, reading, clash,
-                                  python, view, robot_models, robot_checks, mutants)}
+                                  python, view, robot_models, robot_checks, mutants,
+                                  dart_stack, dart_slide, dart_enclosed, dart_pile, dart_overlap, dart_nut)}
 # Ranges of ratios. many, environments: how many times as fast as FCL in Release, on tumbling meshes (1,000 and 10,000) and in large
 # environments.
 PHRASES = {

@@ -79,6 +79,21 @@ foreach(library IN ITEMS fcl oncollide)
   run_as_shown(${page} ${WORK}/${library}/tasks)
 endforeach()
 
+if(DART) # the detector for DART, built apart
+  set(page ${SOURCE}/docs/dart.md)
+  set(options -DCMAKE_UNITY_BUILD=ON)
+  build(dart_client ${SOURCE}/clients/dart ${COMPILER})
+  set(options)
+  run(${CMAKE_COMMAND} --install ${WORK}/dart_client --prefix ${WORK}/prefix)
+  blocks(${page} cpp program)
+  blocks(${page} cmake lines)
+  file(WRITE ${WORK}/dart_source/ball.cpp "${program}")
+  file(WRITE ${WORK}/dart_source/CMakeLists.txt "${cmake_start}${lines}")
+  build(dart ${WORK}/dart_source ${COMPILER})
+  run_as_shown(${page} ${WORK}/dart/ball)
+  file(REMOVE_RECURSE ${WORK}/prefix/include/oncollide/dart) # below are the headers of oncollide itself
+endif()
+
 # Installed headers: few, and none shows locks, atomics, memory maps or internals.
 file(GLOB_RECURSE installed RELATIVE ${WORK}/prefix/include/oncollide ${WORK}/prefix/include/oncollide/*.hpp)
 list(LENGTH installed count)

@@ -11,7 +11,7 @@ struct SceneRun {
     std::function<Measures(const std::string& detector, const Limits& limits)> run;
 };
 
-/// All scenes; those of files only if the folder has them (contacts/ and meshes/paper/).
+/// All scenes. The nut needs data/contacts/, and the cows need data/meshes/paper/.
 std::vector<SceneRun> all_scenes(const std::filesystem::path& data);
 
 } // namespace dart::collision::oncollide_client::bench

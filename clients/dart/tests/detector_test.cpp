@@ -137,6 +137,18 @@ TEST_F(OncollideDetector, SeesAMeshInAMesh)
     }
 }
 
+TEST_F(OncollideDetector, GivesEachContactOnACurvedSurfaceItsOwnNormal)
+{
+    const auto ring = placed(tests::mesh_shape(tests::ring_mesh(0.505, 1, 0.5, 128)));
+    const auto shaft = placed(tests::mesh_shape(tests::ring_mesh(0, 0.5, 1, 128)), {0.006, 0, 0});
+    ASSERT_TRUE(meet(ring, shaft)); // along an arc of 67 degrees
+    EXPECT_GE(result.getNumContacts(), 4u);
+    for (const Contact& contact : result.getContacts()) {
+        const Vector3d radial(contact.point.x(), contact.point.y(), 0);
+        EXPECT_GT(contact.normal.dot(radial.normalized()), std::cos(0.07)) << contact.point.transpose(); // a facet
+    }
+}
+
 /// Ten pairs of boxes; pair i is i millimetres deep.
 std::vector<FramePtr> ten_pairs()
 {

@@ -39,6 +39,26 @@ inline oncollide::Mesh box_mesh(const Eigen::Vector3d& size, int n)
     return oncollide::make_mesh("box", std::move(vertices), std::move(triangles));
 }
 
+/// A ring around z, of n segments; inner = 0: a cylinder.
+inline oncollide::Mesh ring_mesh(double inner, double outer, double height, std::uint32_t n)
+{
+    std::vector<Eigen::Vector3d> vertices;
+    std::vector<oncollide::Triangle> triangles;
+    const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) { // counter-clockwise
+        triangles.push_back({a, b, c}), triangles.push_back({a, c, d});
+    };
+    for (std::uint32_t i = 0; i < n; ++i) { // of each segment: outer low and high, inner high and low
+        const double angle = 2 * EIGEN_PI * i / n;
+        for (const auto& [r, z] :
+             {std::pair(outer, -0.5), std::pair(outer, 0.5), std::pair(inner, 0.5), std::pair(inner, -0.5)})
+            vertices.emplace_back(r * std::cos(angle), r * std::sin(angle), z * height);
+        const std::uint32_t here = 4 * i, next = 4 * ((i + 1) % n);
+        for (std::uint32_t k = 0; k < 4; ++k)
+            if (inner > 0 || k != 2) add(here + k, next + k, next + (k + 1) % 4, here + (k + 1) % 4);
+    }
+    return oncollide::make_mesh("ring", std::move(vertices), std::move(triangles));
+}
+
 /// As Assimp's reader gives it, with flat normals: no two triangles share a vertex. The scene is DART's; it is released
 /// with the process, as DART releases only scenes that Assimp made.
 inline aiScene* scene_of(const oncollide::Mesh& mesh)

@@ -87,10 +87,12 @@ Width least_width(const Convex& a, const Convex& b, const RelativePose& into, co
             for (const double sign : {-1.0, 1.0})
                 look(sign * Vector3d::Unit(axis)), look(sign * into.rotation.col(axis).normalized());
     }
+    int moves = 0; // of one step: along the ridge of a cone they would be millions
     for (double step = 0.25; step > 0x1p-30; step /= 2) {
         const Vector3d from = n, u = n.unitOrthogonal(), v = n.cross(u);
         for (const Vector3d& side : {u, v, Vector3d(-u), Vector3d(-v)}) look((from + step * side).normalized());
-        if (n != from) step *= 2;
+        moves = n != from && moves < 64 ? moves + 1 : 0;
+        if (moves > 0) step *= 2;
     }
     return {n, least};
 }
