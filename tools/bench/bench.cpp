@@ -11,11 +11,9 @@ void add_bench(Arguments app)
                                  "alternation");
     bench.at_most_one_command();
     bench.action([]() -> int {
-        usage(
-            "bench: choose a benchmark: broad, narrow, planner, continuous, rays, contacts, robot, world, environment, "
-            "distances, "
-            "shapes, clash, read, "
-            "scale, many, octants, paper, gpu, poses or scene (oncollide bench --help)");
+        usage("bench: choose a benchmark: broad, narrow, planner, continuous, rays, edges, contacts, robot, world, "
+              "environment, distances, shapes, clash, read, scale, many, octants, paper, gpu, poses or scene "
+              "(oncollide bench --help)");
     });
     add_broad(bench);
     add_narrow(bench);

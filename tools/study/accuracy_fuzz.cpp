@@ -91,10 +91,9 @@ void add_accuracy_fuzz(Arguments accuracy)
     sub.add_option("--sweeps N", options->sweeps,
                    "number of sweeps of two moving bodies to check before the scenes (default 0)");
     sub.add_option("--csv FILE", options->csv, "write one row of sweeps for each two kinds of geometry");
-    sub.add_option("--seed", options->seed,
-                   "seed of the first scene, and of the first sweep; each next one has the next number (default 1)")
-        .type_name("S");
-    sub.add_option("--threads", options->threads, "number of threads; 0: all (default 1)").type_name("N");
+    sub.add_option("--seed S", options->seed,
+                   "seed of the first scene, and of the first sweep; each next one has the next number (default 1)");
+    sub.add_option("--threads N", options->threads, "number of threads; 0: all (default 1)");
     sub.add_option("--out FILE", options->out, "file for the smallest faulty scene (default fault.json)");
     sub.footer("Scenes of two to four meshes, shapes, maps and terrains, with all settings. Most are on a grid of 1/8, "
                "where touching is common. The truth comes from extended precision and shares no code with the library. "

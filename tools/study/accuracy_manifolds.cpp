@@ -44,10 +44,9 @@ void add_accuracy_manifolds(Arguments accuracy)
 {
     Arguments sub = accuracy.add_command("manifolds", "Judge the claims of manifolds by rational arithmetic");
     auto options = std::make_shared<ManifoldFuzzOptions>();
-    sub.add_option("--pairs", options->pairs, "number of pairs (default 10000)").type_name("N");
-    sub.add_option("--seed", options->seed, "seed of the first pair; each pair has the next number (default 1)")
-        .type_name("S");
-    sub.add_option("--threads", options->threads, "number of threads; 0: all (default 1)").type_name("N");
+    sub.add_option("--pairs N", options->pairs, "number of pairs (default 10000)");
+    sub.add_option("--seed S", options->seed, "seed of the first pair; each pair has the next number (default 1)");
+    sub.add_option("--threads N", options->threads, "number of threads; 0: all (default 1)");
     sub.footer(
         "Small closed meshes with random corners. Judged are the lost contacts of all regions, and of a pair with "
         "one region both bounds of the depth and the error of the normal. Exit code 70: a claim is wrong.");

@@ -295,21 +295,18 @@ void add_contacts(Arguments bench)
     Arguments sub = bench.add_command("contacts", "Contacts for a solver: stacks, piles, knots, a box that slides, a "
                                                   "nut on a bolt; compared with other libraries");
     auto options = std::make_shared<ContactsOptions>();
-    sub.add_option("--scene", options->scenes, "names, with commas between them (default: all)").type_name("NAMES");
-    sub.add_option("--cow", options->files.cow, "mesh of the second pile (default: generated)").type_name("FILE");
-    sub.add_option("--nut", options->files.nut, "nut along z, in metres; adds a scene").type_name("FILE");
-    sub.add_option("--bolt", options->files.bolt, "its bolt").type_name("FILE");
-    sub.add_option("--only", options->only, "other libraries, with commas between them; oncollide: none of them")
-        .type_name("NAMES");
-    sub.add_option("--repeats", options->repeats,
+    sub.add_option("--scene NAMES", options->scenes, "names, with commas between them (default: all)");
+    sub.add_option("--cow FILE", options->files.cow, "mesh of the second pile (default: generated)");
+    sub.add_option("--nut FILE", options->files.nut, "nut along z, in metres; adds a scene");
+    sub.add_option("--bolt FILE", options->files.bolt, "its bolt");
+    sub.add_option("--only NAMES", options->only, "other libraries, with commas between them; oncollide: none of them");
+    sub.add_option("--repeats N", options->repeats,
                    "runs over the recorded poses, of which the fastest counts "
-                   "(default 5)")
-        .type_name("N");
-    sub.add_option("--steps", options->steps, "steps of each scene at most; 0: as many as it needs (default)")
-        .type_name("N");
-    sub.add_option("--threads", options->threads, "of oncollide (default 1)").type_name("N");
-    sub.add_option("--csv", options->csv, "write the table as CSV").type_name("FILE");
-    sub.add_option("--json", options->json, "write the table as JSON").type_name("FILE");
+                   "(default 5)");
+    sub.add_option("--steps N", options->steps, "steps of each scene at most; 0: as many as it needs (default)");
+    sub.add_option("--threads N", options->threads, "of oncollide (default 1)");
+    sub.add_option("--csv FILE", options->csv, "write the table as CSV");
+    sub.add_option("--json FILE", options->json, "write the table as JSON");
     sub.footer("Exit code 70: a body that should rest moves.\n"
                "Example:\n"
                "  oncollide bench contacts --scene stack-shapes,stack-1200 --json contacts.json");

@@ -213,9 +213,8 @@ void add_continuous(Arguments bench)
     sub.add_option("--reach R", options->reach, "largest coordinate of B's random positions (default 1)");
     sub.add_option("--tolerance T", options->tolerance, "of the time of contact and of the distance (default 1e-4)");
     sub.add_option("--samples N", options->samples, "poses before each contact that exact tests check (default 200)");
-    sub.add_option("--steps", options->steps,
-                   "steps of an articulated body of 15 links and 20,000 triangles (default 400; 0: none)")
-        .type_name("N");
+    sub.add_option("--steps N", options->steps,
+                   "steps of an articulated body of 15 links and 20,000 triangles (default 400; 0: none)");
     sub.add_option("--seed S", options->seed, "seed of the motions (default 12345)");
     sub.add_option("--csv FILE", options->csv, "write one row per contender");
     sub.footer("Contenders take turns, motion by motion. missed: a contact that exact tests confirm is not found;\n"
