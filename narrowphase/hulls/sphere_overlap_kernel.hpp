@@ -21,7 +21,7 @@ struct SphereOverlap {
 
 /// @param rotation  rotates B's spheres into A's coordinates, row-major
 using OverlapSpheres = SphereOverlap(const SphereColumns& a, const SphereColumns& b, const float (&rotation)[9],
-                                 const float (&translation)[3]);
+                                     const float (&translation)[3]);
 
 namespace baseline {
 OverlapSpheres* overlap_spheres();

@@ -8,11 +8,11 @@
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/reading_progress.hpp>
 #include <oncollide/base/text/near_word.hpp>
+#include <oncollide/scenes/files/common/quaternion.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/geometry_recipe.hpp>
 #include <oncollide/scenes/files/json/json_fault.hpp>
 #include <oncollide/scenes/files/json/json_node.hpp>
-#include <oncollide/scenes/files/common/quaternion.hpp>
 #include <oncollide/scenes/files/scene_pose.hpp>
 #include <oncollide/scenes/files/tables/body_table.hpp>
 #include <oncollide/scenes/files/tables/recording_file.hpp>

@@ -6,11 +6,11 @@
 #include <cstdint>
 #include <vector>
 
-#include <oncollide/narrowphase/obb/hierarchy.hpp>
-#include <oncollide/narrowphase/obb/obb_tree.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/exact/triangle_gap.hpp>
+#include <oncollide/narrowphase/obb/hierarchy.hpp>
+#include <oncollide/narrowphase/obb/obb_tree.hpp>
 
 namespace oncollide {
 

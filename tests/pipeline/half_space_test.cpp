@@ -5,9 +5,9 @@
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/generators.hpp>
 
-#include "verify/oracle/convex_truth.hpp"
 #include "every_kind.hpp"
 #include "random_pose.hpp"
+#include "verify/oracle/convex_truth.hpp"
 
 namespace oncollide::half_space_test {
 namespace {

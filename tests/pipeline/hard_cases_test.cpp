@@ -6,15 +6,15 @@
 #include <oncollide/narrowphase/exact/relative_pose.hpp>
 #include <oncollide/samples/generators.hpp>
 
-#include "verify/trials/body_trial.hpp"
-#include "verify/trials/crowd_trial.hpp"
+#include "narrowphase/mesh_parts.hpp"
+#include "random_pose.hpp"
 #include "verify/oracle/exact_inside.hpp"
 #include "verify/oracle/exact_oracle.hpp"
 #include "verify/oracle/triangle_distance.hpp"
+#include "verify/trials/body_trial.hpp"
+#include "verify/trials/crowd_trial.hpp"
 #include "verify/trials/triangle_trial.hpp"
 #include "verify/truth.hpp"
-#include "narrowphase/mesh_parts.hpp"
-#include "random_pose.hpp"
 
 namespace oncollide::tools {
 namespace {

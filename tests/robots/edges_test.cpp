@@ -154,8 +154,8 @@ TEST_F(RobotEdges, BadInputIsRefused)
     EXPECT_THROW(robot.check_edges(world, good, good, {&found, 1}, {.tolerance = 0}), Error);
 }
 
-/// All kinds of joints in one chain: no point of a ball moves farther than the bound, or leaves the rigid motion between
-/// the ends by more.
+/// All kinds of joints in one chain: no point of a ball moves farther than the bound, or leaves the rigid motion
+/// between the ends by more.
 TEST_F(RobotEdges, BoundsOfTravelHoldForAllKindsOfJoints)
 {
     RobotDescription chain = description, arm = description;

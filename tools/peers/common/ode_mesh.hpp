@@ -14,7 +14,10 @@ namespace oncollide::tools {
 inline void start_ode()
 {
     static const struct Library {
-        Library() { dInitODE2(0), dSetMessageHandler([](int, const char*, va_list) {}); }
+        Library()
+        {
+            dInitODE2(0), dSetMessageHandler([](int, const char*, va_list) {});
+        }
         ~Library() { dCloseODE(); }
     } library;
 }
