@@ -148,7 +148,7 @@ void OncollideCollisionDetector::Core::add_contacts(const Pair& pair,
         return p.contact.penetrationDepth > q.contact.penetrationDepth;
     });
     for (std::size_t i = before; i < found_.size(); ++i) found_[i].rank = i - before;
-    // In an order that lasts: the solver's impulses depend on it, and bodies at rest would creep.
+    // The impulses of DART's solver depend on the order. In this one a stack rests; by depths it creeps (docs/dart.md).
     std::stable_sort(first, found_.end(), [](const Found& p, const Found& q) { return p.features < q.features; });
 }
 
