@@ -170,7 +170,8 @@ std::string fault_in(const DrawnSweep& drawn, const SweepResult& r, const SweepR
     if (certain(r) && !poses->may_meet(r.contact_by))
         return ++tally.early, fmt::format("{} by {:.17g}, but they do not meet then", name_of(r.verdict), r.contact_by);
     if (r.verdict != Verdict::separate && r.verdict != Verdict::undecided) {
-        const double distance = poses->least_distance(r.clear_until);
+        // Where one solid encloses the other, their surfaces are apart.
+        const double distance = r.kind == ContactKind::enclosed ? 0 : poses->least_distance(r.clear_until);
         const bool bracket = r.contact_by - r.clear_until <= options.time_tolerance * (1 + 1e-12),
                    gap = r.verdict != Verdict::colliding || r.gap <= options.gap_tolerance * (1 + 1e-3) ||
                          (is_half_space(drawn.a) && is_half_space(drawn.b) && std::isinf(r.gap));
