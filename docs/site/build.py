@@ -140,7 +140,7 @@ def main():
     write_plots(pages, options.complete)
     write_api(pages, options.out, options.complete)
     shutil.copy(SITE / "mkdocs.yml", options.out)
-    subprocess.run([sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "-f", options.out / "mkdocs.yml"], check=True)
+    subprocess.run([sys.executable, "-m", "mkdocs", "build", "--strict", "-f", options.out / "mkdocs.yml"], check=True)
     check_links(options.out / "site")
 
 

@@ -31,7 +31,7 @@ LAYERS = {
     "narrowphase": ["exact", "shapes", "obb", "spheres", "hulls", "inside", "fcl"],
     "narrowphase/pairs": ["", "exact", "shapes", "obb", "walks", "spheres", "inside"],
     "narrowphase/pairs/depth": ["shapes", "pairs"],
-    "narrowphase/pairs/manifolds": ["", "exact", "shapes", "obb", "walks", "inside", "pairs"],
+    "narrowphase/pairs/manifolds": ["", "exact", "shapes", "obb", "walks", "inside", "rays", "pairs"],
     "narrowphase/rays": ["", "exact", "shapes", "obb", "inside"],
     "pipeline": [],
     "pipeline/models": [""],

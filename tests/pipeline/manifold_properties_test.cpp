@@ -269,6 +269,14 @@ TEST(Manifolds, RationalArithmeticContradictsNoClaim)
     EXPECT_GT(tally.whole, 500u);
 }
 
+/// The way out of the other body leaves the overlap and crosses a face that is not in the region.
+TEST(Manifolds, TheDepthCountsFacesOutsideTheOverlap)
+{
+    const tools::ManifoldTally tally = tools::try_manifolds(131085, 1, 1, [] {});
+    EXPECT_EQ(tally.whole, 1u);
+    EXPECT_EQ(tally.faults, 0u) << tally.fault;
+}
+
 TEST(Manifolds, TheJudgeRejectsFalseClaims)
 {
     // Two tetrahedra in general position; the tip of one is in the other.

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include <oncollide/narrowphase/pairs/manifolds/region_draft.hpp>
+#include <oncollide/narrowphase/rays/segment_entry.hpp>
 
 namespace oncollide {
 
@@ -237,6 +238,27 @@ void estimate_depths(std::vector<ManifoldCandidate>& all, const Vector3d& n)
             c.depth = (c.of == ManifoldCandidate::of_a ? 1 : -1) * (n.dot(c.at) - height / points);
 }
 
+/// A lower bound of the way along a direction from a point inside a surface to the surface; at most `most`. The faces
+/// of a region do not suffice: the way may leave the overlap, and the other body elsewhere.
+double way_out(ManifoldMemory& memory, const PlacedSurface& surface, const Vector3d& from, const Vector3d& along,
+               double most)
+{
+    const Segment way{surface.placed_back(from), surface.placed_back(from + most * along)};
+    double least = 1;
+    const auto take = [&](const TrianglePoints& face) {
+        if (const auto entry = entry_of(way, face)) least = std::min(least, entry->lower);
+        return least;
+    };
+    surface.with_tree([&](auto& tree) {
+        if constexpr (requires { tree.corners(0); })
+            memory.ways_out.walk(tree, way, [&](std::uint32_t triangle) { return take(tree.corners(triangle)); });
+        else
+            memory.ways_out_of_terrain.walk(tree, way,
+                                            [&](std::uint32_t triangle) { return take(tree.points(triangle)); });
+    });
+    return least * most;
+}
+
 } // namespace
 
 void finish(ManifoldMemory& memory, const PlacedSurface& a, const PlacedSurface& b, const ManifoldOptions& options,
@@ -282,7 +304,12 @@ void finish(ManifoldMemory& memory, const PlacedSurface& a, const PlacedSurface&
         ManifoldPoint p{c.at, c.at, c.depth, c.error + draft.rounding + off, c.a, c.b, normal};
         if (c.of == ManifoldCandidate::of_a) p.point_b = c.at - c.depth * n;
         if (c.of == ManifoldCandidate::of_b) p.point_a = c.at + c.depth * n;
-        region.depth_lower = std::max(region.depth_lower, p.depth - p.depth_error);
+        double deep = p.depth - p.depth_error;
+        region.depth_upper = std::max(region.depth_upper, deep);
+        if (const PlacedSurface& other = c.of == ManifoldCandidate::of_a ? b : a;
+            deep > std::max(region.depth_lower, 0.0) && other.solid() && c.of != ManifoldCandidate::of_both)
+            deep = way_out(memory, other, c.at, (c.of == ManifoldCandidate::of_a ? -1 : 1) * n, deep) - draft.rounding;
+        region.depth_lower = std::max(region.depth_lower, deep);
         manifold.points.push_back(p);
     }
     region.count = static_cast<std::uint32_t>(manifold.points.size()) - region.first;

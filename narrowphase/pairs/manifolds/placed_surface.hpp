@@ -68,6 +68,7 @@ public:
         return into_.rotation.transpose() * direction;
     }
     Eigen::Vector3d placed(const Eigen::Vector3d& point) const { return into_(point); }
+    Eigen::Vector3d placed_back(const Eigen::Vector3d& point) const { return rotated_back(point - into_.translation); }
     /// The magnitude of the body's coordinates in the frame of the pair, metres.
     double reach() const;
     /// The support point along a direction (frame of the pair); for a terrain a corner of its AABB.

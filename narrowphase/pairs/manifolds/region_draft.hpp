@@ -6,6 +6,7 @@
 #include <oncollide/narrowphase/finding.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/near_pairs.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/overlap_patches.hpp>
+#include <oncollide/narrowphase/rays/segment_walk.hpp>
 
 namespace oncollide {
 
@@ -102,6 +103,8 @@ struct ManifoldMemory {
     std::vector<std::pair<double, std::uint32_t>> by_area;
     KeyNumbers vertices;
     std::vector<bool> done; ///< lumps that have regions
+    SegmentWalk<ObbTree> ways_out;
+    SegmentWalk<TerrainTree> ways_out_of_terrain;
 };
 
 /// Chooses the points, completes the region, and appends both. Drops the draft if it has no point.
