@@ -626,6 +626,16 @@ def robot_checks():
                   "refused, self"], out)
 
 
+def robot_edges():
+    out = []
+    for robot, name in (("panda", "Panda"), ("ur5", "UR5")):
+        for r in rows_of(f"robots/edges_{robot}"):
+            out.append([name, number(r["edges"]), r["first_us"], r["any_us"], r["sampled_us"], r["free"], r["contacts"], r["undecided"],
+                        r["missed"], r["refuted"]])
+    return table(["robot", "motions", "first contact, us", "free or not, us", "sampled, us", "free", "contacts", "undecided",
+                  "missed by samples", "certified, but in contact"], out)
+
+
 def mutants():
     code = lambda text: f"`{text}`" if text else "nothing"
     return table(["fault", "file", "code", "becomes", "tests that fail"],
@@ -684,7 +694,7 @@ TABLES = {f.__name__: f for f in (headline, many, many_pairs, exact_cost, narrow
                                   contacts, contacts_played,
                                   world, broad, hard, spheres, sphere_levels, occlusion_losses, delimitation,
                                   environments, worlds, distances, shape_distances, shapes, reading, clash,
-                                  python, view, robot_models, robot_checks, mutants,
+                                  python, view, robot_models, robot_checks, robot_edges, mutants,
                                   dart_stack, dart_slide, dart_enclosed, dart_pile, dart_overlap, dart_nut)}
 # Ranges of ratios. many, environments: how many times as fast as FCL in Release, on tumbling meshes (1,000 and 10,000) and in large
 # environments.
