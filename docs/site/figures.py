@@ -491,7 +491,7 @@ def planner():
 def continuous():
     titles = {"oncollide": "oncollide, `World::sweep`", "fcl-advancement": "FCL, conservative advancement, linear motion",
               "fcl-sampled": "FCL, its default: ten poses of a translation"}
-    rows = rows_of("continuous")
+    rows = rows_of("continuous/continuous")
     ours = float(rows[0]["median_us"])
     return table(["", "median, microseconds", "ratio", "contacts found", "missed", "invented", "too early", "too late"],
                  [[titles[r["contender"]], three(r["median_us"]), f"{float(r['median_us']) / ours:,.1f}",
@@ -499,14 +499,14 @@ def continuous():
 
 
 def sweeps():
-    r = next(r for r in rows_of("sweeps") if r["a"] == "all")
+    r = next(r for r in rows_of("continuous/sweeps") if r["a"] == "all")
     return (f"{number(r['sweeps'])} sweeps: {number(r['contacts'])} with a contact on the way, {number(r['at_start'])} in contact at the start, "
             f"{number(r['clear'])} free, {number(r['open'])} not decided because of rounding or the limit of steps; {number(r['poses'])} poses, {number(r['truths'])} by the reference: {number(r['missed'])} "
             f"missed, {number(r['early'])} early, {number(r['wide'])} out of tolerance, {number(r['changed'])} changed by the order of the bodies")
 
 
 def articulated():
-    r = next(r for r in rows_of("articulated") if r["a"] == "articulated")
+    r = next(r for r in rows_of("continuous/articulated") if r["a"] == "articulated")
     return (f"{number(r['a_triangles'])} triangles past {number(r['b_triangles'])} of posts, {number(r['motions'])} steps: "
             f"{float(r['mean_us']) / 1000:.2f} ms per step on average, {number(r['contacts'])} contacts, {number(r['missed'])} contradicted")
 
@@ -534,7 +534,7 @@ def rays():
 def contacts():
     who = {"oncollide": "oncollide", "fcl": "FCL", "bullet": "Bullet", "ode": "ODE"}
     of = {}
-    for r in rows_of("contacts"):
+    for r in rows_of("contacts/contacts"):
         of.setdefault(r["scene"], {})[r["who"]] = r
     cell = lambda r: f"{three(r['ms'])} ({float(r['contacts']):,.0f})" if r else "-"
     return table(["scene", *(f"{title}, ms (contacts)" for title in who.values())],
@@ -544,7 +544,7 @@ def contacts():
 def contacts_played():
     millimetres = lambda x: f"{1e3 * float(x):.2g}"
     out = []
-    for r in rows_of("contacts"):
+    for r in rows_of("contacts/contacts"):
         if r["who"] != "oncollide" or float(r["step_ms"]) == 0:
             continue
         aside = millimetres(r["aside"]) if float(r["speed"]) else ""
@@ -648,9 +648,9 @@ DART_DETECTORS = {"fcl": "FCL", "bullet": "Bullet", "ode": "ODE", "oncollide": "
 
 
 def dart(scene, first, *columns):
-    """One row per variant and detector; `columns` are measures of docs/data/dart.csv and dart_nut.csv."""
+    """One row per variant and detector; `columns` are measures of docs/data/contacts/dart.csv and dart_nut.csv."""
     of = {}
-    for r in rows_of("dart", "dart_nut"):
+    for r in rows_of("contacts/dart", "contacts/dart_nut"):
         if r["scene"] == scene:
             of.setdefault((r["variant"], r["detector"]), {})[r["measure"]] = float(r["value"])
 

@@ -4,7 +4,7 @@
 #include "common/line_plot.hpp"
 #include "common/numbers.hpp"
 #include "common/text.hpp"
-#include "study/continuous_study.hpp"
+#include "study/continuous/continuous_study.hpp"
 #include "study/page_parts.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "study/continuous_study.hpp"
+#include "study/continuous/continuous_study.hpp"
 
 #include <algorithm>
 #include <cmath>
