@@ -309,12 +309,10 @@ public:
     /// When two moving models first meet, with the settings' clearance and mode; exact with all settings. Cost: 10 to
     /// 100 microseconds for meshes of 5,000 triangles. Throws Error{usage} for tolerances below 1e-12.
     SweepResult sweep(const MovingModel& a, const MovingModel& b, const SweepOptions& options = {}) const;
-    /// Sets found[i] for pairs[i].
     void sweep(std::span<const PairOfMovingModels> pairs, std::span<SweepResult> found,
                const SweepOptions& options = {}) const;
-    /// Lower bounds of the times at which two moving models come within margins[i] (m, >= 0) more than the clearance of
-    /// each other, if they are farther apart at time 0; 1: not before the end. Made for short motions: cost of one step
-    /// of sweep(). Points of a model may also leave its motion, if the margin includes by how much.
+    /// Sets until[i] to a lower bound of the time at which the models come within margins[i] (m, >= 0) more than the
+    /// clearance of each other, if they are farther apart at time 0; 1: not before the end. Cost: of a step of sweep().
     void clear_until(std::span<const PairOfMovingModels> pairs, std::span<const double> margins,
                      std::span<double> until) const;
     /// Reduces the contacts to regions for a solver, with a normal, depths and few points each, and reports the loss.
@@ -345,7 +343,6 @@ public:
     /// half-spaces, a clearance, contact_kinds and ignore_touching have the errors of step(). Cost: 1 to 10
     /// microseconds for each body whose AABB the segment meets.
     std::vector<QueryHit> query(const Segment& segment, const QueryFilter& filter = {}) const;
-    /// Overwrites `hits`. Runs on up to Settings::threads threads.
     void query(std::span<const Segment> segments, const QueryFilter& filter, QueryHits& hits) const;
     /// The first body that a segment hits, and where; nothing if it hits none. A body is hit where query() of the
     /// segment finds it with exact results; clearance, contact_kinds and ignore_touching have no effect. Where several
