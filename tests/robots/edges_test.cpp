@@ -121,6 +121,37 @@ TEST_F(RobotEdges, AWireBetweenSamplesIsFound)
     EXPECT_EQ(found.verdict, Verdict::colliding);
 }
 
+/// A ball just outside the curved way of a small tool, which the straight way between two poses does not touch.
+TEST_F(RobotEdges, ABallThatTheBentWayGrazesIsFound)
+{
+    World world;
+    Robot robot(world, description);
+    const double tool = 0.001, ball = 0.001, depth = 1e-5;
+    const Isometry3d at_finger(Translation3d(0, 0, 0.3));
+    robot.attach(world, 3, world.add(Sphere{tool}), at_finger);
+    const BodyId body = world.add_body({.model = world.add(Sphere{ball})});
+    const std::vector<double> numbers = random_numbers(400);
+    std::size_t tested = 0;
+    for (std::size_t i = 0; i + 1 < numbers.size() / 3; i += 2) {
+        const auto from = std::span(numbers).subspan(3 * i, 3), to = std::span(numbers).subspan(3 * i + 3, 3);
+        const double time = 0.2 + 0.6 * static_cast<double>(i) / 400, step = 1e-3;
+        const auto centre = [&](double at) {
+            std::vector<Isometry3d> poses(6);
+            robot.link_poses(between(from, to, at), poses);
+            return Vector3d((poses[3] * at_finger).translation());
+        };
+        const Vector3d bend = centre(time - step) + centre(time + step) - 2 * centre(time);
+        const Vector3d outward = -bend.normalized();
+        world.set_pose(body, Isometry3d(Translation3d(centre(time) + (tool + ball - depth) * outward)));
+        RobotEdgeFinding found;
+        robot.check_edges(world, from, to, {&found, 1}, {.pairs = {.self = false}});
+        EXPECT_NE(found.verdict, Verdict::separate) << i;
+        EXPECT_LE(found.clear_until, time) << i;
+        tested += found.clear_until > 0.1;
+    }
+    EXPECT_GT(tested, 20u);
+}
+
 TEST_F(RobotEdges, ContactAtTheStartAndTheEndCounts)
 {
     World world;
