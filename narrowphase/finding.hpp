@@ -87,6 +87,8 @@ struct Contact {
     /// shape has the outward normal of its surface at the point nearest to `ends` (an ellipsoid nearly), or the
     /// opposite of the other part's normal if the point is the centre of a sphere, a capsule or an ellipsoid.
     Eigen::Vector3d normal_a, normal_b;
+
+    Eigen::Vector3d middle() const { return 0.5 * (ends[0] + ends[1]); }
 };
 
 /// How far apart two bodies are.

@@ -332,11 +332,10 @@ public:
     // --- Queries: one thing against all bodies. step() gives the same results for a body of that geometry and pose,
     // except that segments are exact.
     // Cost: of the pairs that boxes cannot rule out. For contacts and penetration, pass a hit's body as the other side
-    // to the functions above.
+    // to the functions above. Batches overwrite `hits` and run on up to Settings::threads threads.
     std::vector<QueryHit> query(ModelId model, const Eigen::Isometry3d& pose, const QueryFilter& filter = {}) const;
-    /// Overwrites `hits`. Runs on up to Settings::threads threads.
     void query(std::span<const ModelQuery> queries, QueryHits& hits) const;
-    /// The bodies that near() sets to 1 with model i and reaches[i]: `undecided`, without a bound. Overwrites `hits`.
+    /// The bodies that near() sets to 1 with model i and reaches[i]: `undecided`, without a bound.
     void near(std::span<const ModelQuery> queries, std::span<const double> reaches, QueryHits& hits) const;
     /// Bodies that a segment touches, sorted by slots. For meshes, terrains, maps, boxes and hulls the results are
     /// exact with all settings, for the segment's points moved into the body's frame in double. Round shapes,

@@ -144,6 +144,14 @@ void Robot::Impl::check_pose(const std::string& of, const Eigen::Isometry3d& pos
         refuse(fmt::format("robot '{}': {}", printable(description.name), printable(of)), why);
 }
 
+std::vector<std::uint32_t> Robot::Impl::own_slots() const
+{
+    std::vector<std::uint32_t> slots;
+    for (const BodyId body : bodies) slots.push_back(body.slot);
+    std::ranges::sort(slots);
+    return slots;
+}
+
 void Robot::Impl::check_width(std::size_t numbers) const
 {
     if (numbers != tree.width())

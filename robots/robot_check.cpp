@@ -8,8 +8,6 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/threads/parallel.hpp>
-
 namespace oncollide {
 
 SphereCull::SphereCull(const Robot::Impl& robot, double clearance)
@@ -81,11 +79,9 @@ int severity(Verdict verdict)
 class Robot::Checker {
 public:
     Checker(const Robot::Impl& robot, const World& world, const RobotCheck& what)
-        : robot_(robot), world_(world), what_(what), cull_(robot, world.settings().clearance),
+        : robot_(robot), world_(world), what_(what), cull_(robot, world.settings().clearance), own_(robot.own_slots()),
           near_(robot.group_pairs.size())
     {
-        for (const BodyId body : robot.bodies) own_.push_back(body.slot);
-        std::ranges::sort(own_);
     }
 
     void run(std::span<const double> numbers, std::span<RobotFinding> findings)
@@ -222,19 +218,11 @@ void Robot::check(const World& world, std::span<const double> configurations, st
     const Impl& p = *impl_;
     p.check_world(world);
     p.check_numbers("check", "configuration", *this, configurations, findings.size());
-    const Settings& settings = world.settings();
-    const ExecutorScope scope(settings.executor);
-    const int threads = thread_count(settings);
-    std::vector<std::unique_ptr<Checker>> checkers(static_cast<std::size_t>(threads));
-    const std::size_t chunks = (findings.size() + chunk_size - 1) / chunk_size;
-    parallel_chunks(chunks, 1, threads, [&](std::size_t begin, std::size_t end, int thread) {
-        auto& checker = checkers[static_cast<std::size_t>(thread)];
-        if (!checker) checker = std::make_unique<Checker>(p, world, what);
-        for (std::size_t k = begin; k < end; ++k) {
-            const std::size_t first = k * chunk_size, count = std::min(chunk_size, findings.size() - first);
-            checker->run(configurations.subspan(first * width(), count * width()), findings.subspan(first, count));
-        }
-    });
+    each_chunk(
+        world, findings.size(), chunk_size, [&] { return std::make_unique<Checker>(p, world, what); },
+        [&](Checker& checker, std::size_t first, std::size_t count) {
+            checker.run(configurations.subspan(first * width(), count * width()), findings.subspan(first, count));
+        });
 }
 
 } // namespace oncollide

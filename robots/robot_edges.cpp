@@ -7,8 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/threads/parallel.hpp>
-
 namespace oncollide {
 
 namespace {
@@ -22,26 +20,23 @@ constexpr double most_turn = 0.25;         // rad: in windows of larger turns, m
 /// Tests edges one by one; one checker per thread.
 class Robot::EdgeChecker {
 public:
-    EdgeChecker(const Robot& robot, const World& world, const RobotEdgeCheck& what)
-        : outer_(robot), robot_(*robot.impl_), world_(world), what_(what), cull_(robot_, world.settings().clearance),
-          numbers_(robot_.tree.width())
+    EdgeChecker(const Robot::Impl& robot, const World& world, const RobotEdgeCheck& what)
+        : robot_(robot), world_(world), what_(what), cull_(robot, world.settings().clearance), own_(robot.own_slots()),
+          numbers_(robot.tree.width())
     {
         for (Placed* placed : {&begin_, &middle_, &end_})
             placed->links.resize(robot_.description.links.size(), Eigen::Isometry3d::Identity());
-        for (const BodyId body : robot_.bodies) own_.push_back(body.slot);
-        std::ranges::sort(own_);
     }
 
-    void run(const double* from, const double* to, RobotEdgeFinding& found)
+    /// @param start, end  of check() at both ends
+    void run(const double* from, const double* to, const RobotFinding& start, const RobotFinding& end,
+             RobotEdgeFinding& found)
     {
         from_ = from, to_ = to, found_ = &found, tests_ = 0, open_.clear();
-        found = {.clear_until = 1};
-        if (contact_at(0) || (contact_at(1) && !what_.first)) {
-            found.clear_until = 0;
-            return;
-        }
+        found = {};
+        if (take_end(0, start) || (take_end(1, end) && !what_.first)) return;
         begin();
-        while (!items_.empty() && (what_.first || !has_contact())) {
+        while (!items_.empty() && !is_done()) {
             if (tests_ > what_.most_tests) break;
             test();
         }
@@ -66,14 +61,11 @@ private:
 
     bool has_contact() const { return found_->contact_by <= 1; }
 
-    /// Tests the configuration at an end of the edge. Returns true if it is not separate.
-    bool contact_at(double share)
+    /// Returns true if the configuration at an end of the edge is not separate.
+    bool take_end(double share, const RobotFinding& at)
     {
-        RobotFinding at;
-        const double* const numbers = share == 0 ? from_ : to_;
-        outer_.check(world_, std::span(numbers, numbers_.size()), std::span(&at, 1), what_.pairs);
         if (at.verdict == Verdict::separate) return false;
-        *found_ = {found_->clear_until, share, at.verdict, at.link, at.other, at.body};
+        *found_ = {0, share, at.verdict, at.link, at.other, at.body};
         return true;
     }
 
@@ -329,7 +321,7 @@ private:
     {
         if (share >= found_->contact_by) return;
         const std::uint32_t other = item.b == no_part ? RobotFinding::no_link : robot_.parts[item.b].link;
-        *found_ = {found_->clear_until, share, verdict, robot_.parts[item.a].link, other, item.body};
+        *found_ = {0, share, verdict, robot_.parts[item.a].link, other, item.body};
     }
 
     void finish()
@@ -346,7 +338,6 @@ private:
         if (first->b != no_part) found_->other = robot_.parts[first->b].link;
     }
 
-    const Robot& outer_;
     const Robot::Impl& robot_;
     const World& world_;
     const RobotEdgeCheck& what_;
@@ -379,15 +370,14 @@ void Robot::check_edges(const World& world, std::span<const double> from, std::s
     if (!(what.tolerance >= 1e-9 && what.tolerance <= 1))
         throw Error(ErrorKind::usage,
                     fmt::format("robot: check_edges: tolerance {}: must be 1e-9 to 1", what.tolerance));
-    const Settings& settings = world.settings();
-    const ExecutorScope scope(settings.executor);
-    const int threads = thread_count(settings);
-    std::vector<std::unique_ptr<EdgeChecker>> checkers(static_cast<std::size_t>(threads));
-    parallel_chunks(findings.size(), edges_per_chunk, threads, [&](std::size_t begin, std::size_t end, int thread) {
-        auto& checker = checkers[static_cast<std::size_t>(thread)];
-        if (!checker) checker = std::make_unique<EdgeChecker>(*this, world, what);
-        for (std::size_t i = begin; i < end; ++i) checker->run(&from[i * width()], &to[i * width()], findings[i]);
-    });
+    std::vector<RobotFinding> starts(findings.size()), ends(findings.size());
+    check(world, from, starts, what.pairs), check(world, to, ends, what.pairs);
+    each_chunk(
+        world, findings.size(), edges_per_chunk, [&] { return std::make_unique<EdgeChecker>(p, world, what); },
+        [&](EdgeChecker& checker, std::size_t first, std::size_t count) {
+            for (std::size_t i = first; i < first + count; ++i)
+                checker.run(&from[i * width()], &to[i * width()], starts[i], ends[i], findings[i]);
+        });
 }
 
 } // namespace oncollide

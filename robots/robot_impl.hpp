@@ -1,7 +1,10 @@
 #pragma once
+#include <algorithm>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/robots/cover.hpp>
 #include <oncollide/robots/kinematics.hpp>
 #include <oncollide/robots/robot.hpp>
@@ -61,6 +64,9 @@ struct Robot::Impl {
         return links[part.link] * part.pose;
     }
 
+    /// The slots of the robot's bodies, sorted.
+    std::vector<std::uint32_t> own_slots() const;
+
     /// Upper bound of the factor by which the poses of parts stretch lengths: the base, the origins and the part's own
     /// pose each count as rigid up to 1e-6 (why_not_rigid()).
     double stretch() const { return 1 + 2e-6 * static_cast<double>(description.joints.size() + 2); }
@@ -107,5 +113,20 @@ private:
     std::vector<Placed> groups_, spheres_; ///< spheres_: of each part the whole one, then the others
     std::vector<std::uint8_t> placed_;     ///< by part
 };
+
+/// Calls work(checker, first, count) for chunks of `items`, on the World's threads, with one checker of make() each.
+template <class Make, class Work>
+void each_chunk(const World& world, std::size_t items, std::size_t chunk, Make make, Work work)
+{
+    const Settings& settings = world.settings();
+    const ExecutorScope scope(settings.executor);
+    const int threads = thread_count(settings);
+    std::vector<decltype(make())> checkers(static_cast<std::size_t>(threads));
+    parallel_chunks((items + chunk - 1) / chunk, 1, threads, [&](std::size_t begin, std::size_t end, int thread) {
+        auto& checker = checkers[static_cast<std::size_t>(thread)];
+        if (!checker) checker = make();
+        for (std::size_t k = begin; k < end; ++k) work(*checker, k * chunk, std::min(chunk, items - k * chunk));
+    });
+}
 
 } // namespace oncollide

@@ -13,19 +13,12 @@ std::optional<double> if_finite(double x)
     return std::isfinite(x) ? std::optional(x) : std::nullopt;
 }
 
-/// True if the sweep has a contact with parts.
-bool has_parts(const PairSweep& sweep)
+} // namespace
+
+bool has_parts(const SweepResult& sweep)
 {
     return std::isfinite(sweep.contact_by) && sweep.kind != ContactKind::enclosed;
 }
-
-/// The point of the contact.
-Eigen::Vector3d point_of(const PairSweep& sweep)
-{
-    return 0.5 * (sweep.contact.ends[0] + sweep.contact.ends[1]);
-}
-
-} // namespace
 
 std::string part_text(const BodyPart& part)
 {
@@ -43,7 +36,7 @@ void add_csv_cells(CsvWriter& csv, const PairSweep* sweep)
     csv.add(sweep->clear_until, if_finite(sweep->contact_by), if_finite(sweep->gap), sweep->separating);
     if (has_parts(*sweep)) {
         csv.add(part_text(sweep->contact.a), part_text(sweep->contact.b));
-        for (const double x : point_of(*sweep)) csv.add(x);
+        for (const double x : sweep->contact.middle()) csv.add(x);
     } else {
         add_empty(columns - of_time - of_normal);
     }
@@ -59,7 +52,7 @@ void write_json_row(JsonWriter& json, const std::string& a, const std::string& b
         return [&json, known, v] { known ? json.array(v.x(), v.y(), v.z()) : json.value(nullptr); };
     };
     json.array(JsonText{a}, JsonText{b}, name_of(sweep.verdict), sweep.clear_until, sweep.contact_by, sweep.gap,
-               sweep.separating, part(sweep.contact.a), part(sweep.contact.b), vector(parts, point_of(sweep)),
+               sweep.separating, part(sweep.contact.a), part(sweep.contact.b), vector(parts, sweep.contact.middle()),
                vector(!sweep.normal.isZero(0), sweep.normal));
 }
 

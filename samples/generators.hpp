@@ -13,6 +13,8 @@ namespace oncollide {
 
 /// 12 triangles; `half` are the half-extents. Closed.
 ONCOLLIDE_API Mesh make_box_mesh(const Eigen::Vector3d& half);
+/// The same with faces of `cells` x `cells` cells of two triangles each, which share no vertices across the edges.
+ONCOLLIDE_API Mesh make_box_mesh(const Eigen::Vector3d& half, int cells);
 /// A subdivided octahedron for 8 * 4^k triangles, else bands of latitude with exactly `triangles`; one less if it is
 /// odd, as a closed mesh has an even number (and 8 for 8 to 11). Closed.
 ONCOLLIDE_API Mesh make_sphere_mesh(double radius, int triangles);

@@ -135,6 +135,32 @@ Mesh make_box_mesh(const Eigen::Vector3d& half)
     return box_mesh(half);
 }
 
+Mesh make_box_mesh(const Eigen::Vector3d& half, int cells)
+{
+    for (int axis = 0; axis < 3; ++axis) check_size("box", "a half-extent", half[axis]);
+    check_count("box", "the number of cells along an edge", cells, 1, 1000);
+    std::vector<Eigen::Vector3d> vertices;
+    std::vector<Triangle> triangles;
+    for (int axis = 0; axis < 3; ++axis)
+        for (const double side : {-1.0, 1.0}) {
+            const auto first = static_cast<std::uint32_t>(vertices.size()), row = static_cast<std::uint32_t>(cells) + 1;
+            for (int y = 0; y <= cells; ++y)
+                for (int x = 0; x <= cells; ++x) {
+                    Eigen::Vector3d p;
+                    p[axis] = side, p[(axis + 1) % 3] = 2.0 * x / cells - 1, p[(axis + 2) % 3] = 2.0 * y / cells - 1;
+                    vertices.push_back(p.cwiseProduct(half));
+                }
+            for (int y = 0; y < cells; ++y)
+                for (int x = 0; x < cells; ++x) {
+                    const std::uint32_t v = first + static_cast<std::uint32_t>(y) * row + static_cast<std::uint32_t>(x);
+                    Triangle one{v, v + 1, v + row}, two{v + 1, v + row + 1, v + row};
+                    if (side < 0) std::swap(one[0], one[1]), std::swap(two[0], two[1]);
+                    triangles.push_back(one), triangles.push_back(two);
+                }
+        }
+    return make_mesh("box", std::move(vertices), std::move(triangles));
+}
+
 Mesh make_sphere_mesh(double radius, int triangles)
 {
     check_size("sphere", "the radius", radius);

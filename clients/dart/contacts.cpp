@@ -128,7 +128,7 @@ void OncollideCollisionDetector::Core::add_contacts(const Pair& pair,
         }
     for (const oncollide::ManifoldRegion& region : regions) {
         const std::size_t first = found_.size();
-        oncollide::ManifoldPoint middle{region.centre, region.centre, 0, 0, 0, 0};
+        oncollide::ManifoldPoint middle{region.centre, region.centre, 0, 0, 0, 0, region.normal};
         for (std::uint32_t p = region.first; p < region.first + region.count; ++p) {
             const oncollide::ManifoldPoint& point = manifolds_.points[p];
             if (point.depth < -point.depth_error) continue; // apart there

@@ -84,6 +84,12 @@ SweptMotion MotionWindow::motion(bool swap) const
 
 namespace {
 
+/// The time until which both bodies move as they do at a time.
+double next_key(const SweepTask& task, double now)
+{
+    return std::min({1.0, task.motion_a->at(now).key, task.motion_b->at(now).key});
+}
+
 class Sweep {
 public:
     Sweep(PairWorker& worker, const SweepTask& task, FindEntry entry, FindContact contact)
@@ -114,11 +120,7 @@ private:
     static constexpr double least_width = 0x1p-46;
     static constexpr double most_turn = 0.25; ///< rad, of both bodies in one window
 
-    double next_key() const
-    {
-        const double now = result_.clear_until;
-        return std::min({1.0, task_.motion_a->at(now).key, task_.motion_b->at(now).key});
-    }
+    double next_key() const { return oncollide::next_key(task_, result_.clear_until); }
     /// Wider windows cost more than they gain: the motion in them is less linear.
     double widest() const
     {
@@ -283,8 +285,6 @@ private:
     Finding found_;
 };
 
-} // namespace
-
 /// A lower bound of the time of contact: of the first window in which the bodies may meet.
 SweepResult bound_of(const SweepTask& task, FindEntry entry)
 {
@@ -292,7 +292,7 @@ SweepResult bound_of(const SweepTask& task, FindEntry entry)
     PairMemory memory;
     while (found.clear_until < 1) {
         const double begin = found.clear_until;
-        const double end = std::min({1.0, task.motion_a->at(begin).key, task.motion_b->at(begin).key});
+        const double end = next_key(task, begin);
         const MotionWindow window(task, begin, end);
         const PartsEntry first = entry(window, memory);
         found.clear_until = first.time > 1 ? end : std::clamp(window.time(first.time) * (1 - 0x1p-52), begin, end);
@@ -301,6 +301,8 @@ SweepResult bound_of(const SweepTask& task, FindEntry entry)
     found.verdict = Verdict::separate;
     return found;
 }
+
+} // namespace
 
 SweepResult sweep(PairWorker& worker, const SweepTask& task, FindEntry entry, FindContact contact)
 {

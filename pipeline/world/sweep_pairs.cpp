@@ -8,10 +8,6 @@
 
 namespace oncollide {
 
-namespace {
-
-} // namespace
-
 SweepResult sweep_pair(ModelStore& models, PairWorker& worker, const SweepTask& task)
 {
     try {

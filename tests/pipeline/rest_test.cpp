@@ -19,31 +19,6 @@ Isometry3d at(const Vector3d& p)
     return Isometry3d(Eigen::Translation3d(p));
 }
 
-/// A box whose faces have `cells` x `cells` cells of two triangles each: 12 cells^2 triangles.
-Mesh fine_box(const Vector3d& half, int cells)
-{
-    std::vector<Vector3d> vertices;
-    std::vector<Triangle> triangles;
-    for (int axis = 0; axis < 3; ++axis)
-        for (const double side : {-1.0, 1.0}) {
-            const auto first = static_cast<std::uint32_t>(vertices.size()), row = static_cast<std::uint32_t>(cells) + 1;
-            for (int y = 0; y <= cells; ++y)
-                for (int x = 0; x <= cells; ++x) {
-                    Vector3d p;
-                    p[axis] = side, p[(axis + 1) % 3] = 2.0 * x / cells - 1, p[(axis + 2) % 3] = 2.0 * y / cells - 1;
-                    vertices.push_back(p.cwiseProduct(half));
-                }
-            for (int y = 0; y < cells; ++y)
-                for (int x = 0; x < cells; ++x) {
-                    const std::uint32_t v = first + static_cast<std::uint32_t>(y) * row + static_cast<std::uint32_t>(x);
-                    Triangle one{v, v + 1, v + row}, two{v + 1, v + row + 1, v + row};
-                    if (side < 0) std::swap(one[0], one[1]), std::swap(two[0], two[1]);
-                    triangles.push_back(one), triangles.push_back(two);
-                }
-        }
-    return make_mesh("box", std::move(vertices), std::move(triangles));
-}
-
 struct Moved {
     double creep = 0; ///< of any body, m/s, in the last fifth
     double tilt = 0;  ///< radians
@@ -88,7 +63,7 @@ TEST(Rest, AStackOfBoxesStandsWhateverItsTriangles)
         World world({.clearance = 0.01, .threads = 1});
         example::ImpulseSolver solver(world);
         const ModelId ground = world.add(Shape(Box{{5, 5, 1}}));
-        const ModelId box = cells ? world.add(fine_box(half, cells)) : world.add(Shape(Box{half}));
+        const ModelId box = cells ? world.add(make_box_mesh(half, cells)) : world.add(Shape(Box{half}));
         solver.bodies.push_back({.id = world.add_body({.model = ground, .pose = at({0, 0, -1}), .is_static = true})});
         for (int i = 0; i < 5; ++i) {
             const Vector3d p(0.01 * (i % 2), 0.013 * (i % 3), 0.25 + 0.5 * i);
@@ -113,7 +88,7 @@ TEST(Rest, ABoxSlidesOverTrianglesAsOverAPlane)
         example::ImpulseSolver solver(world);
         solver.friction = 0;
         const Vector3d half(0.25, 0.2, 0.1);
-        Mesh ground = fine_box({4, 4, 1}, cells);
+        Mesh ground = make_box_mesh({4, 4, 1}, cells);
         solver.bodies.push_back(
             {.id = world.add_body({.model = world.add(ground), .pose = at({0, 0, -1}), .is_static = true})});
         solver.bodies.push_back(example::box_body(

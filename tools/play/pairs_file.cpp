@@ -1,6 +1,5 @@
 #include "play/pairs_file.hpp"
 
-#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
@@ -85,12 +84,12 @@ SweepRow row_of(const PairSweep* sweep)
     row.clear_until = sweep->clear_until, row.contact_by = sweep->contact_by, row.gap = sweep->gap;
     row.separating = sweep->separating;
     if (!sweep->normal.isZero(0)) Eigen::Vector3d::Map(row.normal.data()) = sweep->normal;
-    if (!std::isfinite(sweep->contact_by) || sweep->kind == ContactKind::enclosed) return row;
+    if (!has_parts(*sweep)) return row;
     const auto triangle = [](const BodyPart& part) {
         return part.cell.side > 0 ? SweepRow::no_triangle : part.triangle;
     };
     row.triangle_a = triangle(sweep->contact.a), row.triangle_b = triangle(sweep->contact.b);
-    Eigen::Vector3d::Map(row.point.data()) = 0.5 * (sweep->contact.ends[0] + sweep->contact.ends[1]);
+    Eigen::Vector3d::Map(row.point.data()) = sweep->contact.middle();
     return row;
 }
 

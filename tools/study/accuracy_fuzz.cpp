@@ -35,17 +35,14 @@ int fuzz_sweeps(const FuzzOptions& options, int threads)
     const SweepTallies tallies =
         try_sweeps(options.seed, std::uint64_t(options.sweeps), threads, [&] { progress.step(); });
     SweepTally all;
-    std::optional<CsvFile> csv;
-    if (!options.csv.empty())
-        csv.emplace(options.csv, "a,b,sweeps,contacts,at_start,clear,open,poses,truths,missed,early,wide,changed");
+    CsvFile csv(options.csv, "a,b,sweeps,contacts,at_start,clear,open,poses,truths,missed,early,wide,changed");
     const auto row = [&](const std::string& a, const std::string& b, const SweepTally& t) {
-        if (csv)
-            csv->row(a, b, t.sweeps, t.contacts, t.at_start, t.clear, t.open, t.poses, t.truths, t.missed, t.early,
-                     t.wide, t.changed);
+        csv.row(a, b, t.sweeps, t.contacts, t.at_start, t.clear, t.open, t.poses, t.truths, t.missed, t.early, t.wide,
+                t.changed);
     };
     for (const auto& [kinds, tally] : tallies) row(kinds.first, kinds.second, tally), all += tally;
     row("all", "all", all);
-    if (csv) csv->commit();
+    csv.commit();
     say("{} sweeps, seeds {} to {}: {} contacts on the way, {} at time 0, {} free, {} not decided\n"
         "{} poses by exact tests, {} by the truth: {} missed, {} early, {} out of tolerance, {} changed by the order "
         "of the bodies\n",

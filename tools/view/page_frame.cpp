@@ -129,8 +129,7 @@ PageFrames::Places PageFrames::places_of(std::span<const PairResult> pairs,
     for (std::size_t k = 0; k < pairs.size(); ++k) {
         const PairResult& pair = pairs[k];
         if (const PairSweep* const sweep = sweeps[k]; sweep && sweep->contact_by > 0) {
-            const std::array<Eigen::Vector3d, 2>& ends = sweep->contact.ends;
-            if (sweep->kind != ContactKind::enclosed) put(k, 0.5 * (ends[0] + ends[1]));
+            if (sweep->kind != ContactKind::enclosed) put(k, sweep->contact.middle());
             continue;
         }
         if (pair.verdict == Verdict::colliding && colliding.size() < most_measured)

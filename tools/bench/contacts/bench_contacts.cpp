@@ -195,11 +195,10 @@ std::vector<ContactRow> race(const ContactScene& scene, const Played& played, co
 
 class ContactsReport {
 public:
-    explicit ContactsReport(const ContactsOptions& options) : options_(options)
+    explicit ContactsReport(const ContactsOptions& options)
+        : options_(options), csv_(options.csv, "scene,who,ms,contacts,of_oncollide,pairs,regions,most_points,complete,"
+                                               "step_ms,creep,aside,speed,depth,lead,turns,hash")
     {
-        if (!options.csv.empty())
-            csv_.emplace(options.csv, "scene,who,ms,contacts,of_oncollide,pairs,regions,most_points,complete,step_ms,"
-                                      "creep,aside,speed,depth,lead,turns,hash");
         if (!options.json.empty()) {
             json_file_.emplace(options.json), json_.emplace(*json_file_);
             json_->begin_object(), json_->schema("oncollide.bench_contacts", 1);
@@ -217,11 +216,10 @@ public:
             say("{:<16}{:<11}{:>11.4f}{:>10.1f}{:>9.2f}", ours ? scene.name : "", row.name, row.ms, row.contacts,
                 ratio);
             say("{}\n", ours ? fmt::format("{:>8}{:>9}", p.pairs, p.regions) : "");
-            if (csv_)
-                csv_->row(scene.name, row.name, Digits{row.ms, 4}, Digits{row.contacts, 5}, Digits{ratio, 4}, p.pairs,
-                          p.regions, p.most_points, int(p.complete), Digits{p.step_ms, 4}, Digits{p.creep, 3},
-                          Digits{p.aside, 3}, Digits{p.speed, 9}, Digits{p.depth, 3}, Digits{p.lead, 6},
-                          Digits{p.turns, 4}, fmt::format("{:016x}", p.hash));
+            csv_.row(scene.name, row.name, Digits{row.ms, 4}, Digits{row.contacts, 5}, Digits{ratio, 4}, p.pairs,
+                     p.regions, p.most_points, int(p.complete), Digits{p.step_ms, 4}, Digits{p.creep, 3},
+                     Digits{p.aside, 3}, Digits{p.speed, 9}, Digits{p.depth, 3}, Digits{p.lead, 6}, Digits{p.turns, 4},
+                     fmt::format("{:016x}", p.hash));
         }
         say("  {}; at most {} points a pair{}", scene.what, p.most_points, p.complete ? "" : ", a limit left some out");
         if (p.step_ms > 0)
@@ -242,14 +240,14 @@ public:
     }
     void finish()
     {
-        if (csv_) csv_->commit();
+        csv_.commit();
         if (!json_) return;
         json_->end_array(), json_->end_object(), json_file_->write("\n"), json_file_->commit();
     }
 
 private:
     const ContactsOptions& options_;
-    std::optional<CsvFile> csv_;
+    CsvFile csv_;
     std::optional<OutputFile> json_file_;
     std::optional<JsonWriter> json_;
 };

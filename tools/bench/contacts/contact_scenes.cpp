@@ -35,31 +35,6 @@ Isometry3d turned(const Vector3d& p, std::uint64_t seed)
     return at(p) * Eigen::AngleAxisd(M_PI * draw(0), Vector3d(draw(1), draw(2), draw(3)).normalized());
 }
 
-/// A box whose faces have `cells` x `cells` cells of two triangles each: 12 cells^2 triangles.
-Mesh fine_box(const Vector3d& half, int cells)
-{
-    std::vector<Vector3d> vertices;
-    std::vector<Triangle> triangles;
-    for (int axis = 0; axis < 3; ++axis)
-        for (const double side : {-1.0, 1.0}) {
-            const auto first = static_cast<std::uint32_t>(vertices.size()), row = static_cast<std::uint32_t>(cells) + 1;
-            for (int y = 0; y <= cells; ++y)
-                for (int x = 0; x <= cells; ++x) {
-                    Vector3d p;
-                    p[axis] = side, p[(axis + 1) % 3] = 2.0 * x / cells - 1, p[(axis + 2) % 3] = 2.0 * y / cells - 1;
-                    vertices.push_back(p.cwiseProduct(half));
-                }
-            for (int y = 0; y < cells; ++y)
-                for (int x = 0; x < cells; ++x) {
-                    const std::uint32_t v = first + static_cast<std::uint32_t>(y) * row + static_cast<std::uint32_t>(x);
-                    Triangle one{v, v + 1, v + row}, two{v + 1, v + row + 1, v + row};
-                    if (side < 0) std::swap(one[0], one[1]), std::swap(two[0], two[1]);
-                    triangles.push_back(one), triangles.push_back(two);
-                }
-        }
-    return make_mesh("box", std::move(vertices), std::move(triangles));
-}
-
 /// A body with four legs and a head: closed, concave, about 0.5 m long.
 Mesh animal()
 {
@@ -93,7 +68,7 @@ ContactScene stack(int cells)
                        .timed = 50,
                        .most_creep = 1e-6};
     scene.bodies.push_back({.geometry = geometry(Shape(Box{{5, 5, 1}})), .pose = at({0, 0, -1})});
-    const auto box = geometry(cells ? GeometryData(fine_box(half, cells)) : GeometryData(Shape(Box{half})));
+    const auto box = geometry(cells ? GeometryData(make_box_mesh(half, cells)) : GeometryData(Shape(Box{half})));
     for (int i = 0; i < 5; ++i)
         scene.bodies.push_back(
             {.geometry = box, .pose = at({0.01 * (i % 2), 0.013 * (i % 3), 0.25 + 0.5 * i}), .half = half});
@@ -161,7 +136,7 @@ ContactScene sliding(int cells)
                        .timed = 50};
     scene.friction = 0;
     const Vector3d half(0.25, 0.2, 0.1);
-    scene.bodies.push_back({.geometry = geometry(fine_box({4, 4, 1}, cells)), .pose = at({0, 0, -1})});
+    scene.bodies.push_back({.geometry = geometry(make_box_mesh({4, 4, 1}, cells)), .pose = at({0, 0, -1})});
     scene.bodies.push_back({.geometry = geometry(make_box_mesh(half)),
                             .pose = at({-2, 0.0123, 0.1}),
                             .half = half,

@@ -190,14 +190,12 @@ int bench_edges(const EdgeBenchOptions& options)
     say("\nfree {}, contacts {}, undecided {}; contacts that sampling misses {}; certified edges with a sample in "
         "contact {}\n(of {} samples each).\n",
         counts.free, counts.contacts, counts.undecided, counts.missed, counts.refuted, options.truth);
-    if (!options.csv.empty()) {
-        CsvFile csv(options.csv, "robot,edges,length,first_us,any_us,sampled_us,free,contacts,undecided,missed,refuted,"
-                                 "samples");
-        csv.row(Quoted{robot.name}, counts.edges, options.length, Digits{each(counts.first_seconds), 4},
-                Digits{each(counts.any_seconds), 4}, Digits{each(counts.sampled_seconds), 4}, counts.free,
-                counts.contacts, counts.undecided, counts.missed, counts.refuted, options.truth);
-        csv.commit();
-    }
+    CsvFile csv(options.csv, "robot,edges,length,first_us,any_us,sampled_us,free,contacts,undecided,missed,refuted,"
+                             "samples");
+    csv.row(Quoted{robot.name}, counts.edges, options.length, Digits{each(counts.first_seconds), 4},
+            Digits{each(counts.any_seconds), 4}, Digits{each(counts.sampled_seconds), 4}, counts.free, counts.contacts,
+            counts.undecided, counts.missed, counts.refuted, options.truth);
+    csv.commit();
     return counts.refuted > 0 ? 70 : 0;
 }
 

@@ -200,7 +200,7 @@ std::optional<StudyPicture> draw_worst_miss(const Scene& scene, const Continuous
     picture.camera = framing.camera();
     Image image = blank(2 * side, side);
     paste(draw_bodies(picture).pixels, side, image, 0);
-    const Eigen::Vector3d place = 0.5 * (step.truth.contact.ends[0] + step.truth.contact.ends[1]),
+    const Eigen::Vector3d place = step.truth.contact.middle(),
                           back = (picture.camera.eye - picture.camera.look_at).normalized();
     picture.camera.look_at = place, picture.camera.eye = place + 0.3 * framing.bounds().diagonal() * back;
     paste(draw_bodies(picture).pixels, side, image, side);
