@@ -87,6 +87,7 @@ Kinematics::Step Kinematics::step_of(const RobotDescription& robot, std::uint32_
               joint.child,
               joint.kind,
               static_cast<std::uint32_t>(std::max(first, 0)),
+              static_cast<std::uint32_t>(numbers_of(robot.joints[mimics ? static_cast<std::size_t>(joint.mimics) : i])),
               mimics ? joint.multiplier : 1,
               mimics ? joint.offset : 0,
               turn,
@@ -173,11 +174,20 @@ double BallTravel::off(double arm) const
     return helix ? 0 : 0.125 * (bend + turned * turned * arm) * (1 + 1e-12);
 }
 
+void Kinematics::rigid_links(const double* from, const double* to, std::vector<std::uint32_t>& highest) const
+{
+    highest.assign(steps_.size() + 1, root_);
+    for (const Step& step : steps_) {
+        const bool rests = std::equal(from + step.number, from + step.number + step.width, to + step.number);
+        highest[step.child] = rests ? highest[step.parent] : step.child;
+    }
+}
+
 BallTravel Kinematics::travel(const double* from, const double* to, double half, const Eigen::Isometry3d* poses,
-                              const CoverSphere& ball, std::uint32_t link, std::uint32_t above) const
+                              const CoverSphere& ball, std::uint32_t link, std::uint32_t seen_from) const
 {
     const Eigen::Vector3d centre = poses[link] * ball.centre;
-    BallTravel all; // seen from the link that the loop has reached
+    BallTravel all; // seen from the link that the walk has reached
     int moving = 0;
     const auto shift = [&](double length) { all.moved += half * length, all.speed += 2 * half * length; };
     const auto turn = [&](double angle, double distance) { // around the axis or the origin
@@ -186,12 +196,12 @@ BallTravel Kinematics::travel(const double* from, const double* to, double half,
         all.speed += a * reach, all.turned += a;
         all.moved += std::min(0.5 * a, 2.0) * reach; // a chord
     };
-    for (; link != above; link = steps_[step_to_[link]].parent) {
-        const Step& step = steps_[step_to_[link]];
-        if (step.kind == JointKind::fixed) continue;
+    const auto pass = [&](std::uint32_t child) { // the joint above it, in either direction
+        const Step& step = steps_[step_to_[child]];
+        if (step.kind == JointKind::fixed) return;
         const double *const a = from + step.number, *const b = to + step.number;
-        const Eigen::Vector3d arm = centre - poses[link].translation();
-        const auto from_axis = [&] { return arm.cross(poses[link].linear() * step.axis).norm(); };
+        const Eigen::Vector3d arm = centre - poses[child].translation();
+        const auto from_axis = [&] { return arm.cross(poses[child].linear() * step.axis).norm(); };
         const double speed_before = all.speed;
         switch (step.kind) {
         case JointKind::fixed:
@@ -201,22 +211,30 @@ BallTravel Kinematics::travel(const double* from, const double* to, double half,
             break;
         case JointKind::revolute:
         case JointKind::continuous:
-            turn(step.multiplier * (b[0] - a[0]), from_axis());
+            if (a[0] != b[0]) turn(step.multiplier * (b[0] - a[0]), from_axis());
             break;
-        case JointKind::planar:
-            turn(b[2] - a[2], from_axis());
+        case JointKind::planar: // seen from the child, shifted points turn; the other way this is a larger bound
             shift(std::hypot(b[0] - a[0], b[1] - a[1]));
+            turn(b[2] - a[2], from_axis());
             break;
         case JointKind::floating: {
-            turn(unit(a + 3).angularDistance(unit(b + 3)), arm.norm());
             shift((Eigen::Map<const Eigen::Vector3d>(b) - Eigen::Map<const Eigen::Vector3d>(a)).norm());
+            turn(unit(a + 3).angularDistance(unit(b + 3)), arm.norm());
             break;
         }
         }
         if (all.speed > speed_before)
             ++moving, all.helix = all.helix && moving == 1 && step.kind != JointKind::planar &&
                                   step.kind != JointKind::floating;
-    }
+    };
+    const std::uint32_t top = common(link, seen_from);
+    for (; link != top; link = parent(link)) pass(link);
+    const auto descend = [&](auto& self, std::uint32_t to_link) -> void {
+        if (to_link == top) return;
+        self(self, parent(to_link));
+        pass(to_link);
+    };
+    descend(descend, seen_from);
     all.moved *= 1 + 1e-12;
     return all;
 }
@@ -225,9 +243,24 @@ std::uint32_t Kinematics::common(std::uint32_t a, std::uint32_t b) const
 {
     while (a != b) {
         std::uint32_t& lower = depth_[a] < depth_[b] ? b : a;
-        lower = steps_[step_to_[lower]].parent;
+        lower = parent(lower);
     }
     return a;
+}
+
+std::uint32_t Kinematics::middle(std::uint32_t a, std::uint32_t b, bool more_at_a) const
+{
+    const std::uint32_t top = common(a, b);
+    const auto moves = [&](std::uint32_t link) { return steps_[step_to_[link]].kind != JointKind::fixed; };
+    const auto moving = [&](std::uint32_t link) {
+        int count = 0;
+        for (; link != top; link = parent(link)) count += moves(link);
+        return count;
+    };
+    const int all_of_a = moving(a), all = all_of_a + moving(b), of_a = (all + more_at_a) / 2;
+    std::uint32_t link = of_a <= all_of_a ? a : b;
+    for (int left = link == a ? of_a : all - of_a; left > 0; link = parent(link)) left -= moves(link);
+    return link;
 }
 
 } // namespace oncollide

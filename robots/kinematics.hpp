@@ -40,15 +40,16 @@ public:
 
     /// The configuration at a share of an edge: numbers change in proportion, quaternions along the shorter arc.
     void between(const double* from, const double* to, double share, double* numbers) const;
-    /// How a ball that is fixed to a link moves, seen from a link above, in a part of an edge.
+    /// Sets for each link the highest link that does not move against it on an edge.
+    void rigid_links(const double* from, const double* to, std::vector<std::uint32_t>& highest) const;
+    /// How a ball that is fixed to a link moves, seen from another link, in a part of an edge.
     /// @param half   half of the part, as a share of the edge
     /// @param ball   in the frame of `link`
-    /// @param above  `link` or a link above it
     /// @param poses  of all links, in the middle of the part
     BallTravel travel(const double* from, const double* to, double half, const Eigen::Isometry3d* poses,
-                      const CoverSphere& ball, std::uint32_t link, std::uint32_t above) const;
-    /// The lowest link that is above both, or one of them.
-    std::uint32_t common(std::uint32_t a, std::uint32_t b) const;
+                      const CoverSphere& ball, std::uint32_t link, std::uint32_t seen_from) const;
+    /// The link half way between two links: as many joints move on both sides, or one more beside `a` if `more_at_a`.
+    std::uint32_t middle(std::uint32_t a, std::uint32_t b, bool more_at_a) const;
 
     static int numbers_of(const RobotJoint& joint);
 
@@ -58,7 +59,7 @@ private:
     struct Step {
         std::uint32_t parent, child;
         JointKind kind;
-        std::uint32_t number;
+        std::uint32_t number, width; ///< of the joint's numbers; width 0: fixed
         double multiplier, offset;
         Eigen::Matrix3d constant, by_sine, by_cosine;
         Eigen::Vector3d translation, along; ///< along: per unit of a prismatic joint
@@ -66,6 +67,9 @@ private:
         Eigen::Vector3d axis;
     };
     Step step_of(const RobotDescription& robot, std::uint32_t joint) const;
+    std::uint32_t parent(std::uint32_t link) const { return steps_[step_to_[link]].parent; }
+    /// The lowest link that is above both, or one of them.
+    std::uint32_t common(std::uint32_t a, std::uint32_t b) const;
 
     std::vector<std::string> names_;
     std::vector<int> first_;

@@ -62,6 +62,7 @@ Robot::Impl::Impl(World& world, RobotDescription given, const Eigen::Isometry3d&
     attached_from = parts.size(), spheres_of_links = spheres.size();
     if (parts.empty()) refuse(fmt::format("robot '{}'", printable(description.name)), "no link has collision geometry");
     any_model = parts.front().model;
+    point = world.add(Sphere{1e-6});
     find_pairs();
 }
 
@@ -95,12 +96,15 @@ void Robot::Impl::find_pairs()
         const std::pair<std::uint32_t, std::uint32_t> links = std::minmax(a.link, b.link);
         return !std::ranges::binary_search(description.excluded, links);
     };
+    const auto between = [&](const Part& a, const Part& b) {
+        return tree.middle(a.link, b.link, a.cover.whole.radius < b.cover.whole.radius);
+    };
     for (std::uint32_t b = 0; b < groups.size(); ++b)
         for (std::uint32_t a = 0; a < b; ++a) {
             const auto first = static_cast<std::uint32_t>(pairs.size());
             for (std::uint32_t i = groups[a].first; i < groups[a].end; ++i)
                 for (std::uint32_t k = groups[b].first; k < groups[b].end; ++k)
-                    if (tested(parts[i], parts[k])) pairs.push_back({i, k});
+                    if (tested(parts[i], parts[k])) pairs.push_back({i, k, between(parts[i], parts[k])});
             if (pairs.size() > first) group_pairs.push_back({a, b, first, static_cast<std::uint32_t>(pairs.size())});
         }
     sort_pairs();

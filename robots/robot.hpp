@@ -212,6 +212,8 @@ private:
     class ONCOLLIDE_LOCAL Checker;
     class ONCOLLIDE_LOCAL EdgeChecker;
     friend class SphereCull;
+    friend class EdgeMotion;
+    friend class EdgeSearch;
     std::unique_ptr<Impl> impl_;
 };
 

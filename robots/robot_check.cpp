@@ -136,14 +136,14 @@ private:
             pairs_.clear(), near_open_.clear();
             for (const Near& near : list)
                 if (is_open(near.configuration)) {
-                    const auto [a, b] = robot_.pairs[near.pair];
+                    const auto [a, b, seen_from] = robot_.pairs[near.pair];
                     pairs_.push_back({placed(a, near.configuration), placed(b, near.configuration)});
                     near_open_.push_back(near);
                 }
             found_.resize(pairs_.size());
             if (!pairs_.empty()) world_.decide(pairs_, found_);
             for (std::size_t k = 0; k < near_open_.size(); ++k) {
-                const auto [a, b] = robot_.pairs[near_open_[k].pair];
+                const auto [a, b, seen_from] = robot_.pairs[near_open_[k].pair];
                 take(near_open_[k].configuration, found_[k], robot_.parts[a].link, robot_.parts[b].link, {});
             }
         }

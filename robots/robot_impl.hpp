@@ -28,6 +28,7 @@ struct Robot::Impl {
     };
     struct PartPair {
         std::uint32_t a, b;
+        std::uint32_t seen_from; ///< the link between them from which the bounds on their motions are the least
     };
     /// The parts of a link, or one attached object: one bounding sphere can rule them out together.
     struct Group {
@@ -83,6 +84,7 @@ struct Robot::Impl {
     std::vector<GroupPair> group_pairs; ///< those most often near each other first
     std::vector<BodyId> bodies;
     ModelId any_model{}; ///< identifies the World
+    ModelId point{};     ///< a small sphere, to query the surroundings of balls
 };
 
 /// Whether bounding spheres of two parts come closer than the clearance.

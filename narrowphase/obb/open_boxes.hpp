@@ -134,18 +134,19 @@ inline float greatest(F32x8 v)
     return most;
 }
 
-/// The first axis is along the longest side, the last along the normal.
+/// The first axis is along the longest side of an obtuse triangle, else along the middle one: the box of half a
+/// rectangle is then this rectangle. The last axis is along the normal.
 void open_triangles(const TriangleRow& row, const BoxPlacement* placement, OpenBoxes& out)
 {
     const Vec s = load(row.sides[0]), t = load(row.sides[1]), r{t.x - s.x, t.y - s.y, t.z - s.z};
-    const F32x8 ss = dot(s, s), tt = dot(t, t), rr = dot(r, r);
-    const I32x8 s_longest = (ss >= tt) & (ss >= rr), t_longer = tt >= rr;
-    const F32x8 longest2 = max(ss, max(tt, rr));
+    const F32x8 ss = dot(s, s), tt = dot(t, t), rr = dot(r, r), longest2 = max(ss, max(tt, rr));
+    const F32x8 middle2 = max(min(ss, tt), min(max(ss, tt), rr));
+    const F32x8 side2 = 2 * longest2 > 1.0001f * (ss + tt + rr) ? longest2 : middle2;
     // A triangle with sides below 2^-20 is a point: the box is along the mesh's axes, and still holds the three
     // corners.
     const I32x8 point = longest2 < splat(0x1p-40f);
-    const Vec side = choose(s_longest, s, choose(t_longer, t, r));
-    const Vec u = choose(point, {splat(1), splat(0), splat(0)}, scaled(side, 1 / sqrt(point ? splat(1) : longest2)));
+    const Vec side = choose(ss == side2, s, choose(tt == side2, t, r));
+    const Vec u = choose(point, {splat(1), splat(0), splat(0)}, scaled(side, 1 / sqrt(point ? splat(1) : side2)));
     Vec n = cross(s, t);
     const F32x8 area2 = dot(n, n);
     const I32x8 thin = (area2 < 0x1p-32f * longest2 * longest2) | point;

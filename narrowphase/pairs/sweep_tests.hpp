@@ -90,7 +90,8 @@ inline PartsEntry entry_in(const direct_tests::TwoShapes& test, const SweepTask&
         const ConvexDistance d = ConvexPair(a, b, there, placed.slack).distance({});
         return Eigen::Vector3d(d.on_b - d.on_a);
     };
-    return first_entry(parts, -1, after_window, Eigen::Vector3d::Zero(), apart, between);
+    Eigen::Vector3d line = Eigen::Vector3d::Zero();
+    return first_entry(parts, -1, after_window, line, apart, between);
 }
 
 /// A half-space and another body: from the body's height at the beginning of the window. The height changes by the

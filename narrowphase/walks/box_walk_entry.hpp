@@ -54,6 +54,7 @@ FirstEntry<typename Leaves::Pair> BoxWalk<A, B, Leaves>::first_entry(A& a, B& b,
     start(a, b, b_to_a, frame);
     stack_[top_ - 1].gap = -1;
     take_line(WalkLine(b_to_a(b.centre()) - a.centre(), b_to_a));
+    Eigen::Vector3d separating = line_.in_a;
     RelativePose there = b_to_a; // the leaf tests keep a reference
     const auto take_pair = [&](const Pair& pair, const SweptParts& parts, double from) {
         const auto apart = [&](const Eigen::Vector3d& direction) {
@@ -65,10 +66,10 @@ FirstEntry<typename Leaves::Pair> BoxWalk<A, B, Leaves>::first_entry(A& a, B& b,
             leaves_.start(a, b, there);
             return nearest(pair, frame).between;
         };
-        const PartsEntry entry = oncollide::first_entry(parts, from, best.time, line_.in_a, apart, between);
+        const PartsEntry entry = oncollide::first_entry(parts, from, best.time, separating, apart, between);
         if (entry.time >= best.time) return;
         best.time = entry.time, best.likely = entry.likely, best.direction = entry.direction, best.pair = pair;
-        if (!entry.direction.isZero(0)) take_line(WalkLine(entry.direction, b_to_a));
+        if (!entry.direction.isZero(0)) separating = entry.direction;
     };
     while (top_ && best.time > -1) {
         const Entry e = stack_[--top_];

@@ -51,11 +51,11 @@ inline PartsEntry entry_along(const Eigen::Vector3d& direction, double apart, co
 
 /// The time at which two convex parts first meet, from `from` on; after_window, if it is after `until`. Each step moves
 /// the parts to the bound found so far, and separates them along the line of their nearest points there.
-/// @param first  a unit direction to try first, or 0
+/// @param line  a unit direction to try first, or 0; set to one that shows that they do not meet
 /// @param apart  apart(direction): a lower bound, rounding included, of how far apart the parts are along a unit
 /// direction at time 0 @param between  between(time): a vector from A's nearest point to B's, within rounding, after
 /// the linear motion until then
-PartsEntry first_entry(const SweptParts& parts, double from, double until, const Eigen::Vector3d& first, auto apart,
+PartsEntry first_entry(const SweptParts& parts, double from, double until, Eigen::Vector3d& line, auto apart,
                        auto between)
 {
     constexpr int most_tries = 16;
@@ -66,13 +66,17 @@ PartsEntry first_entry(const SweptParts& parts, double from, double until, const
         if (entry.time > found.time || found.direction.isZero(0)) found = entry;
         return found.time < until;
     };
-    if (!first.isZero(0) && !take(first)) return {};
+    if (!line.isZero(0) && !take(line)) return {};
     for (int step = 0; step < most_tries; ++step) {
         const double before = found.time;
-        const Eigen::Vector3d line = between(before);
-        const double length = line.norm();
+        const Eigen::Vector3d nearest = between(before);
+        const double length = nearest.norm();
         if (!(length > 0)) break;
-        if (!take(line / (length * (1 + 0x1p-50)))) return {};
+        const Eigen::Vector3d direction = nearest / (length * (1 + 0x1p-50));
+        if (!take(direction)) {
+            line = direction;
+            return {};
+        }
         if (found.time - before < enough) break;
     }
     return found;

@@ -214,9 +214,9 @@ TEST_F(RobotEdges, BoundsOfTravelHoldForAllKindsOfJoints)
         };
         const Poses begin = place(0), middle = place(0.5), end = place(1);
         const CoverSphere ball{Vector3d(any(-1, 1), any(-1, 1), any(-1, 1)), any(0, 0.5)};
-        const auto link = static_cast<std::uint32_t>(1 + trial % 4), above = link > 1 && trial % 3 == 1 ? 1u : 0u;
-        const auto seen = [&](const Poses& poses) { return Isometry3d(poses[above].inverse() * poses[link]); };
-        const BallTravel bound = tree.travel(from.data(), to.data(), 0.5, middle.data(), ball, link, above);
+        const auto link = static_cast<std::uint32_t>(trial % 5), from_link = static_cast<std::uint32_t>(trial / 5 % 5);
+        const auto seen = [&](const Poses& poses) { return Isometry3d(poses[from_link].inverse() * poses[link]); };
+        const BallTravel bound = tree.travel(from.data(), to.data(), 0.5, middle.data(), ball, link, from_link);
         const RigidMotion rigid(seen(begin), seen(end), bound.helix ? MotionPath::screw : MotionPath::linear);
         const double off = bound.off(ball.centre.norm() + ball.radius);
         helices += bound.helix && bound.moved > 0;
@@ -227,8 +227,8 @@ TEST_F(RobotEdges, BoundsOfTravelHoldForAllKindsOfJoints)
                 const Vector3d x =
                     ball.centre + ball.radius * Vector3d(any(-1, 1), any(-1, 1), any(-1, 1)).normalized();
                 const double moved = (there * x - seen(middle) * x).norm(), left = (there * x - guess * x).norm();
-                ASSERT_LE(moved, bound.moved * (1 + 1e-9) + 1e-14) << "trial " << trial << ", link " << link;
-                ASSERT_LE(left, off * (1 + 1e-9) + 1e-13) << "trial " << trial << ", link " << link;
+                ASSERT_LE(moved, bound.moved * (1 + 1e-9) + 1e-14) << "trial " << trial << ", link " << link << " from " << from_link;
+                ASSERT_LE(left, off * (1 + 1e-9) + 1e-13) << "trial " << trial << ", link " << link << " from " << from_link;
                 if (bound.moved > 0) largest = std::max(largest, moved / bound.moved);
                 if (off > 0) farthest = std::max(farthest, left / off);
             }

@@ -1,7 +1,9 @@
 #include <oncollide/narrowphase/obb/fits/box_fit.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -44,12 +46,12 @@ Matrix3d axes_of_triangle(TrianglePoints t)
     std::sort(t.begin(), t.end(), [](const Vector3d& p, const Vector3d& q) {
         return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
     });
-    Vector3d longest = t[1] - t[0];
-    for (const Vector3d& side : {Vector3d(t[2] - t[1]), Vector3d(t[0] - t[2])})
-        if (side.squaredNorm() > longest.squaredNorm()) longest = side;
-    const double length = longest.norm();
+    std::array<Vector3d, 3> sides{t[1] - t[0], t[2] - t[1], t[0] - t[2]};
+    std::ranges::stable_sort(sides, std::greater{}, &Vector3d::squaredNorm);
+    const double length = sides[0].norm();
     if (!(length > 0)) return Matrix3d::Identity();
-    const Vector3d u = longest / length;
+    const bool obtuse = sides[0].squaredNorm() > (1 + 1e-6) * (sides[1].squaredNorm() + sides[2].squaredNorm());
+    const Vector3d u = sides[obtuse ? 0 : 1].normalized();
     Vector3d n = u.cross(Vector3d((t[1] - t[0]) / length)) + u.cross(Vector3d((t[2] - t[0]) / length));
     if (!(n.norm() > 1e-12)) n = u.unitOrthogonal();
     const Matrix3d axes = frame_of(u, n.normalized());
