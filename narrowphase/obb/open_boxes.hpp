@@ -134,14 +134,14 @@ inline float greatest(F32x8 v)
     return most;
 }
 
-/// The first axis is along the longest side of an obtuse triangle, else along the middle one: the box of half a
-/// rectangle is then this rectangle. The last axis is along the normal.
+/// The first axis is along the longest side or, of a right-angled triangle, along a leg: the box of half a rectangle is
+/// then this rectangle. The last axis is along the normal.
 void open_triangles(const TriangleRow& row, const BoxPlacement* placement, OpenBoxes& out)
 {
     const Vec s = load(row.sides[0]), t = load(row.sides[1]), r{t.x - s.x, t.y - s.y, t.z - s.z};
     const F32x8 ss = dot(s, s), tt = dot(t, t), rr = dot(r, r), longest2 = max(ss, max(tt, rr));
     const F32x8 middle2 = max(min(ss, tt), min(max(ss, tt), rr));
-    const F32x8 side2 = 2 * longest2 > 1.0001f * (ss + tt + rr) ? longest2 : middle2;
+    const F32x8 side2 = abs(ss + tt + rr - 2 * longest2) < 0.001f * longest2 ? middle2 : longest2;
     // A triangle with sides below 2^-20 is a point: the box is along the mesh's axes, and still holds the three
     // corners.
     const I32x8 point = longest2 < splat(0x1p-40f);

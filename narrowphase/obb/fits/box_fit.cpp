@@ -50,8 +50,9 @@ Matrix3d axes_of_triangle(TrianglePoints t)
     std::ranges::stable_sort(sides, std::greater{}, &Vector3d::squaredNorm);
     const double length = sides[0].norm();
     if (!(length > 0)) return Matrix3d::Identity();
-    const bool obtuse = sides[0].squaredNorm() > (1 + 1e-6) * (sides[1].squaredNorm() + sides[2].squaredNorm());
-    const Vector3d u = sides[obtuse ? 0 : 1].normalized();
+    const double legs = sides[1].squaredNorm() + sides[2].squaredNorm(), longest = sides[0].squaredNorm();
+    const bool right_angled = std::abs(legs - longest) < 0.001 * longest;
+    const Vector3d u = sides[right_angled ? 1 : 0].normalized();
     Vector3d n = u.cross(Vector3d((t[1] - t[0]) / length)) + u.cross(Vector3d((t[2] - t[0]) / length));
     if (!(n.norm() > 1e-12)) n = u.unitOrthogonal();
     const Matrix3d axes = frame_of(u, n.normalized());

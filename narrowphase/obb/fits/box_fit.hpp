@@ -54,8 +54,8 @@ private:
 Aabb extent_along(const Eigen::Matrix3d& axes, const TriangleColumns& triangles);
 
 /// Axes, the columns of a rotation, along the directions of largest and smallest spread of the triangles' surface; for
-/// one triangle, along its normal and its longest side, or the middle one if no angle is obtuse. Source: Gottschalk, Lin
-/// and Manocha, "OBBTree", SIGGRAPH 1996.
+/// one triangle, along its normal and its longest side or, with a right angle, a leg. Source: Gottschalk, Lin and
+/// Manocha, "OBBTree", SIGGRAPH 1996.
 /// @param triangles  at most 2^14
 /// @param bounds     a box along the axes of the frame, nearly the bounds of the triangles
 Eigen::Matrix3d fitted_axes(const TriangleColumns& triangles, const Aabb& bounds);
