@@ -13,6 +13,8 @@
 #ifdef ONCOLLIDE_HDF5
 #include "hdf5_inputs.hpp"
 #endif
+#include "robot/planning_problem.hpp"
+#include "robot/sphere_files.hpp"
 #include "scenes/files/xml_writers.hpp"
 #include "seeds.hpp"
 #include "tools/run_command.hpp"
@@ -43,6 +45,13 @@ constexpr Format all_formats[] = {
     {"3mf", "input.3mf", threemf_seeds},
     {"urdf", "input.urdf", urdf_seeds},
     {"srdf", "input.srdf", srdf_seeds},
+#endif
+#ifdef ONCOLLIDE_YAML
+    {"problem", "scene.yaml", problem_seeds},
+    {"request", "request.yaml", request_seeds},
+#ifdef ONCOLLIDE_XML
+    {"spheres", "input.yml", sphere_model_seeds},
+#endif
 #endif
     {"bt", "input.bt", bt_seeds},
     {"ot", "input.ot", ot_seeds},
@@ -110,6 +119,23 @@ void check(const RobotDescription& robot)
     }
 }
 
+/// As they are read from scene.yaml and request.yaml; of one, the other is good.
+void check(const tools::PlanningProblem& problem)
+{
+    for (const auto& obstacle : problem.obstacles)
+        if (!why_not_rigid(obstacle.pose).empty()) fault("a pose that is not rigid");
+    for (const auto* values : {&problem.start, &problem.goal})
+        for (const auto& [joint, value] : *values)
+            if (!std::isfinite(value)) fault("a joint that is not finite");
+}
+
+void check(const tools::SphereModel& model)
+{
+    for (const auto& spheres : model)
+        for (const CoverSphere& sphere : spheres)
+            if (!sphere.centre.allFinite() || !(sphere.radius > 0)) fault("a sphere that is none");
+}
+
 /// Opens each tile that exists, as an approaching body would.
 void load_tiles(const fs::path& file)
 {
@@ -144,6 +170,16 @@ void load(const fs::path& file)
         check(load_robot(file));
     } else if (ending == ".srdf") {
         check(load_robot(file.parent_path() / "arm.urdf", {.srdf = file}));
+#ifdef ONCOLLIDE_YAML
+    } else if (ending == ".yaml") {
+        const fs::path folder = file.parent_path();
+        const bool scene = file.filename() == "scene.yaml";
+        check(tools::read_problem(scene ? file : folder / "good-scene.yaml",
+                                  scene ? folder / "good-request.yaml" : file));
+    } else if (ending == ".yml") {
+        std::vector<std::string> warnings;
+        check(tools::read_yaml_spheres(file, load_robot(file.parent_path() / "arm.urdf"), warnings));
+#endif
     } else if (ending == ".csv") {
         check(test::load_with_samples(file.parent_path() / "table.json"));
     } else if (file.filename() == "recorded.npy") {

@@ -139,6 +139,56 @@ std::vector<std::string> srdf_seeds()
             R"(<disable_default_collisions link="left"/><enable_collisions link1="left" link2="base"/></robot>)"};
 }
 
+std::vector<std::string> problem_seeds()
+{
+    return {R"(name: shelf
+world:
+  collision_objects:
+    - id: board
+      pose: &place {position: [0.5, 0, 1], orientation: [0, 0, 0.6, 0.8]}
+      primitives:
+        - {type: box, dimensions: [1, 0.3, 0.02]}
+        - {type: cylinder, dimensions: [0.2, 0.04]}
+      primitive_poses:
+        - *place
+        - position: [0.1, 0.2, 0.12]
+          orientation: [0, 0, 0, 1]
+    - id: ball
+      primitives: [{type: sphere, dimensions: [0.1]}]
+      primitive_poses: [{position: [1, 1, 1], orientation: [1, 0, 0, 0]}]
+)",
+            "{world: {collision_objects: []}}"};
+}
+
+std::vector<std::string> request_seeds()
+{
+    return {R"(start_state:
+  joint_state:
+    name: [shoulder, elbow]
+    position: [0.5, -1.25e-1]
+goal_constraints:
+  - joint_constraints:
+      - joint_name: shoulder
+        position: 1.5
+        weight: 1
+      - {joint_name: elbow, position: .5}
+)"};
+}
+
+std::vector<std::string> sphere_model_seeds()
+{
+    return {R"(robot_cfg:
+  kinematics:
+    collision_spheres:
+      base:
+        - center: [0, 0.1, 0]
+          radius: 0.2
+        - {"center": [1, 2, 3], "radius": -10}
+      no_link: []
+)",
+            "collision_spheres: {upper: [{center: [0, 0, 0.5], radius: .1}]}"};
+}
+
 std::vector<std::string> threemf_seeds()
 {
     const std::string resources =
@@ -357,6 +407,8 @@ std::vector<std::string> tiles_seeds()
 void add_companions(const TemporaryFolder& folder)
 {
     folder.write("arm.urdf", urdf_seeds().front());
+    folder.write("good-scene.yaml", problem_seeds().front());
+    folder.write("good-request.yaml", request_seeds().front());
     folder.write("wedge.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
     cook_mesh(box(), folder / "tile.cooked");
     folder.write("buffer.bin", gltf_buffer(soup()));

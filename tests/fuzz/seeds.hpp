@@ -16,7 +16,10 @@ std::vector<std::string> glb_seeds();
 std::vector<std::string> dae_seeds();
 std::vector<std::string> threemf_seeds(); ///< archives, and bare models
 std::vector<std::string> urdf_seeds();
-std::vector<std::string> srdf_seeds(); ///< for arm.urdf
+std::vector<std::string> srdf_seeds();    ///< for arm.urdf
+std::vector<std::string> problem_seeds(); ///< MotionBenchMaker's
+std::vector<std::string> request_seeds();
+std::vector<std::string> sphere_model_seeds(); ///< of arm.urdf
 std::vector<std::string> bt_seeds();
 std::vector<std::string> ot_seeds();
 std::vector<std::string> pgm_seeds();
