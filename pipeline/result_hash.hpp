@@ -23,13 +23,17 @@ inline void mix(std::uint64_t& hash, const PairResult& pair, bool with_kinds)
     mix(hash, std::bit_cast<std::uint64_t>(pair.bound));
 }
 
-/// Adds the times of a sweep that found a contact, or was not decided.
-inline void mix(std::uint64_t& hash, const PairSweep& sweep)
+/// The times of a sweep.
+struct SweepTimes {
+    double clear_until, contact_by;
+};
+
+/// Adds the times of the pair that was added last, unless it is separate.
+inline void mix(std::uint64_t& hash, const PairResult& pair, const SweepTimes& times)
 {
-    if (sweep.verdict == Verdict::separate) return;
-    mix(hash, sweep.pair);
-    mix(hash, std::bit_cast<std::uint64_t>(sweep.clear_until));
-    mix(hash, std::bit_cast<std::uint64_t>(sweep.contact_by));
+    if (pair.verdict == Verdict::separate) return;
+    mix(hash, std::bit_cast<std::uint64_t>(times.clear_until));
+    mix(hash, std::bit_cast<std::uint64_t>(times.contact_by));
 }
 
 /// Hash of the settings that affect results.

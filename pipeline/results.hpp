@@ -133,7 +133,7 @@ struct FrameView {
     const TreeStats& trees;
     std::span<const Round> rounds; ///< in order
     std::uint64_t hash; ///< of the pairs of this frame that are not separate: slots, verdicts and bounds, and kinds
-                        ///< where requested; and of the times of `sweeps`
+                        ///< where requested; and the times of their sweeps
     /// Pairs with a body that World::set_motion() moved, ascending. If the bodies did not meet on the way, the result
     /// in `pairs` is separate, with a bound > 0; otherwise it has the verdict and the gap of the sweep.
     std::span<const PairSweep> sweeps;

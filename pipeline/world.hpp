@@ -369,9 +369,10 @@ public:
     /// Bodies at most `cutoff` (m, finite) away from a model at a pose, as distance() measures them, sorted by slots.
     std::vector<BodyDistance> distances(const ModelQuery& query, double cutoff, double tolerance = 0) const;
 
-    /// The AABB of a model at a pose, as step() computes it for a body. Not const: may prepare data for more such
-    /// boxes.
+    /// The AABB of a model at a pose, or on its whole way, as step() computes it for a body. Not const: may prepare
+    /// data for more such boxes.
     Aabb bounds(ModelId model, const Eigen::Isometry3d& pose);
+    Aabb bounds(ModelId model, const RigidMotion& motion);
 
     /// The largest error of the verdict `within` that the settings give a pair of the two: metres, above the clearance.
     double max_error(BodyId a, BodyId b) const;

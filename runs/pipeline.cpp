@@ -1,5 +1,7 @@
 #include <oncollide/runs/pipeline.hpp>
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
@@ -11,6 +13,9 @@ struct Pipeline::Played {
     std::uint32_t bodies = 0;
     ChangeLog::Mark changes;  ///< of the scene, already applied to the World
     std::size_t excluded = 0; ///< number of pairs applied
+    double time = 0;          ///< of the scene's motions, as of the last call
+    std::uint32_t calls = 0;
+    std::vector<std::uint32_t> moved; ///< by body: the last call that set its motion
 };
 
 Pipeline::Pipeline(const Scene& scene, World world) : world_(std::move(world)), played_(std::make_unique<Played>())
@@ -55,16 +60,23 @@ void Pipeline::add_body(const Scene& scene, std::uint32_t body)
                      .group = scene.groups[body]});
 }
 
-void Pipeline::move_body(BodyId body, const Eigen::Isometry3d& pose)
+void Pipeline::move_body(const Scene& scene, std::uint32_t body)
 {
-    continuous_ ? world_.set_motion(body, pose) : world_.set_pose(body, pose);
+    const BodyId id = world_.body_at(body);
+    const Eigen::Isometry3d pose = scene.poses[body];
+    if (!continuous_) return world_.set_pose(id, pose);
+    Played& p = *played_;
+    if (p.moved.size() <= body) p.moved.resize(scene.size());
+    if (std::exchange(p.moved[body], p.calls) == p.calls) return;
+    const auto way = way_between(scene.motions[body], p.time, scene.time, world_.pose(id), pose);
+    way.size() > 2 ? world_.set_motion(id, RigidMotion(way)) : world_.set_motion(id, pose);
 }
 
 /// The World ignores values that have not changed.
 void Pipeline::change_body(const Scene& scene, std::uint32_t body)
 {
     const BodyId id = world_.body_at(body);
-    move_body(id, scene.poses[body]);
+    move_body(scene, body);
     if (const ModelId of = model(scene.geometry[body]); world_.model(id) != of) world_.set_model(id, of);
     world_.set_static(id, scene.is_static[body] != 0);
     world_.set_layers(id, scene.layers[body], scene.masks[body]);
@@ -78,12 +90,13 @@ void Pipeline::play(const Scene& scene)
         throw Error(ErrorKind::usage, fmt::format("the scene has {} bodies, {} in the last call; pass the same scene",
                                                   scene.size(), p.bodies));
     play_geometries(scene);
+    ++p.calls;
     std::uint32_t body = 0;
     try {
         if (scene.changes.reaches(p.changes)) {
             for (const ChangeLog::Change change : scene.changes.since(p.changes)) {
                 if (body = change.body; body >= p.bodies) continue;
-                change.only_pose ? move_body(world_.body_at(body), scene.poses[body]) : change_body(scene, body);
+                change.only_pose ? move_body(scene, body) : change_body(scene, body);
             }
         } else {
             for (body = 0; body < p.bodies; ++body) change_body(scene, body);
@@ -99,6 +112,7 @@ void Pipeline::play(const Scene& scene)
         throw Error(error.kind(), of_body ? fmt::format("{}{}", name, what.substr(colon)) : std::string(what));
     }
     p.changes = scene.changes.now();
+    p.time = scene.time;
     for (; p.excluded < scene.excluded.size(); ++p.excluded)
         world_.exclude(world_.body_at(scene.excluded[p.excluded].a), world_.body_at(scene.excluded[p.excluded].b));
 }

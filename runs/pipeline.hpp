@@ -30,7 +30,8 @@ public:
     FrameView step(const Scene& scene);
 
     /// From now on, step() moves bodies from their poses to the new ones by World::set_motion(), so contacts on the way
-    /// are reported. Default: off.
+    /// are reported: straight, but through the keys between the times of the last step and this one (Scene::time).
+    /// Default: off.
     void set_continuous(bool continuous) { continuous_ = continuous; }
     bool continuous() const { return continuous_; }
 
@@ -51,7 +52,7 @@ private:
     void play_geometries(const Scene& scene);
     void add_body(const Scene& scene, std::uint32_t body);
     void change_body(const Scene& scene, std::uint32_t body);
-    void move_body(BodyId body, const Eigen::Isometry3d& pose);
+    void move_body(const Scene& scene, std::uint32_t body);
 
     World world_;
     std::unique_ptr<Played> played_;

@@ -62,12 +62,6 @@ void add_csv_cells(CsvWriter& csv, std::uint64_t frame, const std::string& a, co
             pair.kind == ContactKind::unknown ? "" : name_of(pair.kind), max_error);
 }
 
-void write_csv_row(CsvWriter& csv, std::uint64_t frame, const std::string& a, const std::string& b,
-                   const PairResult& pair, std::string_view stage, double max_error)
-{
-    add_csv_cells(csv, frame, a, b, pair, stage, max_error), csv.end_row();
-}
-
 Report::Report(const Scene& scene, const Pipeline& pipeline, const ReportParts& parts)
     : scene_(scene), pipeline_(pipeline), separate_(parts.separate), kept_(std::make_unique<Kept>())
 {
@@ -256,10 +250,7 @@ void Report::write_csv(const std::filesystem::path& path, std::string_view first
     refuse_unless(kept_->csv.has_value(), "CSV");
     OutputFile file(path);
     file.write(first_line);
-    if (pipeline_.continuous())
-        file.print("{},{}\n", csv_header.substr(0, csv_header.size() - 1), sweep_csv_header);
-    else
-        file.write(csv_header);
+    file.write(csv_first_line(pipeline_.continuous()));
     copy(kept_->csv->text, file);
     file.commit();
 }

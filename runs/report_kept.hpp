@@ -16,10 +16,10 @@ inline constexpr std::string_view csv_header = "frame,a,b,verdict,gap_bound,stag
 /// More columns, if bodies move on the way (Pipeline::set_continuous).
 inline constexpr std::string_view sweep_csv_header =
     "clear_until,contact_by,gap,separating,part_a,part_b,x,y,z,normal_x,normal_y,normal_z";
+/// The first line of a CSV file.
+std::string csv_first_line(bool continuous);
+/// The cells of csv_header.
 /// @param a, b  names as returned by csv_field
-void write_csv_row(CsvWriter& csv, std::uint64_t frame, const std::string& a, const std::string& b,
-                   const PairResult& pair, std::string_view stage, double max_error);
-/// The same without the end of the row.
 void add_csv_cells(CsvWriter& csv, std::uint64_t frame, const std::string& a, const std::string& b,
                    const PairResult& pair, std::string_view stage, double max_error);
 /// The cells of sweep_csv_header; empty where there is no sweep, or the sweep does not give them.

@@ -15,6 +15,12 @@ std::optional<double> if_finite(double x)
 
 } // namespace
 
+std::string csv_first_line(bool continuous)
+{
+    const std::string_view first = csv_header.substr(0, csv_header.size() - 1);
+    return continuous ? fmt::format("{},{}\n", first, sweep_csv_header) : std::string(csv_header);
+}
+
 bool has_parts(const SweepResult& sweep)
 {
     return std::isfinite(sweep.contact_by) && sweep.kind != ContactKind::enclosed;

@@ -119,7 +119,42 @@ Isometry3d pose_at(const Drift& motion, const Isometry3d& start, double time)
     return rigid(position, Eigen::AngleAxisd(time * rate, motion.spin / rate).toRotationMatrix() * start.linear());
 }
 
+/// True if a change of the last bits may choose the other arc.
+bool nearly_half_a_turn(const Keyed::Key& a, const Keyed::Key& b)
+{
+    return std::abs(a.rotation.dot(b.rotation)) < 0x1p-10;
+}
+
 } // namespace
+
+std::vector<RigidMotion::Key> way_between(const Motion& motion, double from, double to, const Isometry3d& first,
+                                          const Isometry3d& last)
+{
+    std::vector<RigidMotion::Key> way{{0, first}};
+    const auto add = [&](double time, const Isometry3d& pose) {
+        if (from < time && time < to) way.push_back({(time - from) / (to - from), pose});
+    };
+    static const Keyed none;
+    const Keyed* const of_keys = std::get_if<Keyed>(&motion);
+    const std::vector<Keyed::Key>& keys = (of_keys ? *of_keys : none).keys;
+    for (auto key = std::ranges::upper_bound(keys, from, {}, &Keyed::Key::time); key != keys.end(); ++key) {
+        if (key != keys.begin() && nearly_half_a_turn(key[-1], *key)) {
+            const double middle = key[-1].time + 0.5 * (key->time - key[-1].time);
+            add(middle, pose_at(motion, first, middle));
+        }
+        add(key->time, pose_of(*key));
+        if (key->time >= to) break;
+    }
+    way.push_back({1, last});
+    // Shares of times that differ by rounding alone may be equal.
+    for (std::size_t i = 1; i + 1 < way.size(); ++i)
+        way[i].time = std::max(way[i].time, std::nextafter(way[i - 1].time, 2));
+    for (std::size_t i = way.size() - 1; i-- > 1;)
+        way[i].time = std::min(way[i].time, std::nextafter(way[i + 1].time, 0));
+    const auto stays = [&](const RigidMotion::Key& key) { return key.pose.matrix() == first.matrix(); };
+    if (std::ranges::all_of(way, stays)) way.clear();
+    return way;
+}
 
 void check_motion(const std::string& name, const Motion& motion)
 {

@@ -105,7 +105,8 @@ RigidMotion::RigidMotion(std::span<const Key> keys, MotionPath path)
 
 const RigidMotion::Piece& RigidMotion::piece_at(double time) const
 {
-    return *std::ranges::find_if(pieces_.begin(), pieces_.end() - 1, [&](const Piece& p) { return time < p.end; });
+    return *std::ranges::partition_point(pieces_.begin(), pieces_.end() - 1,
+                                         [&](const Piece& p) { return !(time < p.end); });
 }
 
 Isometry3d RigidMotion::pose(double time) const

@@ -337,6 +337,18 @@ void move_body(const Motion& motion, const Eigen::Isometry3d& start, double pace
     pose.translation() = position;
 }
 
+namespace {
+
+bool passes_a_key(const Motion& motion, double from, double to)
+{
+    const Keyed* const keyed = std::get_if<Keyed>(&motion);
+    if (!keyed) return false;
+    const auto next = std::ranges::upper_bound(keyed->keys, from, {}, &Keyed::Key::time);
+    return next != keyed->keys.end() && next->time < to;
+}
+
+} // namespace
+
 void Mover::move(Scene& scene, int frame)
 {
     if (scene.recording) scene.play_recording(frame, false);
@@ -345,10 +357,14 @@ void Mover::move(Scene& scene, int frame)
     for (std::size_t k = 0; k < scene.motions.bodies().size(); ++k) {
         const std::uint32_t i = scene.motions.bodies()[k];
         const Eigen::Isometry3d start = scene.start_pose(i);
-        Eigen::Isometry3d pose = from_start ? start : scene.poses[i];
+        const Eigen::Isometry3d before = scene.poses[i];
+        Eigen::Isometry3d pose = from_start ? start : before;
         move_body(scene.motions.of_bodies()[k], start, scene.pace, from_start ? 0 : last_frame_, frame, pose);
         scene.set_pose(SceneBodyId{i}, pose);
+        if (same_bits(before, pose) && passes_a_key(scene.motions.of_bodies()[k], scene.time, frame * scene.pace))
+            scene.note(SceneBodyId{i}, true);
     }
+    scene.time = frame * scene.pace;
     last_frame_ = frame;
     ready_ = true;
 }

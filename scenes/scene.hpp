@@ -268,6 +268,7 @@ struct ONCOLLIDE_API Scene : SceneInfo {
     BodyColumn<std::uint32_t> layers, masks;
     BodyColumn<std::uint32_t> groups; ///< 0: in no group
     ChangeLog changes;                ///< of all columns, by body
+    double time = 0;                  ///< of the motions, as Mover wrote it last: its frame times the pace
 
     /// Throws Error{bad_data} for a name that exists, an unknown geometry, a pose that is not finite or not rigid, a
     /// static body with a motion, or a motion that check_motion refuses.
@@ -321,10 +322,16 @@ ONCOLLIDE_API std::string why_not_rigid(const Eigen::Isometry3d& pose);
 ONCOLLIDE_API void move_body(const Motion& motion, const Eigen::Isometry3d& start, double pace, int from, int to,
                              Eigen::Isometry3d& pose);
 
-/// Writes the poses of every moving body at frame `frame` (>= 0). Stateless except for Jitter, which continues from the
-/// frame of the last call (and from the start if `frame` is smaller). A recording gives the poses of the last whole
-/// frame at that time, and throws as Recording::read does. One Mover serves one scene, whose bodies must all exist at
-/// the first call.
+/// The way of a body from `first`, its pose at time `from`, to `last` at time `to` (times of its motion, so frames
+/// times pace): straight and along the shorter arc, but through the keys of a Keyed motion between the two times. Empty
+/// if the body stays at its pose.
+ONCOLLIDE_API std::vector<RigidMotion::Key> way_between(const Motion& motion, double from, double to,
+                                                        const Eigen::Isometry3d& first, const Eigen::Isometry3d& last);
+
+/// Writes the poses of every moving body at frame `frame` (>= 0), and notes a body that passes keys as changed even
+/// where it comes back to its pose. Stateless except for Jitter, which continues from the frame of the last call (and
+/// from the start if `frame` is smaller). A recording gives the poses of the last whole frame at that time, and throws
+/// as Recording::read does. One Mover serves one scene, whose bodies must all exist at the first call.
 class ONCOLLIDE_API Mover {
 public:
     void move(Scene& scene, int frame);

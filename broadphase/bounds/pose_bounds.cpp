@@ -157,27 +157,58 @@ bool PoseBounds::expect(const std::shared_ptr<const CookedMesh>& mesh, const Eig
     return true;
 }
 
+namespace {
+
+/// The part of a motion until its next key, in steps of an eighth of a radian at most.
+struct Steps {
+    Steps(const RigidMotion& motion, double from) : state(motion.at(from)), begin(from), end(state.key)
+    {
+        constexpr double most_turn = 0.125; // rad
+        angle = state.angular.norm() * (end - begin);
+        count = std::max(1, static_cast<int>(std::ceil(angle / most_turn)));
+    }
+    /// The end of step k, from 1.
+    double time(int k) const { return k == count ? end : begin + (end - begin) * k / count; }
+
+    RigidMotion::State state;
+    double begin, end, angle;
+    int count;
+};
+
+} // namespace
+
+bool PoseBounds::is_half_space() const
+{
+    const auto* shape = std::get_if<Shape>(&geometry_);
+    return shape && std::holds_alternative<HalfSpace>(*shape);
+}
+
+void PoseBounds::expect(const RigidMotion& motion)
+{
+    expect(motion.pose(0));
+    for (double begin = 0; begin < 1 && !final_;) {
+        const Steps steps(motion, begin);
+        for (int k = 1; k <= steps.count; ++k) expect(motion.pose(steps.time(k)));
+        begin = steps.end;
+    }
+}
+
 Aabb PoseBounds::box(const RigidMotion& motion, bool tight) const
 {
-    constexpr double most_turn = 0.125; // rad
-    const auto* shape = std::get_if<Shape>(&geometry_);
-    const bool half_space = shape && std::holds_alternative<HalfSpace>(*shape);
     const auto at = [&](double time) { return tight ? box(motion.pose(time)) : sphere_box(motion.pose(time)); };
     Aabb here = at(0), all = here;
-    for (double begin = 0, end; begin < 1; begin = end) {
-        const RigidMotion::State state = motion.at(begin);
-        end = state.key;
-        const double angle = state.angular.norm() * (end - begin);
-        if (half_space && angle > 0) {
+    for (double begin = 0; begin < 1;) {
+        const Steps steps(motion, begin);
+        if (is_half_space() && steps.angle > 0) {
             all.min.setConstant(-half_space_end), all.max.setConstant(half_space_end);
             return all;
         }
-        const int parts = std::max(1, static_cast<int>(std::ceil(angle / most_turn)));
         Aabb of_piece = here;
-        for (int k = 1; k <= parts; ++k) of_piece.add(here = at(k == parts ? end : begin + (end - begin) * k / parts));
-        const double out = bulge(state, (end - begin) / parts);
+        for (int k = 1; k <= steps.count; ++k) of_piece.add(here = at(steps.time(k)));
+        const double out = bulge(steps.state, (steps.end - begin) / steps.count);
         of_piece.min.array() -= out, of_piece.max.array() += out;
         all.add(of_piece);
+        begin = steps.end;
     }
     return all;
 }
@@ -212,8 +243,8 @@ double PoseBounds::motion(const Eigen::Isometry3d& from, const RigidMotion& moti
 Aabb PoseBounds::box(const Eigen::Isometry3d& pose) const
 {
     ONCOLLIDE_ASSERT(pose.matrix().allFinite());
+    if (is_half_space()) return half_space_box(pose);
     const auto* shape = std::get_if<Shape>(&geometry_);
-    if (shape && std::holds_alternative<HalfSpace>(*shape)) return half_space_box(pose);
     const Eigen::Matrix3d r = pose.linear();
     const Eigen::Vector3d centre = pose * centre_;
     const double rounding = rounding_of(pose, centre_);
@@ -250,8 +281,7 @@ Aabb PoseBounds::box(const Eigen::Isometry3d& pose) const
 
 Aabb PoseBounds::sphere_box(const Eigen::Isometry3d& pose) const
 {
-    if (const auto* shape = std::get_if<Shape>(&geometry_); shape && std::holds_alternative<HalfSpace>(*shape))
-        return half_space_box(pose);
+    if (is_half_space()) return half_space_box(pose);
     const double radius = radius_ + slack_ + rounding_of(pose, centre_);
     return around(pose * centre_, Eigen::Vector3d::Constant(radius));
 }

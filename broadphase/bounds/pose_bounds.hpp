@@ -21,6 +21,8 @@ public:
     /// Announces that box() will be called at this pose, and prepares data if this pays off. Not concurrently with any
     /// other call. Affects only the tightness of results. Allocates no memory if no preparation pays off.
     void expect(const Eigen::Isometry3d& pose);
+    /// The same for the poses of box() of a motion.
+    void expect(const RigidMotion& motion);
     /// True if expect() may still prepare data.
     bool prepares() const { return !final_; }
 
@@ -55,6 +57,7 @@ public:
 
 private:
     bool expect(const std::shared_ptr<const CookedMesh>& mesh, const Eigen::Isometry3d& pose);
+    bool is_half_space() const;
 
     const GeometryData& geometry_;
     Eigen::Vector3d centre_, half_; ///< of the geometry's own box, in the body frame

@@ -36,6 +36,7 @@ struct PairMemory {
                  MeetingHint<ObbTree, TerrainTree>>
         place = std::monostate();
 
+    void take_witness(const PairMemory& other) { met = other.met, triangles = other.triangles, place = other.place; }
     /// @param travel  current travel of both bodies
     double gap(double travel) const { return apart_until - travel - 0x1p-50 * travel; }
     /// They cannot have separated before moving by this distance.

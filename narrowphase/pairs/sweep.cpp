@@ -102,9 +102,8 @@ public:
 
     SweepResult run()
     {
-        if (task_.memory) memory_ = *task_.memory;
         const bool window_first = task_.begins_apart && !may_hold();
-        if (!window_first && begins_in_contact()) return result_;
+        if (!window_first && begins_in_contact(task_.memory ? *task_.memory : PairMemory())) return result_;
         width_ = widest();
         for (; result_.steps < task_.options.most_steps; ++result_.steps) {
             if (result_.clear_until >= task_.until) {
@@ -149,11 +148,17 @@ private:
         const Kind a = task_.a->kind(), b = task_.b->kind();
         return task_.solid || (a == Kind::polytope && parts(b)) || (b == Kind::polytope && parts(a));
     }
-    bool begins_in_contact()
+    /// @param hints  of time 0; without contact, memory_ stays as it is
+    bool begins_in_contact(PairMemory hints)
     {
-        if (!meets_at(0)) return false;
+        std::swap(memory_, hints);
+        hinted_ = task_.parts_by_poses && (memory_.met || memory_.place.index() > 0);
+        if (!meets_at(0)) {
+            memory_ = hints, hinted_ = false;
+            return false;
+        }
+        if (task_.memory) task_.memory->take_witness(memory_);
         set_contact(0);
-        if (task_.memory) *task_.memory = memory_;
         const double soon = tolerance_in(MotionWindow(task_, 0, 0));
         result_.separating = decide(soon).verdict == Verdict::separate;
         return true;
@@ -165,7 +170,7 @@ private:
         const double begin = result_.clear_until, end = std::min(begin + width_, next_key());
         const MotionWindow window(task_, begin, end);
         const PartsEntry entry = entry_(window, memory_);
-        if (first && entry.time <= -1 && begins_in_contact()) return true;
+        if (first && entry.time <= -1 && begins_in_contact(memory_)) return true;
         if (entry.time > 1) {
             result_.clear_until = end;
             width_ = std::min(2 * (end - begin), widest());
@@ -258,7 +263,13 @@ private:
         if (time == 0) result_.normal.setZero();
         if (found_.kind == ContactKind::enclosed) return;
         if (found_.verdict == Verdict::colliding) {
-            if (const auto contact = contact_(at_, memory_)) {
+            auto contact = contact_(at_, memory_);
+            if (contact && hinted_) {
+                PairMemory none;
+                tests_.decide(worker_, at_, {.clearance = task_.clearance}, &none);
+                contact = contact_(at_, none);
+            }
+            if (contact) {
                 result_.contact = *contact;
                 return;
             }
@@ -279,7 +290,8 @@ private:
     SweepResult result_;
     PairMemory memory_;
     double tolerance_ = 1, width_ = 1, tried_ = -1;
-    bool inexact_; ///< bodies within an error or the clearance are in contact
+    bool hinted_ = false; ///< the last decision had hints, on which the parts must not depend
+    bool inexact_;        ///< bodies within an error or the clearance are in contact
     Isometry3d pose_a_, pose_b_;
     PairTask at_{};
     Finding found_;

@@ -23,7 +23,8 @@ struct SweepTask {
     /// The bodies have no contact at time 0, and only the bound `clear_until` is wanted: of one window, or of the first
     /// one in which the bodies may meet.
     bool bound_only = false;
-    // Hints: results do not depend on them.
+    bool parts_by_poses = false; ///< parts that meet at time 0 do not depend on hints either; costs a decision
+    // Hints: results do not depend on them, except for parts that meet at time 0.
     bool begins_apart = false;    ///< probably: examine a window before the poses at time 0
     PairMemory* memory = nullptr; ///< witnesses of a pose that is probably near; set by a contact at time 0
 };

@@ -193,7 +193,9 @@ void update_boxes(Bodies& bodies, const BodyChanges& changes, bool tight, int th
         for (std::size_t i = 0; tight && i < list->size(); ++i) {
             if (i + ahead < list->size()) bodies.prefetch_model((*list)[i + ahead]);
             PoseBounds& bounds = bodies.model((*list)[i]).bounds();
-            if (bounds.prepares()) bounds.expect(bodies.pose((*list)[i]));
+            if (!bounds.prepares()) continue;
+            const RigidMotion* const motion = bodies.motion((*list)[i]);
+            motion ? bounds.expect(*motion) : bounds.expect(bodies.pose((*list)[i]));
         }
         parallel_chunks(list->size(), 2048, threads, [&](std::size_t begin, std::size_t end, int) {
             for (std::size_t i = begin; i < end; ++i) {

@@ -74,10 +74,11 @@ struct Frame {
     std::vector<std::uint32_t> swept;            ///< pairs that sweeps alone decide, as they probably meet at time 0
     std::vector<PairSweep> sweeps;               ///< of the pairs with a body on its way, ascending
     SweepOptions sweep_options;
-    KeptCounts kept_counts;    ///< of the pairs in `kept`
-    bool keeps = false;        ///< the last frame ended, and no budget lets results depend on other pairs
-    bool ended = true;         ///< `results` are of a frame that ended
-    std::size_t undecided = 0; ///< pairs of the last frame
+    bool parts_by_poses = false; ///< for SweepTask
+    KeptCounts kept_counts;      ///< of the pairs in `kept`
+    bool keeps = false;          ///< the last frame ended, and no budget lets results depend on other pairs
+    bool ended = true;           ///< `results` are of a frame that ended
+    std::size_t undecided = 0;   ///< pairs of the last frame
 
     RefineContext context;
 };

@@ -117,6 +117,7 @@ void SweepPairs::sweep(const Bodies& bodies, Frame& frame)
                          .options = frame.sweep_options,
                          .clearance = frame.settings.clearance,
                          .solid = frame.settings.mode == Mode::solid,
+                         .parts_by_poses = frame.parts_by_poses,
                          .begins_apart = !open.met,
                          .memory = frame.settings.coherence ? &frame.cache[number] : nullptr});
     }

@@ -293,6 +293,13 @@ Aabb World::bounds(ModelId model, const Eigen::Isometry3d& pose)
     bounds.expect(pose);
     return bounds.box(pose);
 }
+Aabb World::bounds(ModelId model, const RigidMotion& motion)
+{
+    PoseBounds& bounds = impl().model_of(model).bounds();
+    const bool tight = impl_->runs(StageId::bounds);
+    if (tight) bounds.expect(motion);
+    return bounds.box(motion, tight);
+}
 double World::max_error(BodyId a, BodyId b) const
 {
     const Bodies& bodies = impl().bodies;

@@ -34,6 +34,11 @@ void WorldAccess::grow_ahead(World& world, bool on)
     world.impl().models.grow_ahead(on);
 }
 
+void WorldAccess::parts_by_poses(World& world)
+{
+    world.impl().frame.parts_by_poses = true;
+}
+
 const Ocst* WorldAccess::tree(const World& world, ModelId model)
 {
     return world.impl().model_of(model).spheres();

@@ -22,6 +22,9 @@ struct WorldAccess {
                         const std::function<std::unique_ptr<Stage>(std::unique_ptr<Stage> old)>& make);
     /// Lets sphere-trees grow ahead of the traversals.
     static void grow_ahead(World& world, bool on);
+    /// Lets sweeps report parts that depend on the poses alone, not on the parts that met in earlier frames: for files
+    /// that are equal wherever a run begins. Costs a decision for each contact at time 0.
+    static void parts_by_poses(World& world);
     /// The sphere-tree of a model as it is now. Null until a test reaches it. Valid until the next step.
     static const Ocst* tree(const World& world, ModelId model);
 };

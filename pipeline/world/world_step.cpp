@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -23,14 +24,23 @@ double milliseconds(Clock::duration d)
 }
 
 /// Also counts the undecided results, which costs nothing beside the hash.
-std::uint64_t hash_of(std::span<const PairResult> results, bool with_kinds, std::size_t& undecided)
+std::uint64_t hash_of(std::span<const PairResult> results, std::span<const PairSweep> sweeps, bool with_kinds,
+                      std::size_t& undecided)
 {
     std::uint64_t hash = 0;
     undecided = 0;
-    for (const PairResult& result : results) {
-        mix(hash, result, with_kinds);
-        undecided += result.verdict == Verdict::undecided;
+    const auto add = [&](std::size_t begin, std::size_t end) {
+        for (const PairResult& result : results.subspan(begin, end - begin)) {
+            mix(hash, result, with_kinds);
+            undecided += result.verdict == Verdict::undecided;
+        }
+    };
+    std::size_t begin = 0;
+    for (const PairSweep& sweep : sweeps) {
+        add(std::exchange(begin, sweep.pair + 1), sweep.pair + 1);
+        mix(hash, results[sweep.pair], {sweep.clear_until, sweep.contact_by});
     }
+    add(begin, results.size());
     return hash;
 }
 
@@ -179,8 +189,7 @@ FrameView World::step()
             if (!p.settings.coherence) keep_bounds(frame);
             p.find_events();
             p.look_ahead();
-            p.frame_hash = hash_of(frame.results, wants_kinds(p.settings), frame.undecided);
-            for (const PairSweep& sweep : frame.sweeps) mix(p.frame_hash, sweep);
+            p.frame_hash = hash_of(frame.results, frame.sweeps, wants_kinds(p.settings), frame.undecided);
         } catch (...) {
             frame.keeps = false; // some results may be of this frame
             throw;

@@ -91,6 +91,8 @@ void put(Bytes& bytes, const BodyHere& b)
 {
     for (const std::uint32_t number : {b.gid, b.geometry, b.layer, b.mask, b.group}) put(bytes, number);
     put(bytes, b.is_static), put_pose(bytes, b.pose), put_list(bytes, b.name), put_list(bytes, b.excluded);
+    put(bytes, static_cast<std::uint32_t>(b.way.size()));
+    for (const RigidMotion::Key& key : b.way) put(bytes, key.time), put_pose(bytes, key.pose);
 }
 
 void put(Bytes& bytes, const BodyRecord& r)
@@ -106,6 +108,8 @@ BodyHere get_body(ByteReader& reader)
         *number = reader.get<std::uint32_t>();
     b.is_static = reader.get<bool>(), b.pose = get_pose(reader);
     b.name = reader.get_list<std::string>(), b.excluded = reader.get_list<std::vector<std::uint32_t>>();
+    b.way.resize(reader.get<std::uint32_t>());
+    for (RigidMotion::Key& key : b.way) key.time = reader.get<double>(), key.pose = get_pose(reader);
     return b;
 }
 

@@ -14,6 +14,7 @@ struct BodyHere {
     std::uint32_t layer, mask, group;
     bool is_static;
     Eigen::Isometry3d pose;
+    std::vector<RigidMotion::Key> way{};   ///< to `pose`, from its pose in the last frame; empty: there is none
     std::string name{};                    ///< as from csv_field if rows are written; else empty
     std::vector<std::uint32_t> excluded{}; ///< bodies that it never collides with
 };
@@ -22,7 +23,7 @@ struct BodyHere {
 struct BodyRecord : BodyHere {
     Eigen::Isometry3d start;
     Motion motion;
-    Aabb box{}; ///< world AABB, grown by half the clearance; empty: not yet known
+    Aabb box{}; ///< world AABB of the whole way, grown by half the clearance; empty: not yet known
 };
 
 void put_vector(Bytes& bytes, const Eigen::Vector3d& v);

@@ -20,7 +20,8 @@ auto naming(std::uint32_t gid, Call call)
         const std::string_view what = error.what();
         const std::size_t colon = what.find(": ");
         const bool of_body = what.starts_with("body ") || what.starts_with("new body");
-        if (what.starts_with("the pose ")) throw Error(error.kind(), fmt::format("body {}: {}", gid, what));
+        if (what.starts_with("the pose ") || what.starts_with("motion: "))
+            throw Error(error.kind(), fmt::format("body {}: {}", gid, what));
         throw Error(error.kind(), of_body ? fmt::format("body {}{}", gid, what.substr(colon)) : std::string(what));
     }
 }
@@ -63,7 +64,10 @@ Aabb RankWorld::grown(const Aabb& box) const
 
 Aabb RankWorld::box(const BodyHere& body)
 {
-    return naming(body.gid, [&] { return grown(world_.bounds(model_of(body.geometry), body.pose)); });
+    return naming(body.gid, [&] {
+        const ModelId model = model_of(body.geometry);
+        return grown(body.way.empty() ? world_.bounds(model, body.pose) : world_.bounds(model, RigidMotion(body.way)));
+    });
 }
 
 void RankWorld::begin()
@@ -80,8 +84,17 @@ void RankWorld::add(const BodyHere& body)
         return;
     }
     found->second.seen = step_;
-    if (world_.pose(found->second.id).matrix() != body.pose.matrix())
-        naming(body.gid, [&] { world_.set_pose(found->second.id, body.pose); });
+    move(body, found->second.id);
+}
+
+void RankWorld::move(const BodyHere& body, BodyId id)
+{
+    naming(body.gid, [&] {
+        if (!body.way.empty())
+            world_.set_motion(id, RigidMotion(body.way));
+        else if (world_.pose(id).matrix() != body.pose.matrix())
+            world_.set_pose(id, body.pose);
+    });
 }
 
 FrameView RankWorld::step()
@@ -96,13 +109,14 @@ FrameView RankWorld::step()
     for (const BodyHere* const come : come_) {
         const BodyHere& body = *come;
         const BodySpec spec{.model = model_of(body.geometry),
-                            .pose = body.pose,
+                            .pose = body.way.empty() ? body.pose : body.way.front().pose,
                             .is_static = body.is_static,
                             .layer = body.layer,
                             .mask = body.mask,
                             .group = body.group,
                             .user = body.gid};
         const BodyId id = naming(body.gid, [&] { return world_.add_body(spec); });
+        move(body, id);
         here_.emplace(body.gid, Entry{id, step_});
         if (names_.size() <= id.slot) names_.resize(id.slot + std::size_t{1});
         names_[id.slot] = body.name;

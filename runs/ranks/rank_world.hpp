@@ -21,7 +21,8 @@ public:
     RankWorld(const GeometryList& geometries, const Settings& settings, const Partitioner& partition, int rank);
     RankWorld(const RankWorld&) = delete;
 
-    /// The body's world AABB, grown by half the clearance and its rounding; it determines the ranks that need the body.
+    /// The body's world AABB, around its whole way, grown by half the clearance and its rounding; it determines the
+    /// ranks that need the body.
     Aabb box(const BodyHere& body);
 
     /// Replaces the set of bodies: call begin(), add() once per body, then step().
@@ -41,6 +42,7 @@ private:
         std::uint32_t seen; ///< last step in which it was added
     };
     ModelId model_of(std::uint32_t geometry);
+    void move(const BodyHere& body, BodyId id);
     void choose(std::span<const CandidatePair> pairs, std::span<PairChoice> choices);
     Aabb grown(const Aabb& box) const;
 

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/pipeline/result_hash.hpp>
 #include <oncollide/runs/ranks/ranked_run.hpp>
 
 namespace oncollide {
@@ -63,6 +62,7 @@ std::uint64_t RankedRun::settings_hash()
 {
     std::uint64_t hash = hash_of(world_.world().settings());
     mix(hash, options_.csv.empty()), mix(hash, options_.separate);
+    if (options_.continuous) mix(hash, 1);
     return hash;
 }
 

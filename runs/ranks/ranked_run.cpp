@@ -1,10 +1,11 @@
 #include <oncollide/runs/ranks/ranked_run.hpp>
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include <oncollide/pipeline/result_hash.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 #include <oncollide/runs/report_kept.hpp>
 #include <oncollide/scenes/recording.hpp>
 
@@ -38,6 +39,7 @@ RankedRun::RankedRun(Ranks& ranks, std::unique_ptr<Partitioner> partition, Scene
       world_(scene_.geometries, settings, *partition_, ranks.rank()), home_(scene_.records),
       out_(std::size_t(ranks.size())), in_(std::size_t(ranks.size()))
 {
+    WorldAccess::parts_by_poses(world_.world());
     together(ranks_, [&] {
         if (options_.separate && settings.coherence && ranks_.size() > 1)
             throw Error(ErrorKind::usage, "--separate: the gaps of separate pairs may come from earlier frames, which "
@@ -104,6 +106,7 @@ void RankedRun::open_csv()
 {
     if (options_.csv.empty()) return;
     csv_.emplace(options_.csv);
+    const std::string first_line = csv_first_line(options_.continuous);
     together(ranks_, [&] {
         if (ranks_.rank() != 0) return;
         // A process killed after the final rename leaves FILE but no FILE.part.
@@ -119,9 +122,9 @@ void RankedRun::open_csv()
                                     "lost; start again without --resume",
                                     options_.csv.string(), csv_->size(), frame_, csv_end_));
         csv_->truncate(csv_end_);
-        if (csv_end_ == 0) csv_->write(0, csv_header);
+        if (csv_end_ == 0) csv_->write(0, first_line);
     });
-    csv_end_ = std::max<std::uint64_t>(csv_end_, csv_header.size());
+    csv_end_ = std::max<std::uint64_t>(csv_end_, first_line.size());
 }
 
 void RankedRun::end_phase(RankPhase::Kind kind, double& sum)
@@ -163,8 +166,7 @@ void RankedRun::read_recording()
         static_cast<std::uint64_t>(frame_ * scene_.pace),
         [&](std::uint32_t i, const Eigen::Isometry3d& pose) {
             if (at == home_.end() || at->gid != first + i) return;
-            if (at->pose.matrix() != pose.matrix()) at->pose = pose, at->box = {};
-            ++at;
+            move(*at++, pose);
         },
         [&](std::uint32_t i) { return fmt::format("body {}", first + i); });
 }
@@ -173,12 +175,23 @@ void RankedRun::move()
 {
     if (scene_.recording) read_recording();
     for (BodyRecord& body : home_) {
-        const Eigen::Isometry3d before = body.pose;
+        if (scene_.recording && body.gid - scene_.recording->first < scene_.recording->bodies) continue;
+        Eigen::Isometry3d pose = body.pose;
         if (!std::holds_alternative<Still>(body.motion))
-            move_body(body.motion, body.start, scene_.pace, moved_to_, frame_, body.pose);
-        if (body.box.empty() || before.matrix() != body.pose.matrix()) body.box = world_.box(body);
+            move_body(body.motion, body.start, scene_.pace, moved_to_, frame_, pose);
+        move(body, pose);
     }
     moved_to_ = frame_;
+}
+
+void RankedRun::move(BodyRecord& body, const Eigen::Isometry3d& to)
+{
+    bool changes = body.box.empty() || !body.way.empty() || body.pose.matrix() != to.matrix();
+    if (options_.continuous && frame_ > 0)
+        body.way = way_between(body.motion, moved_to_ * scene_.pace, frame_ * scene_.pace, body.pose, to);
+    changes |= !body.way.empty();
+    body.pose = to;
+    if (changes) body.box = world_.box(body);
 }
 
 void RankedRun::repartition()
@@ -279,6 +292,7 @@ void RankedRun::step_world(std::vector<Bytes>& out)
     for (const BodyRecord& body : home_) world_.add(body);
     for (const BodyHere& body : ghosts_) world_.add(body);
     const FrameView view = world_.step();
+    SweepOfPair sweep_of(view);
     for (const PairResult& pair : view.pairs) {
         ++verdicts_[std::size_t(pair.verdict)], ++kinds_[std::size_t(pair.kind)];
         if (pair.verdict == Verdict::separate && !(csv_ && options_.separate)) continue;
@@ -286,11 +300,16 @@ void RankedRun::step_world(std::vector<Bytes>& out)
         named.a = {world_.gid(pair.a)}, named.b = {world_.gid(pair.b)};
         Bytes& to = out[std::size_t(rank_of_row(named.a.slot))];
         put(to, named);
+        const PairSweep* const sweep = sweep_of(std::size_t(&pair - view.pairs.data()));
+        put(to, sweep != nullptr);
+        if (sweep) put(to, SweepTimes{sweep->clear_until, sweep->contact_by});
         if (!csv_) continue;
         TextInMemory text;
         CsvWriter csv(text);
-        write_csv_row(csv, std::uint64_t(frame_), world_.name(pair.a), world_.name(pair.b), pair, name_of(pair.stage),
+        add_csv_cells(csv, std::uint64_t(frame_), world_.name(pair.a), world_.name(pair.b), pair, name_of(pair.stage),
                       world_.world().max_error(pair.a, pair.b));
+        if (options_.continuous) add_csv_cells(csv, sweep);
+        csv.end_row();
         put_list(to, text.text());
     }
     last_pair_work_ = view.pairs.size() + view.trees.node_pairs / 8;
@@ -306,7 +325,8 @@ void RankedRun::take_rows(std::vector<Bytes>& in)
     rows_.clear();
     for (const Bytes& bytes : in)
         for (ByteReader reader(bytes); !reader.at_end();) {
-            Row& row = rows_.emplace_back(Row{reader.get<PairResult>(), {}});
+            Row& row = rows_.emplace_back(Row{reader.get<PairResult>(), {}, {}});
+            if (reader.get<bool>()) row.times = reader.get<SweepTimes>();
             if (csv_) row.text = reader.get_list<std::string>();
         }
     const auto order = [](const Row& row) { return BodyPair{row.pair.a.slot, row.pair.b.slot}; };
@@ -324,6 +344,7 @@ void RankedRun::write_rows()
     std::string text;
     for (const Row& row : rows_) {
         mix(hash, row.pair, kinds);
+        if (row.times) mix(hash, row.pair, *row.times);
         if (csv_) text += row.text;
     }
     if (ranks_.rank() + 1 < ranks_.size())

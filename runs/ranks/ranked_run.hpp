@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include <oncollide/pipeline/result_hash.hpp>
 #include <oncollide/runs/ranks/rank_world.hpp>
 #include <oncollide/runs/ranks/scene_slice.hpp>
 #include <oncollide/runs/ranks/shared_file.hpp>
@@ -20,6 +21,8 @@ struct RankedOptions {
     Rebalance rebalance = Rebalance::automatic;
     std::filesystem::path csv{};        ///< output file for rows; empty: none
     bool separate = false;              ///< also write rows of separate pairs
+    bool continuous = false;            ///< bodies move on the way from frame to frame, as with
+                                        ///< Pipeline::set_continuous
     bool trace = false;                 ///< keep the times of phases
     std::filesystem::path checkpoint{}; ///< written alternately to FILE.0 and FILE.1; empty: none
     int checkpoint_every = 100;         ///< frames between checkpoints
@@ -86,6 +89,7 @@ private:
     /// A result on its way to its rank, with bodies by index.
     struct Row {
         PairResult pair;
+        std::optional<SweepTimes> times;
         std::string text;
     };
     using Clock = std::chrono::steady_clock;
@@ -94,6 +98,7 @@ private:
     void refuse_names_twice();
     void move();
     void read_recording();
+    void move(BodyRecord& body, const Eigen::Isometry3d& to);
     void repartition();
     void send_home();
     void exchange();

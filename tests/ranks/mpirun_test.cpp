@@ -77,6 +77,25 @@ TEST_F(Mpirun, WritesTheFileAndTheHashOfOneProcess)
     expect_the_same({"boxes", "--bodies", "3", "--frames", "2"});
 }
 
+TEST_F(Mpirun, WritesTheFileAndTheHashOfOneProcessForBodiesOnTheirWays)
+{
+    expect_the_same({"city", "--bodies", "200", "--frames", "4", "--pace", "20", "--continuous"});
+    expect_the_same({"boxes", "--bodies", "1500", "--frames", "4", "--continuous", "--rebalance", "always"});
+    std::string bodies;
+    for (int i = 0; i < 40; ++i)
+        bodies += fmt::format(R"({{"geometry": "plate", "static": true, "position": [{}, 0, 0]}},
+            {{"geometry": "bullet", "motion": {{"keys": [[0, {}, 0, 0, 0, 0, 0, 1], [1.5, {}, 0.5, 0, 0, 0, 0, 1],
+                                                       [1.75, {}, 0, 0, 0, 0, 0, 1]]}}}},)",
+                              2 * i, 2 * i - 1, 79 - 2 * i, 2 * i - 1);
+    bodies.pop_back();
+    folder_.write("range.json",
+                  R"({"frames": 4, "geometries": {"plate": {"shape": {"kind": "box", "half": [0.01, 1, 1]}},
+        "bullet": {"shape": {"kind": "sphere", "radius": 0.02}}}, "bodies": [)" +
+                      bodies + "]}");
+    expect_the_same({"range.json", "--continuous"});
+    expect_one_error(64, mpirun(2, {"run", "city", "--view", "v.html"}), "--view: needs a single process");
+}
+
 /// Difficult cases for regions: faces that touch on cuts, duplicate
 /// bodies, giants over all regions, all bodies at one position, no bodies.
 TEST_F(Mpirun, TiesGiantsAndEmptyRegionsAreThoseOfOneProcess)

@@ -284,5 +284,72 @@ TEST(Pipeline, FollowsEveryKindOfChangeAsIfMadeAnew)
     expect_followed(scene, "a new body");
 }
 
+/// A wall at x = 0, and a ball that flies through it and back from frame 2.25 to frame 2.75.
+Scene wall_and_ball()
+{
+    Scene scene;
+    scene.add("wall", Box{{0.01, 5, 5}}), scene.add("ball", Sphere{0.1});
+    scene.add_body({.name = "wall", .geometry = GeometryId{0}, .is_static = true});
+    const Eigen::Quaterniond r = Eigen::Quaterniond::Identity();
+    const Eigen::Vector3d from(-3, 0, 0), to(5, 0, 0);
+    scene.add_body({.name = "ball",
+                    .geometry = GeometryId{1},
+                    .motion = Keyed{{{0, from, r}, {2.25, from, r}, {2.5, to, r}, {2.75, from, r}}}});
+    return scene;
+}
+constexpr double of_contact = 2.25 + 0.25 * (3 - 0.11) / 8;
+
+TEST(Pipeline, BodiesOnTheirWaysPassTheKeysBetweenTwoFrames)
+{
+    for (const double pace : {0.01, 0.3, 1.0, 2.6, 5.0, 100.0}) {
+        Scene scene = wall_and_ball();
+        scene.pace = pace;
+        Mover mover;
+        mover.move(scene, 0);
+        Pipeline pipeline(scene);
+        pipeline.set_continuous(true);
+        double first = 1e9;
+        for (int frame = 0; frame * pace < 3 + pace && first == 1e9; ++frame) {
+            mover.move(scene, frame);
+            for (const PairSweep& sweep : pipeline.step(scene).sweeps)
+                if (sweep.verdict == Verdict::colliding) {
+                    first = (frame - 1 + sweep.contact_by) * pace;
+                    EXPECT_LE((frame - 1 + sweep.clear_until) * pace, of_contact);
+                }
+        }
+        EXPECT_GE(first, of_contact) << pace;
+        EXPECT_LE(first, of_contact + 1e-4 * pace + 1e-12) << pace;
+    }
+}
+
+TEST(Pipeline, NoWayIsLostWhereABodyChangesTwiceOrFramesAreLeftOut)
+{
+    const auto contacts = [](const auto& play) {
+        Scene scene = wall_and_ball();
+        Mover mover;
+        mover.move(scene, 0);
+        Pipeline pipeline(scene);
+        pipeline.set_continuous(true);
+        pipeline.step(scene);
+        play(scene, mover);
+        const FrameView frame = pipeline.step(scene);
+        return std::ranges::count(frame.sweeps, Verdict::colliding, &PairSweep::verdict);
+    };
+    const SceneBodyId ball{1};
+    EXPECT_EQ(contacts([&](Scene& scene, Mover& mover) { mover.move(scene, 1), mover.move(scene, 4); }), 1);
+    EXPECT_EQ(contacts([&](Scene& scene, Mover& mover) {
+                  mover.move(scene, 3);
+                  scene.set_layers(ball, 1, 1);
+              }),
+              1);
+    EXPECT_EQ(contacts([&](Scene& scene, Mover&) {
+                  scene.set_position(ball, {3, 0, 0});
+                  scene.set_layers(ball, 1, 1);
+                  scene.set_position(ball, {4, 0, 0});
+              }),
+              1);
+    EXPECT_EQ(contacts([&](Scene& scene, Mover& mover) { mover.move(scene, 2); }), 0);
+}
+
 } // namespace
 } // namespace oncollide::pipeline_test

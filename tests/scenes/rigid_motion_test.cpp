@@ -5,7 +5,7 @@
 
 #include "random_pose.hpp"
 #include "test_files.hpp"
-#include <oncollide/scenes/motion.hpp>
+#include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {
 namespace {
@@ -154,6 +154,73 @@ TEST(RigidMotion, RefusesBadInputWithOneClearError)
             keyed({0, std::nan(""), 1});
         },
         "key 1: the time is not finite");
+}
+
+/// The keys are uneven in time, and some are half a turn apart.
+Keyed many_keys()
+{
+    Keyed motion;
+    double time = 0;
+    for (std::uint64_t i = 0; i < 30; ++i) {
+        const Isometry3d pose = random_pose(i, 5);
+        Eigen::Quaterniond rotation(pose.linear());
+        const Eigen::Quaterniond half_turn(AngleAxisd(i % 2 ? M_PI : -M_PI, Vector3d(1, 2, 3).normalized()));
+        if (i % 3 == 1) rotation = half_turn * motion.keys.back().rotation;
+        motion.keys.push_back({time += 0.1 + double(i % 4), pose.translation(), rotation.normalized()});
+    }
+    return motion;
+}
+
+TEST(WayBetween, PassesThePosesOfAKeyedMotion)
+{
+    const Keyed motion = many_keys();
+    const Isometry3d start = Isometry3d::Identity();
+    const double last = motion.keys.back().time + 2;
+    for (const double step : {0.05, 0.7, 2.0, 9.0, last})
+        for (double from = 0; from < last; from += step) {
+            const double to = from + step;
+            const auto pose = [&](double time) { return pose_at(motion, start, time); };
+            const std::vector<RigidMotion::Key> way = way_between(motion, from, to, pose(from), pose(to));
+            if (way.empty()) {
+                EXPECT_EQ(pose(from + 0.5 * step).matrix(), pose(from).matrix());
+                continue;
+            }
+            const RigidMotion whole(way);
+            for (int k = 0; k <= 50; ++k) {
+                const double time = k / 50.0;
+                EXPECT_LT((whole.pose(time).matrix() - pose(from + time * step).matrix()).norm(), 1e-9)
+                    << from << " to " << to << ", " << time;
+            }
+        }
+}
+
+TEST(WayBetween, IsStraightWithoutKeysAndEmptyAtRest)
+{
+    const Isometry3d from = placed({0, 0, 0}), to = placed({1, 0, 0});
+    EXPECT_EQ(way_between(Drift{}, 0, 1, from, to).size(), 2u);
+    EXPECT_TRUE(way_between(Still{}, 0, 1, from, from).empty());
+    const Keyed there_and_back{{{0, {0, 0, 0}, Eigen::Quaterniond::Identity()},
+                                {0.5, {1, 0, 0}, Eigen::Quaterniond::Identity()},
+                                {1, {0, 0, 0}, Eigen::Quaterniond::Identity()}}};
+    EXPECT_EQ(way_between(there_and_back, 0, 1, from, from).size(), 3u);
+    EXPECT_EQ(way_between(there_and_back, 1, 0, from, to).size(), 2u) << "back to an earlier frame";
+    EXPECT_TRUE(way_between(there_and_back, 1, 9, from, from).empty());
+}
+
+/// Their shares of the frame round to equal numbers.
+TEST(WayBetween, KeepsKeysThatRoundingMakesSimultaneous)
+{
+    const double time = 1e15;
+    Keyed jump;
+    for (int i = 0; i < 5; ++i)
+        jump.keys.push_back({time + 0.125 * i, {double(i % 2), 0, 0}, Eigen::Quaterniond::Identity()});
+    const Isometry3d here = placed({0, 0, 0});
+    const std::vector<RigidMotion::Key> way = way_between(jump, 0, 2 * time, here, here);
+    ASSERT_EQ(way.size(), 7u);
+    EXPECT_EQ(RigidMotion(way).pose(way[2].time).translation().x(), 1);
+    const std::vector<RigidMotion::Key> late = way_between(jump, -1e15, time + 1, here, here);
+    ASSERT_EQ(late.size(), 7u);
+    EXPECT_EQ(RigidMotion(late).pose(late[4].time).translation().x(), 1);
 }
 
 } // namespace

@@ -18,6 +18,7 @@
 
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -46,6 +47,13 @@ std::unique_ptr<ViewPage> view_page(const RunOptions& options, const Scene& scen
                                                         .threads = thread_count(pipeline.settings())});
 }
 
+/// True if a file lists the parts of contacts.
+bool lists_pairs(const RunOptions& options)
+{
+    const OutputOptions& outputs = options.outputs;
+    return !(outputs.csv.empty() && outputs.json.empty() && outputs.pairs.empty() && options.view.empty());
+}
+
 /// The exit code of --exit-code for the pairs of all frames; the same codes as of `check`.
 int code_of(const Report& report)
 {
@@ -54,17 +62,24 @@ int code_of(const Report& report)
     return counts[int(Verdict::within)] || counts[int(Verdict::undecided)] ? 2 : 0;
 }
 
+int run_on_ranks(const RunOptions& options)
+{
+    RankOptions ranks = options.ranks;
+    ranks.continuous = options.continuous;
+    for (const auto& [name, given] : {std::pair{"--pairs", !options.outputs.pairs.empty()},
+                                      {"--view", !options.view.empty()},
+                                      {"--from-frame", options.from_frame != 0},
+                                      {"--exit-code", options.exit_code}})
+        if (given) ranks.not_for_ranks = name;
+    return play_on_ranks(options.scene, options.settings, options.outputs, ranks);
+}
+
 int run(const RunOptions& options)
 {
     const Shard shard = shard_from(options.shard);
     if (!shard.whole() && wants_ranks(options.ranks))
         usage("--shard is for independent processes: not under mpirun, and without checkpoints");
-    if (options.continuous && wants_ranks(options.ranks))
-        usage(
-            "--continuous: the hash numbers the pairs of all bodies on their ways, which no process knows; run in one "
-            "process, without mpirun and checkpoints");
-    if (wants_ranks(options.ranks))
-        return play_on_ranks(options.scene, options.settings, options.outputs, options.ranks);
+    if (wants_ranks(options.ranks)) return run_on_ranks(options);
     if (!shard.whole() && options.from_frame)
         usage("--shard and --from-frame: each selects the frames to run; give only one of them");
     const Settings settings = settings_from(options.settings);
@@ -81,9 +96,10 @@ int run(const RunOptions& options)
         usage(fmt::format("--from-frame {}: the scene has frames 0 to {}", options.from_frame, scene.frames - 1));
     const auto [begin, end] = shard.range(std::size_t(scene.frames));
     const int first = shard.whole() ? options.from_frame : int(begin);
-    if (options.continuous && first > 0) Mover().move(scene, first - 1); // the bodies come from there
+    if (options.continuous) Mover().move(scene, std::max(first - 1, 0)); // the bodies come from there
     Pipeline pipeline(scene, settings);
     pipeline.set_continuous(options.continuous);
+    if (options.continuous && lists_pairs(options)) WorldAccess::parts_by_poses(pipeline.world());
     if (first) pipeline.world().continue_from(std::uint32_t(first), 0);
     std::optional<PairsFile> pairs;
     if (!options.outputs.pairs.empty())
@@ -127,7 +143,7 @@ void add_run(Arguments app)
                  "0 for every run that succeeds)");
     sub.add_flag("--continuous", options->continuous,
                  "also find contacts on the way from frame to frame: each body moves in a straight line, and rotates "
-                 "along the shorter arc");
+                 "along the shorter arc, from each key of its motion to the next");
     const Option view =
         sub.add_option("--view FILE.html", options->view,
                        "write one HTML page that shows the run in 3D, frame by frame; needs Debian's libjs-three")

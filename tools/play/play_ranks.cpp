@@ -100,11 +100,15 @@ public:
         SceneSlice slice;
         RankedOptions ranked{.csv = outputs_.csv,
                              .separate = outputs_.separate,
+                             .continuous = options_.continuous,
                              .trace = !outputs_.trace.empty(),
                              .checkpoint = options_.checkpoint,
                              .checkpoint_every = options_.checkpoint_every,
                              .resume = options_.resume};
         together(ranks_, [&] {
+            if (!options_.not_for_ranks.empty())
+                usage(options_.not_for_ranks +
+                      ": needs a single process, without mpirun, checkpoints and --process-csv");
             settings = settings_from(how);
             check_for_ranks(settings);
             ranked.rebalance = rebalance_from_name(options_.rebalance);

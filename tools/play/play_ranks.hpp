@@ -12,7 +12,9 @@ struct RankOptions {
     std::string checkpoint, csv; ///< csv: one row per process
     int checkpoint_every = 100;
     bool resume = false;
-    int patience = 600; ///< seconds
+    int patience = 600;        ///< seconds
+    bool continuous = false;   ///< bodies move on the way from frame to frame
+    std::string not_for_ranks; ///< a given option that needs a single process; empty: none
 };
 
 void add_rank_options(Arguments command, RankOptions& options);

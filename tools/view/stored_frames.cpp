@@ -133,11 +133,13 @@ void StoredFrames::decide(const FrameRow& row, std::span<const PairResult> candi
         pair.verdict = Verdict(next->verdict), pair.stage = StageId(next->stage), pair.kind = ContactKind(next->kind);
         pair.bound = next->bound;
         mix(hash, pair, wants_kinds(run_.settings));
-        if (!sweep_rows_.empty())
-            add_sweep(sweep_rows_[std::size_t(next - rows_.begin())], std::size_t(&pair - results_.data()));
+        const SweepRow* const sweep = sweep_rows_.empty() ? nullptr : &sweep_rows_[std::size_t(next - rows_.begin())];
+        if (sweep && !std::isnan(sweep->clear_until)) {
+            add_sweep(*sweep, std::size_t(&pair - results_.data()));
+            mix(hash, pair, {sweep->clear_until, sweep->contact_by});
+        }
         ++next;
     }
-    for (const PairSweep& sweep : sweeps_) mix(hash, sweep);
     if (next != rows_.end())
         refuse_scene(fmt::format("in frame {} the results have a pair of bodies {} and {}, whose boxes are "
                                  "apart",
@@ -149,7 +151,6 @@ void StoredFrames::decide(const FrameRow& row, std::span<const PairResult> candi
 /// The stored parts of the sweep of a pair in results_.
 void StoredFrames::add_sweep(const SweepRow& row, std::size_t pair)
 {
-    if (std::isnan(row.clear_until)) return;
     PairSweep& sweep = sweeps_.emplace_back();
     sweep.pair = static_cast<std::uint32_t>(pair);
     sweep.verdict = results_[pair].verdict, sweep.kind = results_[pair].kind;

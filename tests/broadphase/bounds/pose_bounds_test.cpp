@@ -73,6 +73,27 @@ TEST(PoseBounds, DependOnThePoseAloneAndNotOnWhatWasRequestedBefore)
 
 /// A large rotation and a large translation nearly cancel; the rounding error of the rest exceeds the precision of the
 /// body's floats.
+/// Also of a way whose ends are quarter turns, at which no map is needed.
+TEST(PoseBounds, DependOnTheWayAloneAndNotOnWhatWasRequestedBefore)
+{
+    const GeometryData geometry = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 3000);
+    for (std::uint64_t i = 0; i < 20; ++i) {
+        PoseBounds used(geometry), fresh(geometry);
+        for (std::uint64_t k = 0; k < 50 * i; ++k) used.expect(random_pose(5, k, 10));
+        Eigen::Isometry3d from = random_pose(6, i, 10), to = random_pose(7, i, 10);
+        if (i % 2) from.linear() = Eigen::Vector3d(-1, -1, 1).asDiagonal(), to.linear().setIdentity();
+        const RigidMotion way(from, to);
+        used.expect(way), fresh.expect(way);
+        const Aabb box = fresh.box(way);
+        ASSERT_EQ(used.box(way).min, box.min);
+        ASSERT_EQ(used.box(way).max, box.max);
+        for (int k = 0; k <= 40; ++k) {
+            const Eigen::Isometry3d pose = way.pose(k / 40.0);
+            ASSERT_TRUE(box.contains(exact_box(std::get<Mesh>(geometry), pose))) << i << " " << k;
+        }
+    }
+}
+
 TEST(PoseBounds, EncloseSmallMeshesOfFarFilesThatPosesTakeBack)
 {
     using Vector3l = Eigen::Matrix<long double, 3, 1>;

@@ -33,12 +33,17 @@ std::vector<StepOfPair> steps_of(StudyWorkload& workload, std::size_t most, std:
     Progress progress("frame", std::size_t(workload.frames()));
     for (int frame = 0; frame < workload.frames(); ++frame) {
         const std::vector<Eigen::Isometry3d> before(workload.scene.poses.begin(), workload.scene.poses.end());
+        const double time = workload.scene.time;
         workload.move(frame);
         const FrameView view = pipeline.step(workload.scene);
         for (const PairSweep& sweep : view.sweeps) {
             if (sweep.contact_by == 0 || (sweep.verdict == Verdict::separate && sweep.steps == 0)) continue;
             const BodyPair pair{index(view.pairs[sweep.pair].a), index(view.pairs[sweep.pair].b)};
-            const auto way = [&](std::uint32_t body) { return RigidMotion(before[body], workload.scene.poses[body]); };
+            const auto way = [&](std::uint32_t body) {
+                const Scene& scene = workload.scene;
+                const auto keys = way_between(scene.motions[body], time, scene.time, before[body], scene.poses[body]);
+                return keys.empty() ? RigidMotion(before[body]) : RigidMotion(keys);
+            };
             StepOfPair step{pair, workload.number(frame), way(pair.a), way(pair.b)};
             ++all;
             const auto place = std::size_t(u01(1, all, 0) * double(all));
