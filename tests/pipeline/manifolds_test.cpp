@@ -123,6 +123,18 @@ TEST(Manifolds, BoxesInOneColumnOverlap)
     }
 }
 
+TEST(Manifolds, ABoxIsNanometresDeepInAFloorOfTenKilometres)
+{
+    for (const double depth : {2e-9, 1e-7}) {
+        const Two two(Shape(Box{{0.5, 0.5, 0.5}}), at(3, 2, 0.5 - depth), Shape(Box{{5000, 5000, 1}}), at(0, 0, -1));
+        const Manifold m = two.manifold();
+        check(m, "floor");
+        ASSERT_EQ(m.regions.size(), 1u);
+        EXPECT_EQ(m.regions[0].kind, RegionKind::crossing) << depth;
+        for (const ManifoldPoint& p : m.points) EXPECT_NEAR(p.depth, depth, 1e-10);
+    }
+}
+
 TEST(Manifolds, AVertexAnEdgeAndTwoEdges)
 {
     const auto tilted = [](const Vector3d& axis, double angle, double z) {

@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 double rounding_of(const PlacedSurface& a, const PlacedSurface& b)
 {
-    return 0x1p-44 * (a.reach() + b.reach());
+    return 0x1p-48 * (a.reach() + b.reach()); // 16 roundings of the largest coordinate; a placed vertex needs 4
 }
 
 namespace {
