@@ -1,6 +1,5 @@
 // Contacts of the selected objects, from manifolds.
 #include <algorithm>
-#include <cmath>
 #include <span>
 #include <tuple>
 
@@ -10,44 +9,6 @@
 #include "geometry_of_shape.hpp"
 
 namespace dart::collision {
-
-namespace {
-
-/// The outward normal of a mesh at a face or a vertex, in the world, from faces within `spread` of `outward`; 0 for
-/// other features and shapes.
-Eigen::Vector3d normal_at(const oncollide_client::Object& object, oncollide::FeatureBits feature,
-                          const Eigen::Vector3d& outward, double spread)
-{
-    const oncollide_client::ShapeModel& model = *object.model;
-    if (model.faces_at.empty()) return Eigen::Vector3d::Zero();
-    const oncollide::Mesh& mesh = std::get<oncollide::Mesh>(model.geometry->data);
-    const auto number = static_cast<std::uint32_t>(feature);
-    std::span<const std::uint32_t> faces;
-    if (feature >> 62 == 3) faces = {&number, 1};
-    if (feature >> 62 == 1) faces = model.faces_at[number];
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const std::uint32_t f : faces) {
-        const auto& [a, b, c] = mesh.triangles[f];
-        const Eigen::Vector3d across = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
-        const Eigen::Vector3d normal = object.getTransform().linear() * across;
-        if (normal.dot(outward) > std::cos(spread) * normal.norm()) sum += normal;
-    }
-    return sum.normalized();
-}
-
-/// Unit, from a to b, of the surfaces at the point; 0 if its features have no normal.
-Eigen::Vector3d normal_of(const oncollide_client::Object& a, const oncollide_client::Object& b,
-                          const oncollide::ManifoldRegion& region, const oncollide::ManifoldPoint& point,
-                          const OncollideOptions& options)
-{
-    const double spread = 2 * options.manifold.normal_spread;
-    const Eigen::Vector3d of_a = normal_at(a, point.feature_a, region.normal, spread);
-    const Eigen::Vector3d of_b = -normal_at(b, point.feature_b, -region.normal, spread);
-    const bool b_first = of_a.isZero(0) || (point.feature_a >> 62 != 3 && !of_b.isZero(0)); // faces before vertices
-    return b_first ? of_b : of_a;
-}
-
-} // namespace
 
 /// Sets the pairs that meet or may meet: pairs of rigid bodies first, then by the objects' order.
 void OncollideCollisionDetector::Core::find_pairs(const CollisionFilter* filter)
@@ -97,9 +58,7 @@ void OncollideCollisionDetector::Core::add_contacts(std::span<const Pair> pairs,
                                    .subspan(manifolds_.offsets[i], manifolds_.offsets[i + 1] - manifolds_.offsets[i]));
 }
 
-/// `normal` points from a to b.
-void OncollideCollisionDetector::Core::add_contact(const Pair& pair, const oncollide::ManifoldPoint& point,
-                                                   const Eigen::Vector3d& normal)
+void OncollideCollisionDetector::Core::add_contact(const Pair& pair, const oncollide::ManifoldPoint& point)
 {
     const Eigen::Vector3d at = (point.point_a + point.point_b) / 2;
     const auto face = [&](const Object& object) {
@@ -108,41 +67,23 @@ void OncollideCollisionDetector::Core::add_contact(const Pair& pair, const oncol
     };
     Contact contact;
     contact.collisionObject1 = pair.a, contact.collisionObject2 = pair.b;
-    contact.point = at, contact.normal = -normal, contact.penetrationDepth = std::max(point.depth, 0.0);
+    contact.point = at, contact.normal = -point.normal, contact.penetrationDepth = std::max(point.depth, 0.0);
     contact.triID1 = face(*pair.a), contact.triID2 = face(*pair.b);
     found_.push_back({0, {point.feature_a, point.feature_b}, contact});
 }
 
-/// The points of a pair's manifold, the deepest first. The normal of a region is its mean: on curved surfaces, as the
-/// flanks of a thread, it is false at the region's ends, and a nut would jam. There points have their own normals;
-/// where these are not known, the region has one contact, at its centre.
+/// The points of a pair's manifold, in the order of their features.
 void OncollideCollisionDetector::Core::add_contacts(const Pair& pair,
                                                     std::span<const oncollide::ManifoldRegion> regions)
 {
     const std::size_t before = found_.size();
-    bool curved = false;
     for (const oncollide::ManifoldRegion& region : regions)
-        for (std::uint32_t p = region.first; p < region.first + region.count; ++p) {
-            const Eigen::Vector3d normal = normal_of(*pair.a, *pair.b, region, manifolds_.points[p], options);
-            curved |= normal.cross(region.normal).norm() > 1e-3;
-        }
-    for (const oncollide::ManifoldRegion& region : regions) {
-        const std::size_t first = found_.size();
-        oncollide::ManifoldPoint middle{region.centre, region.centre, 0, 0, 0, 0, region.normal};
-        for (std::uint32_t p = region.first; p < region.first + region.count; ++p) {
-            const oncollide::ManifoldPoint& point = manifolds_.points[p];
-            if (point.depth < -point.depth_error) continue; // apart there
-            const Eigen::Vector3d normal = normal_of(*pair.a, *pair.b, region, point, options);
-            middle.depth = std::max(middle.depth, point.depth);
-            if (!curved)
-                add_contact(pair, point, region.normal);
-            else if (!normal.isZero(0))
-                add_contact(pair, point, normal);
-        }
-        if (curved && found_.size() == first) add_contact(pair, middle, region.normal);
-    }
+        for (std::uint32_t p = region.first; p < region.first + region.count; ++p)
+            if (const oncollide::ManifoldPoint& point = manifolds_.points[p]; point.depth >= -point.depth_error)
+                add_contact(pair, point);
+    const Eigen::Vector3d none = Eigen::Vector3d::Zero();
     if (found_.size() == before && pair.certain) // DART's solver skips a contact without normal
-        add_contact(pair, {}, Eigen::Vector3d::Zero());
+        add_contact(pair, {none, none, 0, 0, 0, 0, none});
     const auto first = found_.begin() + static_cast<std::ptrdiff_t>(before);
     std::stable_sort(first, found_.end(), [](const Found& p, const Found& q) {
         return p.contact.penetrationDepth > q.contact.penetrationDepth;

@@ -21,14 +21,8 @@ ShapeModel::ShapeModel(oncollide::World& of, const dynamics::Shape& shape, bool 
       is_plane(shape.is<dynamics::PlaneShape>())
 {
     const PlacedGeometry placed = geometry_of(shape, solid_heightmaps);
-    pose = placed.pose, geometry = placed.geometry;
-    if (!geometry) return;
-    id = world.add(geometry);
-    if (const auto* mesh = std::get_if<oncollide::Mesh>(&geometry->data); mesh && !soft) {
-        faces_at.resize(mesh->vertices.size());
-        for (std::uint32_t f = 0; f < mesh->triangles.size(); ++f)
-            for (const std::uint32_t v : mesh->triangles[f]) faces_at[v].push_back(f);
-    }
+    pose = placed.pose;
+    if (placed.geometry) id = world.add(placed.geometry);
 }
 
 ShapeModel::~ShapeModel()

@@ -15,7 +15,6 @@
 
 #include <oncollide/dart/detector.hpp>
 #include <oncollide/pipeline/world.hpp>
-#include <oncollide/scenes/geometry.hpp>
 
 namespace dart::dynamics {
 class SoftMeshShape;
@@ -30,8 +29,6 @@ struct ShapeModel {
     using Key = std::pair<std::size_t, std::size_t>; ///< the shape's number and version
     oncollide::World& world;
     oncollide::ModelId id; ///< null: the shape has none
-    std::shared_ptr<const oncollide::Geometry> geometry;
-    std::vector<std::vector<std::uint32_t>> faces_at; ///< of each vertex of a mesh that is not soft
     Eigen::Isometry3d pose;
     const dynamics::SoftMeshShape* soft; ///< null: no soft mesh
     bool is_plane;
@@ -119,7 +116,7 @@ private:
     void find_pairs(const CollisionFilter* filter);
     void add_contacts(std::span<const Pair> pairs, const oncollide::ManifoldOptions& manifold);
     void add_contacts(const Pair& pair, std::span<const oncollide::ManifoldRegion> regions);
-    void add_contact(const Pair& pair, const oncollide::ManifoldPoint& point, const Eigen::Vector3d& normal);
+    void add_contact(const Pair& pair, const oncollide::ManifoldPoint& point);
     void keep_deepest(std::size_t most);
 
     std::map<ShapeModel::Key, std::weak_ptr<ShapeModel>> models_;

@@ -120,11 +120,14 @@ void TraversalOf<A, B>::all_meeting(A& a, B& b, const RelativePose& b_to_a, std:
 
 template <class A, class B>
 void TraversalOf<A, B>::all_near(A& a, B& b, const RelativePose& b_to_a, double clearance,
-                                 std::vector<TrianglePair>& out)
+                                 std::vector<TrianglePair>& out, std::vector<TrianglePair>* meeting)
 {
     out.clear();
     walk_.all_near(a, b, b_to_a, clearance, [&](const TrianglePair& pair) { out.push_back(pair); });
-    sort_pairs(out);
+    if (!meeting) return;
+    meeting->clear();
+    if (!out.empty()) walk_.leaves().meeting(out, [&](TrianglePair pair) { return meeting->push_back(pair), true; });
+    sort_pairs(*meeting);
 }
 
 template <class A, class B>

@@ -60,8 +60,11 @@ public:
     /// Writes all pairs that meet to `out`, each once, sorted; overwrites `out`.
     void all_meeting(A& a, B& b, const RelativePose& b_to_a, std::vector<TrianglePair>& out);
 
-    /// Writes all pairs at most `clearance` apart to `out`, and perhaps others; each once, sorted; overwrites `out`.
-    void all_near(A& a, B& b, const RelativePose& b_to_a, double clearance, std::vector<TrianglePair>& out);
+    /// Writes all pairs at most `clearance` apart to `out`, and perhaps others; each once, in any order; overwrites
+    /// `out`.
+    /// @param meeting  as `out` of all_meeting(), unless null
+    void all_near(A& a, B& b, const RelativePose& b_to_a, double clearance, std::vector<TrianglePair>& out,
+                  std::vector<TrianglePair>* meeting = nullptr);
 
     /// For each triangle, bit i is set if it and some triangle of the other mesh have only its corner i in common.
     struct CommonCorners {

@@ -107,6 +107,13 @@ inline void check(const Manifold& m, const std::string& where)
         }
     }
     EXPECT_EQ(points, m.points.size()) << where;
+    for (const ManifoldRegion& r : m.regions) // no region repeats a point of an earlier one
+        for (std::uint32_t k = r.first; r.count > 1 && k < r.first + r.count; ++k)
+            for (std::uint32_t i = 0; i < r.first; ++i) {
+                const ManifoldPoint &p = m.points[i], &q = m.points[k];
+                EXPECT_FALSE(p.feature_a == q.feature_a && p.feature_b == q.feature_b && p.normal.dot(q.normal) > 0.995)
+                    << where;
+            }
 }
 
 inline const std::pair<const char*, std::function<GeometryData()>> grounds[] = {

@@ -123,6 +123,18 @@ TEST(Manifolds, BoxesInOneColumnOverlap)
     }
 }
 
+TEST(Manifolds, ABoxIsNanometresDeepInAFloorOfTenKilometres)
+{
+    for (const double depth : {2e-9, 1e-7}) {
+        const Two two(Shape(Box{{0.5, 0.5, 0.5}}), at(3, 2, 0.5 - depth), Shape(Box{{5000, 5000, 1}}), at(0, 0, -1));
+        const Manifold m = two.manifold();
+        check(m, "floor");
+        ASSERT_EQ(m.regions.size(), 1u);
+        EXPECT_EQ(m.regions[0].kind, RegionKind::crossing) << depth;
+        for (const ManifoldPoint& p : m.points) EXPECT_NEAR(p.depth, depth, 1e-10);
+    }
+}
+
 TEST(Manifolds, AVertexAnEdgeAndTwoEdges)
 {
     const auto tilted = [](const Vector3d& axis, double angle, double z) {
@@ -153,6 +165,53 @@ TEST(Manifolds, AVertexAnEdgeAndTwoEdges)
     const Two edges(roof_a, at(0, 0, 0), roof_b, at(0, 0, 0));
     ASSERT_EQ(edges.manifold().regions.size(), 1u);
     expect_near(edges.manifold().regions[0].normal, {0, 0, -1}, 1e-12, "edges");
+}
+
+/// A ring around z, of 128 segments; inner = 0: a cylinder.
+Mesh ring(double inner, double outer, double half)
+{
+    constexpr std::uint32_t n = 128;
+    std::vector<Vector3d> vertices;
+    std::vector<Triangle> triangles;
+    for (std::uint32_t i = 0; i < n; ++i) { // of each segment: outer low and high, inner high and low
+        const double angle = 2 * pi * i / n, x = std::cos(angle), y = std::sin(angle);
+        for (const auto& [r, z] : {std::pair(outer, -half), {outer, half}, {inner, half}, {inner, -half}})
+            vertices.emplace_back(r * x, r * y, z);
+        const std::uint32_t here = 4 * i, next = 4 * ((i + 1) % n);
+        for (std::uint32_t k = 0; k < 4; ++k)
+            if (inner > 0 || k != 2)
+                for (const Triangle& t : {Triangle{here + k, next + k, next + (k + 1) % 4},
+                                          Triangle{here + k, next + (k + 1) % 4, here + (k + 1) % 4}})
+                    triangles.push_back(t);
+    }
+    return make_mesh("ring", std::move(vertices), std::move(triangles));
+}
+
+TEST(Manifolds, PointsOnACurvedSurfaceHaveItsNormal)
+{
+    for (const double margin : {0.0, 0.002}) {
+        const Two two(ring(0.505, 1, 0.25), at(0, 0, 0), ring(0, 0.5, 0.5), at(0.006, 0, 0)); // an arc of 67 degrees
+        const Manifold m = two.manifold({.margin = margin});
+        check(m, "shaft");
+        EXPECT_GT(m.points.size(), 8u);
+        for (const ManifoldPoint& p : m.points) {
+            const Vector3d inward(-p.point_a.x(), -p.point_a.y(), 0);
+            EXPECT_GT(p.normal.dot(inward.normalized()), std::cos(0.05)) << margin << ": " << p.point_a.transpose();
+        }
+    }
+}
+
+TEST(Manifolds, PointsOnAFlatSurfaceHaveTheNormalOfTheRegion)
+{
+    for (const double angle : {0.0, 1e-7, 1e-5}) {
+        Isometry3d pose = at(0.1, 0.2, 0.4999);
+        pose.linear() = Eigen::AngleAxisd(angle, Vector3d(1, 2, 0).normalized()).toRotationMatrix();
+        const Two two(make_box_mesh({0.5, 0.5, 0.5}), pose, make_box_mesh({2, 2, 1}), at(0, 0, -1));
+        const Manifold m = two.manifold();
+        ASSERT_EQ(m.regions.size(), 1u);
+        EXPECT_EQ(m.points.size(), 4u);
+        for (const ManifoldPoint& p : m.points) EXPECT_EQ(p.normal, m.regions[0].normal) << angle;
+    }
 }
 
 TEST(Manifolds, EnclosedBodiesLeaveThroughTheNearestSurface)

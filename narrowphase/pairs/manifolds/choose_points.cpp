@@ -73,8 +73,9 @@ void RegionDraft::add_shared(const ManifoldCandidate& candidate)
     const std::uint32_t number = shared_.add(candidate.a ^ std::rotl(candidate.b, 23), is_new);
     if (is_new) {
         candidate_of_.push_back(static_cast<std::uint32_t>(candidates.size()));
-    } else if (const ManifoldCandidate& known = candidates[candidate_of_[number]];
+    } else if (ManifoldCandidate& known = candidates[candidate_of_[number]];
                known.a == candidate.a && known.b == candidate.b) {
+        if (known.normal.isZero(0)) known.normal = candidate.normal; // another face at the edge is opposite
         return;
     }
     candidates.push_back(candidate);
@@ -209,7 +210,7 @@ std::size_t most_regions(const ManifoldOptions& options)
 
 namespace {
 
-/// Drops candidates that face nothing, or are too shallow, if others are left.
+/// Finds whether the region is curved. Drops candidates that face nothing, or are too shallow, if others are left.
 void drop_idle(RegionDraft& draft, bool resolved)
 {
     auto& all = draft.candidates;
@@ -217,12 +218,13 @@ void drop_idle(RegionDraft& draft, bool resolved)
         std::erase_if(all, [](const auto& c) { return !c.opposite; });
     const auto known = [](const ManifoldCandidate& c) { return !c.normal.isZero(0); };
     constexpr double flat = 0.9994; // 2 degrees
-    // On a thread, the normal of the region is none of a point.
-    if (std::ranges::any_of(all, [&](const auto& c) {
-            return known(c) && (resolved || c.of == ManifoldCandidate::of_both) &&
-                   c.normal.dot(draft.region.normal) < flat;
-        }))
-        std::erase_if(all, [&](const auto& c) { return !known(c); });
+    const auto differs = [&](const ManifoldCandidate& c) {
+        const double cosine = c.normal.dot(draft.region.normal);
+        return known(c) && cosine < flat && (resolved || c.of == ManifoldCandidate::of_both || cosine > facing_cosine);
+    };
+    draft.curved = std::ranges::any_of(all, differs);
+    const auto faces = [&](const ManifoldCandidate& c) { return c.normal.dot(draft.region.normal) >= facing_cosine; };
+    if (draft.curved && std::ranges::any_of(all, faces)) std::erase_if(all, [&](const auto& c) { return !faces(c); });
     const auto deep = [&](const ManifoldCandidate& c) { return c.depth >= draft.least_depth; };
     if (std::ranges::any_of(all, deep)) std::erase_if(all, [&](const auto& c) { return !deep(c); });
 }
@@ -259,63 +261,110 @@ double way_out(ManifoldMemory& memory, const PlacedSurface& surface, const Vecto
     return least * most;
 }
 
+/// Finds the face opposite to a candidate along the region's normal, and with it the depth and the point's normal.
+/// @param all_angles  faces at large angles count as opposite, too
+void resolve(ManifoldMemory& memory, const PlacedSurface& a, const PlacedSurface& b, bool all_angles,
+             ManifoldCandidate& c)
+{
+    if (c.of == ManifoldCandidate::of_both || (c.a && c.b)) return;
+    const RegionDraft& draft = memory.draft;
+    const bool of_a = c.of == ManifoldCandidate::of_a;
+    double depth;
+    if (const auto* found = (of_a ? memory.ahead_b : memory.ahead_a).nearest(c.at, depth)) {
+        c.depth = depth, c.error = draft.rounding * found->error;
+        const Vector3d across = (of_a ? 1 : -1) * found->depth.normalized(); // of the face, from a to b
+        c.normal = of_a ? normal_across(c.normal, across) : normal_across(across, c.normal);
+        if (all_angles && c.normal.isZero(0)) c.normal = across;
+        (of_a ? c.b : c.a) = (of_a ? b : a).face(found->triangle);
+    } else { // as at the end of a region
+        c.depth = 0, c.error = draft.region.depth_upper + draft.rounding, c.opposite = false;
+        if (c.normal.dot(draft.region.normal) < facing_cosine) c.normal.setZero();
+    }
+}
+
+/// The candidates to keep. On a curved region, drops candidates found to face nothing, and chooses again.
+std::span<const std::uint32_t> choose_resolved(ManifoldMemory& memory, const PlacedSurface& a, const PlacedSurface& b,
+                                               std::size_t most)
+{
+    auto& all = memory.draft.candidates;
+    const bool curved = memory.draft.curved;
+    for (;;) {
+        const auto& kept = memory.choice.choose(all, memory.draft.region.normal, most);
+        for (const std::uint32_t i : kept) resolve(memory, a, b, !curved, all[i]);
+        const auto idle = [](const ManifoldCandidate& c) { return !c.opposite || c.normal.isZero(0); };
+        if (!curved || std::ranges::none_of(kept, [&](std::uint32_t i) { return idle(all[i]); }) ||
+            std::ranges::all_of(all, idle))
+            return kept;
+        std::erase_if(all, idle);
+    }
+}
+
+/// The point of a chosen candidate. Raises the bounds of the region's depth.
+ManifoldPoint point_of(ManifoldMemory& memory, const PlacedSurface& a, const PlacedSurface& b,
+                       const ManifoldCandidate& c)
+{
+    ManifoldRegion& region = memory.draft.region;
+    const double rounding = memory.draft.rounding;
+    const Vector3d n = region.normal;
+    const bool of_a = c.of == ManifoldCandidate::of_a, of_b = c.of == ManifoldCandidate::of_b;
+    // Support points of a round solid are on its true surface.
+    const double off = (of_a && a.round() ? 0 : a.error()) + (of_b && b.round() ? 0 : b.error());
+    constexpr double least_cosine = std::numbers::sqrt2 / 2; // 45 degrees
+    const Vector3d normal = c.normal.dot(n) >= least_cosine ? c.normal : n;
+    ManifoldPoint p{c.at, c.at, c.depth, c.error + rounding + off, c.a, c.b, normal};
+    double deep = p.depth - p.depth_error;
+    if (const PlacedSurface& other = of_a ? b : a;
+        deep > std::max(region.depth_lower, 0.0) && other.solid() && (of_a || of_b)) {
+        const double out = way_out(memory, other, c.at, (of_a ? -1 : 1) * n, deep);
+        if (memory.draft.curved && out < 0.999 * deep) p.depth = out; // through a face of another region
+        deep = out - rounding;
+    }
+    if (of_a) p.point_b = c.at - p.depth * n;
+    if (of_b) p.point_a = c.at + p.depth * n;
+    region.depth_upper = std::max(region.depth_upper, p.depth - p.depth_error);
+    region.depth_lower = std::max(region.depth_lower, deep);
+    return p;
+}
+
+/// Gives all points of a flat region its normal: solvers do not bring a body to rest between normals that differ a
+/// little.
+void level(std::span<ManifoldPoint> points, const Vector3d& normal)
+{
+    constexpr double flat = 1e-3; // radians
+    const auto level = [&](const ManifoldPoint& p) { return p.normal.cross(normal).norm() <= flat; };
+    if (std::ranges::all_of(points, level))
+        for (ManifoldPoint& p : points) p.normal = normal;
+}
+
 } // namespace
 
 void finish(ManifoldMemory& memory, const PlacedSurface& a, const PlacedSurface& b, const ManifoldOptions& options,
             Manifold& manifold)
 {
     RegionDraft& draft = memory.draft;
+    ManifoldRegion& region = draft.region;
     auto& all = draft.candidates;
-    const Vector3d n = draft.region.normal;
-    memory.ahead_a.set(draft.faces_a, n), memory.ahead_b.set(draft.faces_b, -n);
+    memory.ahead_a.set(draft.faces_a, region.normal), memory.ahead_b.set(draft.faces_b, -region.normal);
     constexpr std::size_t most_rays = 1 << 10;
     const bool early = all.size() * (draft.faces_a.size() + draft.faces_b.size()) <= most_rays;
-    const auto resolve = [&](ManifoldCandidate& c) {
-        if (c.of == ManifoldCandidate::of_both) return;
-        const bool of_a = c.of == ManifoldCandidate::of_a;
-        double depth;
-        if (const auto* found = (of_a ? memory.ahead_b : memory.ahead_a).nearest(c.at, depth)) {
-            c.depth = depth, c.error = draft.rounding * found->error;
-            const Vector3d across = (of_a ? 1 : -1) * found->depth.normalized(); // of the face, from a to b
-            c.normal = of_a ? normal_across(c.normal, across) : normal_across(across, c.normal);
-            if (!early && c.normal.isZero(0)) c.normal = across;
-            (of_a ? c.b : c.a) = (of_a ? b : a).face(found->triangle);
-        } else {
-            c.depth = 0, c.error = draft.region.depth_upper + draft.rounding, c.opposite = false;
-            c.normal.setZero();
-        }
-    };
-    if (early) std::ranges::for_each(all, resolve);
+    if (early)
+        for (ManifoldCandidate& c : all) resolve(memory, a, b, false, c);
     drop_idle(draft, early);
     if (all.empty()) return;
-    if (!early) estimate_depths(all, n);
-    ManifoldRegion& region = draft.region;
+    if (!early) estimate_depths(all, region.normal);
     region.first = static_cast<std::uint32_t>(manifold.points.size());
     region.found = static_cast<std::uint32_t>(all.size());
     region.depth_lower = -unbounded;
-    for (const std::uint32_t i : memory.choice.choose(all, n, std::max(options.points_per_region, 1u))) {
-        ManifoldCandidate c = all[i];
-        if (!early) resolve(c);
-        // Support points of a round solid are on its true surface.
-        const double off = (c.of == ManifoldCandidate::of_a && a.round() ? 0 : a.error()) +
-                           (c.of == ManifoldCandidate::of_b && b.round() ? 0 : b.error());
-        constexpr double least_cosine = std::numbers::sqrt2 / 2; // 45 degrees
-        const Vector3d normal = c.normal.dot(n) >= least_cosine ? c.normal : n;
-        ManifoldPoint p{c.at, c.at, c.depth, c.error + draft.rounding + off, c.a, c.b, normal};
-        if (c.of == ManifoldCandidate::of_a) p.point_b = c.at - c.depth * n;
-        if (c.of == ManifoldCandidate::of_b) p.point_a = c.at + c.depth * n;
-        double deep = p.depth - p.depth_error;
-        region.depth_upper = std::max(region.depth_upper, deep);
-        if (const PlacedSurface& other = c.of == ManifoldCandidate::of_a ? b : a;
-            deep > std::max(region.depth_lower, 0.0) && other.solid() && c.of != ManifoldCandidate::of_both)
-            deep = way_out(memory, other, c.at, (c.of == ManifoldCandidate::of_a ? -1 : 1) * n, deep) - draft.rounding;
-        region.depth_lower = std::max(region.depth_lower, deep);
-        manifold.points.push_back(p);
-    }
+    const std::size_t most = std::max(options.points_per_region, 1u);
+    for (const std::uint32_t i :
+         early ? memory.choice.choose(all, region.normal, most) : choose_resolved(memory, a, b, most))
+        manifold.points.push_back(point_of(memory, a, b, all[i]));
     region.count = static_cast<std::uint32_t>(manifold.points.size()) - region.first;
     if (region.kind != RegionKind::near) region.depth_lower = std::max(region.depth_lower, 0.0);
     region.depth_upper = std::max(region.depth_upper, region.depth_lower);
-    const PointHull hull(std::span(manifold.points).subspan(region.first));
+    const auto points = std::span(manifold.points).subspan(region.first);
+    level(points, region.normal);
+    const PointHull hull(points);
     double lost = 0;
     for (const Vector3d& p : draft.contacts) lost = std::max(lost, hull.distance2(p, lost));
     region.lost = std::sqrt(lost) + draft.rounding;

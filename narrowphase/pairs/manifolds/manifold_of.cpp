@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 double rounding_of(const PlacedSurface& a, const PlacedSurface& b)
 {
-    return 0x1p-44 * (a.reach() + b.reach());
+    return 0x1p-48 * (a.reach() + b.reach()); // 16 roundings of the largest coordinate; a placed vertex needs 4
 }
 
 namespace {
@@ -125,6 +125,35 @@ std::vector<TrianglePair> other_pairs(ManifoldMemory& memory, const PlacedSurfac
     return rest;
 }
 
+/// Drops a point that an earlier region has, too, with nearly the same normal: a solver would get the same equation
+/// twice. A region keeps at least one point.
+void drop_repeated(Manifold& manifold)
+{
+    std::vector<ManifoldPoint> kept;
+    std::vector<double> same; // distance within which a point is that one
+    for (ManifoldRegion& r : manifold.regions) {
+        const auto own = std::span<const ManifoldPoint>(manifold.points).subspan(r.first, r.count);
+        const std::size_t before = kept.size();
+        const double near = 1e-4 * std::sqrt(r.area);
+        double moved = 0;
+        for (const ManifoldPoint& p : own) {
+            std::size_t i = 0;
+            constexpr double least_cosine = 0.99; // 8 degrees
+            while (i < before && !(kept[i].normal.dot(p.normal) > least_cosine &&
+                                   ((kept[i].feature_a == p.feature_a && kept[i].feature_b == p.feature_b) ||
+                                    (middle_of(kept[i]) - middle_of(p)).norm() < std::min(near, same[i]))))
+                ++i;
+            if (i == before || (&p == &own.back() && kept.size() == before)) kept.push_back(p), same.push_back(near);
+        }
+        r.first = static_cast<std::uint32_t>(before), r.count = static_cast<std::uint32_t>(kept.size() - before);
+        if (r.count == own.size()) continue;
+        const PointHull hull(std::span<const ManifoldPoint>(kept).subspan(before));
+        for (const ManifoldPoint& p : own) moved = std::max(moved, hull.distance2(middle_of(p)));
+        r.lost += std::sqrt(moved) * (1 + 0x1p-40);
+    }
+    manifold.points = std::move(kept);
+}
+
 /// Sorts the regions, keeps the deepest, and moves all to the world.
 void complete(Manifold& manifold, const ManifoldOptions& options, const Eigen::Isometry3d& pose)
 {
@@ -132,16 +161,10 @@ void complete(Manifold& manifold, const ManifoldOptions& options, const Eigen::I
     std::ranges::stable_sort(regions, std::ranges::greater{}, [](const ManifoldRegion& r) { return r.depth_lower; });
     if (const std::size_t most = std::max(options.regions_per_pair, 1u); regions.size() > most)
         regions.resize(most), manifold.complete = false;
-    std::vector<ManifoldPoint> points;
-    for (ManifoldRegion& r : regions) {
-        const auto own = std::span(manifold.points).subspan(r.first, r.count);
-        r.first = static_cast<std::uint32_t>(points.size());
-        points.insert(points.end(), own.begin(), own.end());
-        r.normal = pose.linear() * r.normal, r.centre = pose * r.centre;
-    }
-    for (ManifoldPoint& p : points)
+    drop_repeated(manifold);
+    for (ManifoldRegion& r : regions) r.normal = pose.linear() * r.normal, r.centre = pose * r.centre;
+    for (ManifoldPoint& p : manifold.points)
         p.point_a = pose * p.point_a, p.point_b = pose * p.point_b, p.normal = pose.linear() * p.normal;
-    manifold.points = std::move(points);
     limit_points(manifold, options.points_per_pair);
 }
 
@@ -172,7 +195,12 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
     ManifoldMemory& memory = memory_of(worker);
     a.with_tree([&](auto& tree_a) {
         b.with_tree([&](auto& tree_b) {
-            worker.traversal(tree_a, tree_b).all_meeting(tree_a, tree_b, b_to_a, memory.meeting);
+            auto& traversal = worker.traversal(tree_a, tree_b);
+            if (options.margin > 0 && !round)
+                traversal.all_near(tree_a, tree_b, b_to_a, options.margin + near_rounding(a, b), memory.near_triangles,
+                                   &memory.meeting);
+            else
+                traversal.all_meeting(tree_a, tree_b, b_to_a, memory.meeting);
         });
     });
     if (!memory.meeting.empty() && meet) {
@@ -188,7 +216,10 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
             add_enclosed_region(worker, a, b, a_in_b, b_to_a, manifold);
         }
     }
-    if (options.margin > 0) add_near_regions(worker, memory, task, a, b, b_to_a, options, manifold);
+    if (options.margin > 0 && round)
+        add_round_near(worker, memory, task, a, b, b_to_a, options, manifold);
+    else if (options.margin > 0)
+        add_near_regions(memory, a, b, options, manifold);
     // A joined face is flat; its first triangles, moved with rounding, may stick out of it by that.
     if (manifold.regions.empty() && (a.joined() || b.joined()))
         if (const Finding found = tests_for(task).decide(worker, task, {}, nullptr); found.verdict != Verdict::separate)

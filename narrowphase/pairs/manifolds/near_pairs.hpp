@@ -1,7 +1,9 @@
 // Features of two surfaces that are near each other, and regions of them.
 #pragma once
+#include <span>
 #include <vector>
 
+#include <oncollide/narrowphase/pairs/manifolds/key_numbers.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/placed_surface.hpp>
 
 namespace oncollide {
@@ -19,32 +21,60 @@ struct NearPair {
     bool has_face() const { return corners_a == 7 || corners_b == 7; }
 };
 
-/// Leaves out vertices and edges that do not stick out, at which no distance has a local minimum unless it has one
-/// beside them, too; and points that are at most `rounding` apart, or behind a surface.
-struct NearFilter {
-    double rounding; ///< negative: only the first
+/// Finds pairs of features that are near each other. Keeps its memory.
+class NearSearch {
+public:
+    enum class Which {
+        all,
+        minima, ///< where the distance has a local minimum, is more than `rounding`, and is in front of both surfaces
+    };
+    /// Writes all pairs within dhat, each once, sorted by (a, b). Distances err by at most `rounding`, which is added
+    /// to dhat.
+    /// @param near  all pairs of triangles within dhat + rounding, and perhaps others, in any order
+    void find(const PlacedSurface& a, const PlacedSurface& b, std::span<const TrianglePair> near, double dhat,
+              double rounding, Which which, std::vector<NearPair>& found);
 
-    /// @param out_a,out_b  unit normals of the pair's triangles; 0 without area
-    bool keeps(const NearPair& pair, const Eigen::Vector3d& out_a, const Eigen::Vector3d& out_b) const
-    {
-        if (rounding < 0) return true;
-        if (!(pair.distance > rounding)) return false;
-        const Eigen::Vector3d way = pair.point_b - pair.point_a; // out of a, into b
-        const double least = -0.5 * pair.distance;
-        return way.dot(out_a) > (pair.corners_a == 7 ? 0 : least) &&
-               -way.dot(out_b) > (pair.corners_b == 7 ? 0 : least);
-    }
+private:
+    /// A triangle of some near pairs. A vertex or an edge that several of them share belongs to the first: if it is
+    /// near a feature of the other body, then so is each of them.
+    struct Face {
+        std::uint32_t triangle;
+        TrianglePoints points;
+        Eigen::Vector3d normal;          ///< unit, outward; 0 without area
+        unsigned corners = 0, edges = 0; ///< bits of its own corners, and of the edges that begin at a corner
+        unsigned tried_corners = 0, tried_edges = 0; ///< of these, the ones at which pairs are searched
+
+        bool owns(std::uint8_t spanned) const;
+    };
+    /// The triangles of one body.
+    struct Side {
+        const PlacedSurface* surface;
+        KeyNumbers triangles, vertices, edges;
+        std::vector<std::uint32_t> number; ///< of each triangle, in the order of their first use
+        std::vector<Face> faces;           ///< in this order
+
+        void set(const PlacedSurface& of, std::span<const TrianglePair> near, bool is_a, Which which);
+    };
+    void try_pair(const Face& a, const Face& b);
+    void add(const Face& a, std::uint8_t corners_a, const Eigen::Vector3d& at_a, const Face& b, std::uint8_t corners_b,
+             const Eigen::Vector3d& at_b);
+
+    Side a_, b_;
+    Which which_;
+    double most_, reach_, rounding_;
+    std::vector<NearPair>* found_;
 };
 
-/// Finds all pairs within dhat, each once, sorted by (a, b). Distances err by at most `rounding`, which is added to
-/// dhat.
-/// @param filter  null: keeps all
-void near_pairs(PairWorker& worker, const PlacedSurface& a, const PlacedSurface& b, const RelativePose& b_to_a,
-                double dhat, double rounding, const NearFilter* filter, std::vector<NearPair>& found);
+/// How much distances of near features may err.
+double near_rounding(const PlacedSurface& a, const PlacedSurface& b);
 
-/// Appends regions of surfaces at most options.margin apart that do not meet.
-void add_near_regions(PairWorker& worker, ManifoldMemory& memory, const PairTask& task, const PlacedSurface& a,
-                      const PlacedSurface& b, const RelativePose& b_to_a, const ManifoldOptions& options,
-                      Manifold& manifold);
+/// Appends regions of the triangles memory.near_triangles, which are at most options.margin + near_rounding() apart.
+void add_near_regions(ManifoldMemory& memory, const PlacedSurface& a, const PlacedSurface& b,
+                      const ManifoldOptions& options, Manifold& manifold);
+/// Appends a region of a round solid and another body that are at most options.margin apart, along the shortest way
+/// between them.
+void add_round_near(PairWorker& worker, ManifoldMemory& memory, const PairTask& task, const PlacedSurface& a,
+                    const PlacedSurface& b, const RelativePose& b_to_a, const ManifoldOptions& options,
+                    Manifold& manifold);
 
 } // namespace oncollide

@@ -26,12 +26,13 @@ struct ManifoldCandidate {
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
 };
 
+constexpr double facing_cosine = 0.9396926; ///< of 20 degrees, by which normals of opposite faces differ at most
+
 /// The normal across two faces, given by their normals from a to b, if they are opposite each other; else 0.
 inline Eigen::Vector3d normal_across(const Eigen::Vector3d& of_a, const Eigen::Vector3d& of_b)
 {
-    constexpr double least_cosine = 0.9396926; // 20 degrees
-    return of_a.dot(of_b) >= least_cosine ? Eigen::Vector3d((of_a + of_b).normalized())
-                                          : Eigen::Vector3d(Eigen::Vector3d::Zero());
+    return of_a.dot(of_b) >= facing_cosine ? Eigen::Vector3d((of_a + of_b).normalized())
+                                           : Eigen::Vector3d(Eigen::Vector3d::Zero());
 }
 
 /// In the frame of the pair.
@@ -42,6 +43,7 @@ struct RegionDraft {
     std::vector<std::pair<std::uint32_t, TrianglePoints>> faces_a, faces_b; ///< where opposite points are, by triangle
     double rounding = 0;                                                    ///< of positions, metres
     double least_depth = 0; ///< shallower points are dropped if others are left
+    bool curved = false;    ///< as on a thread: the normal of the region is none of a point
 
     void clear();
     /// Adds a candidate of both bodies unless one of these features is there.
@@ -90,7 +92,8 @@ struct FacesAhead {
 
 /// One thread's working memory for manifolds, kept from pair to pair.
 struct ManifoldMemory {
-    std::vector<TrianglePair> meeting;
+    std::vector<TrianglePair> meeting, near_triangles;
+    NearSearch near_search;
     std::vector<NearPair> near;
     OverlapPatches overlap;
     RegionDraft draft;
