@@ -1,7 +1,6 @@
 #include <oncollide/ompl/validity.hpp>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -195,7 +194,7 @@ oncollide::RobotEdgeFinding OncollideMotionValidator::find(const State* s1, cons
 
 bool OncollideMotionValidator::count(bool valid) const
 {
-    std::atomic_ref(valid ? valid_ : invalid_).fetch_add(1, std::memory_order_relaxed);
+    __atomic_fetch_add(valid ? &valid_ : &invalid_, 1u, __ATOMIC_RELAXED); // planners with several threads share it
     return valid;
 }
 
@@ -216,7 +215,7 @@ bool OncollideMotionValidator::sampleCollides(const State* s1, const State* s2) 
     for (unsigned of = 2;; of *= 2) {
         joints.robot().check(joints.world(), numbers, found, joints.pairs());
         for (const oncollide::RobotFinding& one : found)
-            if (one.verdict != Verdict::separate) return true;
+            if (one.verdict == Verdict::colliding) return true; // the certificate decides the other verdicts
         if (of >= 2 * parts) return false;
         numbers.clear(), found.resize(of / 2);
         for (unsigned k = 1; k < of; k += 2)

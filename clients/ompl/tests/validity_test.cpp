@@ -95,6 +95,30 @@ TEST(OmplValidity, WithinTheClearanceIsNotValid)
     EXPECT_FALSE(wide.information->isValid(wide.state(beside, 0).get()));
 }
 
+// Both forms of checkMotion() agree, also where states on the way are within the error or the clearance.
+TEST(OmplValidity, ASettingOfAccuracyDecidesMotionsAlike)
+{
+    for (const oncollide::Settings& settings :
+         {oncollide::Settings{}, oncollide::Settings{.max_error = 0.05}, oncollide::Settings{.clearance = 0.05}}) {
+        Place place(arm(), settings);
+        place.add_wire(1.5, 0.7), place.add_wire(1.96, -0.5);
+        std::mt19937 random(4);
+        std::uniform_real_distribution<double> any(-2.9, 2.9);
+        int valid = 0, differ = 0;
+        for (int i = 0; i < 400; ++i) {
+            const ScopedState<> from = place.state(any(random), any(random)),
+                                to = place.state(any(random), any(random));
+            if (!place.information->isValid(from.get())) continue;
+            std::pair<State*, double> last(nullptr, 0);
+            const bool whole = place.moves(from, to);
+            differ += whole != place.information->checkMotion(from.get(), to.get(), last);
+            valid += whole;
+        }
+        EXPECT_GT(valid, 50);
+        EXPECT_EQ(differ, 0) << settings.clearance << settings.max_error.value_or(0);
+    }
+}
+
 // The wire is thinner than the way between two samples; the motion passes it from one side to the other.
 TEST(OmplValidity, AThinObstacleThatOmplsDefaultResolutionMissesIsFound)
 {
