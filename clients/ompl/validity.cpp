@@ -25,6 +25,13 @@ const RobotJoint& joint_of(const Robot& robot, const std::string& name)
     return whole != joints.end() ? *whole : *std::ranges::find_if(joints, named(name.substr(0, name.rfind('/'))));
 }
 
+std::string listed(const std::vector<std::string>& names)
+{
+    std::string all;
+    for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+    return all.empty() ? "none" : all;
+}
+
 std::vector<std::string> names_of(const Robot& robot, const std::string& group)
 {
     for (const oncollide::RobotGroup& one : robot.description().groups)
@@ -35,10 +42,10 @@ std::vector<std::string> names_of(const Robot& robot, const std::string& group)
                     if (&joint_of(robot, name) == &robot.description().joints[joint]) names.push_back(name);
             return names;
         }
-    std::string known;
-    for (const oncollide::RobotGroup& one : robot.description().groups) known += (known.empty() ? "" : ", ") + one.name;
-    throw Exception("oncollide", "robot '" + robot.description().name + "' has no group '" + group +
-                                     "'; it has: " + (known.empty() ? "none" : known));
+    std::vector<std::string> known;
+    for (const oncollide::RobotGroup& one : robot.description().groups) known.push_back(one.name);
+    throw Exception("oncollide",
+                    "robot '" + robot.description().name + "' has no group '" + group + "'; it has: " + listed(known));
 }
 
 double shorter(double angle)
@@ -56,8 +63,8 @@ OncollideJoints::OncollideJoints(const oncollide::World& world, const Robot& rob
     for (const std::string& name : names) {
         const auto at = std::ranges::find(robot.names(), name);
         if (at == robot.names().end())
-            throw Exception("oncollide", "robot '" + robot.description().name + "' has no number '" + name +
-                                             "' in its configurations");
+            throw Exception("oncollide", "the configurations of robot '" + robot.description().name + "' have no '" +
+                                             name + "'; they have: " + listed(robot.names()));
         if (joint_of(robot, name).kind == JointKind::floating)
             throw Exception("oncollide", "joint '" + joint_of(robot, name).name +
                                              "' is floating; states can have revolute, continuous, prismatic and "
@@ -114,7 +121,7 @@ OncollideStates::OncollideStates(const SpaceInformation& information, OncollideJ
     checkMotions();
 }
 
-/// Certified motions are those of check_edges(): other interpolations, as in Dubins' space, are refused.
+/// check_edges() certifies motions at constant speed: other interpolations, as in Dubins' space, are refused.
 void OncollideStates::checkMotions() const
 {
     State *from = space_->allocState(), *to = space_->allocState(), *between = space_->allocState();

@@ -63,7 +63,7 @@ def grown(tree, target, reach=0.6):
 
 
 def way_to_root(tree):
-    """From the last configuration of a tree to its first."""
+    """The configurations from the last one of a tree to its first."""
     points, parents = tree
     at, way = len(points) - 1, []
     while at >= 0:

@@ -41,7 +41,7 @@ class PlanContender {
 public:
     explicit PlanContender(std::string name) : name_(std::move(name)) {}
     virtual ~PlanContender() = default;
-    /// Makes the states of a problem, and what checks them. The motion validator is OMPL's unless it is set.
+    /// Makes the states of a problem and their checker. The motion validator is OMPL's unless it is set.
     virtual std::shared_ptr<CountedStates> begin(const RobotWork& work, const Moving& moving,
                                                  ompl::base::SpaceInformationPtr& information) = 0;
     virtual bool certified() const { return false; }

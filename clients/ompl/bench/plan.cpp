@@ -109,7 +109,7 @@ bool sample_collides(const RobotPlace& truth, std::span<const double> from, std:
     return std::ranges::any_of(found, [](const RobotFinding& f) { return f.verdict != Verdict::separate; });
 }
 
-/// Certifies each motion of a plan, or finds a contact in it; samples those without a contact.
+/// Certifies each motion of a plan, or finds a contact in it. Motions without a contact are sampled, too.
 void judge(const RobotPlace& truth, const Plan& plan, int samples, PlanCounts& counts)
 {
     const std::size_t width = truth.robot.width(), edges = plan.size() / width - 1;
@@ -204,10 +204,11 @@ int bench_plan(const PlanBenchOptions& options)
     report(options, robot.name, plans, all, counts);
     say("\nrefused: the start or the goal is not valid. Means are of a solved problem, in processor time of one "
         "thread.\n"
-        "states, edges: checks of states and of motions; of plan: motions of a plan. collide: plans in which exact "
-        "tests "
-        "find a\ncontact; undecided: plans that they do not decide; refuted: motions that are certified, but one of {} "
-        "exact samples\ncollides.\n",
+        "states, edges: checks of states and of motions. of plan: motions of a plan. collide: exact tests find a "
+        "contact in "
+        "the\nplan. undecided: exact tests do not decide the plan. refuted: motions that are certified although one of "
+        "{} "
+        "exact\nsamples collides.\n",
         options.samples);
     for (std::size_t k = 0; k < all.size(); ++k)
         if (counts[k].refuted || (all[k]->certified() && counts[k].collide)) return int(ErrorKind::internal);

@@ -310,7 +310,7 @@ TEST(OmplValidity, ManyThreadsAtOnceGiveTheSameAnswers)
     EXPECT_EQ(place.information->getMotionValidator()->getCheckedMotionCount(), unsigned((threads + 1) * count));
 }
 
-/// The message of what a call throws.
+/// The message of the exception of a call.
 template <class Call>
 std::string refusal(Call call)
 {
@@ -349,7 +349,7 @@ TEST(OmplValidity, WrongSpacesAndNamesAreRefused)
     const auto group = [&](const std::string& name) {
         return refusal([&] { OncollideJoints::ofGroup(place.world, place.robot, name); });
     };
-    EXPECT_NE(joints_of({"elbo"}).find("has no number 'elbo'"), std::string::npos);
+    EXPECT_NE(joints_of({"elbow joint"}).find("have no 'elbow joint'; they have: shoulder, elbow"), std::string::npos);
     EXPECT_NE(joints_of({"elbow", "elbow"}).find("listed twice"), std::string::npos);
     EXPECT_NE(group("arm").find("has no group 'arm'; it has: whole, nothing"), std::string::npos);
     EXPECT_NE(group("nothing").find("no joint of the robot moves"), std::string::npos);
