@@ -636,6 +636,15 @@ def robot_edges():
                   "missed by samples", "certified, but in contact"], out)
 
 
+def robot_plans():
+    out = []
+    for robot, name in (("panda", "Panda"), ("ur5", "UR5")):
+        for r in rows_of(f"robots/plan_{robot}"):
+            out.append([name, r["who"], f"{r['solved']} of {r['problems']}", r["refused"], r["mean_ms"], r["median_ms"], number(float(r["state_checks"])),
+                        number(float(r["edge_checks"])), r["collide"], r["undecided"], r["refuted"]])
+    return table(["robot", "checks by", "solved", "refused", "mean, ms", "median, ms", "states", "motions", "in contact", "undecided", "refuted"], out)
+
+
 def mutants():
     code = lambda text: f"`{text}`" if text else "nothing"
     return table(["fault", "file", "code", "becomes", "tests that fail"],
@@ -694,7 +703,7 @@ TABLES = {f.__name__: f for f in (headline, many, many_pairs, exact_cost, narrow
                                   contacts, contacts_played,
                                   world, broad, hard, spheres, sphere_levels, occlusion_losses, delimitation,
                                   environments, worlds, distances, shape_distances, shapes, reading, clash,
-                                  python, view, robot_models, robot_checks, robot_edges, mutants,
+                                  python, view, robot_models, robot_checks, robot_edges, robot_plans, mutants,
                                   dart_stack, dart_slide, dart_enclosed, dart_pile, dart_overlap, dart_nut)}
 # Ranges of ratios. many, environments: how many times as fast as FCL in Release, on tumbling meshes (1,000 and 10,000) and in large
 # environments.

@@ -1,7 +1,7 @@
 # Installs a build to a separate prefix and uses it from there: the example, the programs of README and docs/, every
 # header.
 #   cmake -DSOURCE=project -DBUILD=its build -DWORK=scratch folder -DDOC=share/doc/oncollide -DFLAGS=C++ flags
-#         -DCOMPILER=c++ [-DCLANG=clang++] -P install_test.cmake
+#         -DCOMPILER=c++ [-DDART=ON] [-DOMPL=ON] [-DCLANG=clang++] -P install_test.cmake
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/pages.cmake)
 set(MOST_HEADERS 23) # without the samples; one for robots
@@ -92,6 +92,21 @@ if(DART) # the detector for DART, built apart
   build(dart ${WORK}/dart_source ${COMPILER})
   run_as_shown(${page} ${WORK}/dart/ball)
   file(REMOVE_RECURSE ${WORK}/prefix/include/oncollide/dart) # below are the headers of oncollide itself
+endif()
+
+if(OMPL) # the checkers for OMPL, built apart
+  set(page ${SOURCE}/docs/ompl.md)
+  build(ompl_client ${SOURCE}/clients/ompl ${COMPILER})
+  run(${CMAKE_COMMAND} --install ${WORK}/ompl_client --prefix ${WORK}/prefix)
+  blocks(${page} cpp program)
+  blocks(${page} xml robot)
+  blocks(${page} cmake lines)
+  file(WRITE ${WORK}/ompl_source/plan.cpp "${program}")
+  file(WRITE ${WORK}/arm.urdf "${robot}")
+  file(WRITE ${WORK}/ompl_source/CMakeLists.txt "${cmake_start}${lines}")
+  build(ompl ${WORK}/ompl_source ${COMPILER})
+  run_as_shown(${page} "${CMAKE_COMMAND};-E;chdir;${WORK};${WORK}/ompl/plan")
+  file(REMOVE_RECURSE ${WORK}/prefix/include/oncollide/ompl)
 endif()
 
 # Installed headers: few, and none shows locks, atomics, memory maps or internals.

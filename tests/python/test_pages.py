@@ -1,7 +1,10 @@
 """Runs the programs of the pages and of README.md unchanged."""
 
 import csv
+import os
 import re
+import shutil
+from pathlib import Path
 
 import pytest
 
@@ -30,6 +33,8 @@ def test_the_readmes_example_runs(run_python):
     assert "ring and ball: WITHIN" in out
 
 
+COMMAND = os.environ.get("ONCOLLIDE_COMMAND", "oncollide")
+THREE = Path("/usr/share/javascript/three/three.min.js")
 NOTEBOOKS = sorted((SOURCE / "python" / "notebooks").glob("*.py"))
 
 
@@ -49,8 +54,20 @@ def test_notebooks_run(notebook, plots, run_python, tmp_path):
         assert "matplotlib" in out, "it prints why there is no picture"
 
 
+@pytest.mark.skipif(not shutil.which(COMMAND), reason="the command oncollide is not built")
+@pytest.mark.skipif(not THREE.exists(), reason="libjs-three is not installed")
+def test_the_plan_of_a_robot_is_a_page(run_python, tmp_path):
+    notebook = SOURCE / "python" / "notebooks" / "robot_plan.py"
+    folder = Path(shutil.which(COMMAND)).parent
+    code, out, err = run_python(f"import runpy; runpy.run_path({str(notebook)!r})", PATH=f"{folder}{os.pathsep}{os.environ['PATH']}")
+    assert code == 0, err
+    assert "all of them are free: True" in out and "no frame of plan.html has a contact" in out
+    page = (tmp_path / "plan.html").read_text()
+    assert page.startswith("<!DOCTYPE html>") and len(page) > 100_000
+
+
 def test_notebooks_are_of_cells():
-    assert len(NOTEBOOKS) == 3
+    assert len(NOTEBOOKS) == 4
     for notebook in NOTEBOOKS:
         assert notebook.read_text().count("\n# %%") >= 4
 

@@ -17,6 +17,7 @@
 #include "cli/outputs.hpp"
 #include "robot/robot_world.hpp"
 #include "robot/sphere_files.hpp"
+#include "robot/sphere_page.hpp"
 
 namespace oncollide::tools {
 
@@ -94,6 +95,7 @@ private:
 };
 
 struct Row {
+    std::size_t number;
     std::string link;
     std::size_t spheres;
     bool closed;
@@ -104,7 +106,7 @@ std::vector<Row> judge(const Surfaces& surfaces, const SphereModel& model)
 {
     std::vector<Row> rows(surfaces.links.size());
     surfaces.each([&](std::size_t i) {
-        rows[i] = {surfaces.robot.links[i].name, model[i].size(), surfaces.links[i].closed(),
+        rows[i] = {i, surfaces.robot.links[i].name, model[i].size(), surfaces.links[i].closed(),
                    judge_cover(surfaces.links[i], model[i])};
     });
     std::erase_if(rows, [](const Row& row) { return row.link.empty(); });
@@ -195,6 +197,15 @@ void write_json(const std::string& path, const RobotDescription& robot, const st
     file.commit();
 }
 
+void write_page(const RobotSpheresOptions& options, const Surfaces& surfaces, const SphereModel& model,
+                const std::vector<Row>& rows)
+{
+    std::vector<JudgedLink> links;
+    for (const Row& row : rows) links.push_back({row.link, &surfaces.links[row.number], model[row.number], row.judged});
+    const std::string of = options.judge.empty() ? "spheres" : std::filesystem::path(options.judge).filename().string();
+    write_sphere_page(options.html, fmt::format("{}: {}", surfaces.robot.name, of), table(rows), links);
+}
+
 } // namespace
 
 int robot_spheres(const RobotSpheresOptions& o)
@@ -204,7 +215,12 @@ int robot_spheres(const RobotSpheresOptions& o)
     if (o.judge.empty() && o.max_error.has_value() == o.count.has_value())
         usage("spheres: a robot needs one of --judge MODEL, --max-error M and --count N");
     if (o.max_error && !(*o.max_error >= 1e-4)) usage("--max-error: must be 0.1 mm or more for a robot");
-    check_files({{"--yaml", o.yaml}, {"--urdf", o.out}, {"--csv", o.csv}, {"--levels", o.levels}, {"--json", o.json}},
+    check_files({{"--yaml", o.yaml},
+                 {"--urdf", o.out},
+                 {"--csv", o.csv},
+                 {"--levels", o.levels},
+                 {"--json", o.json},
+                 {"--html", o.html}},
                 {o.urdf, o.judge});
     const Surfaces surfaces = surfaces_of(o);
     std::vector<std::string> warnings;
@@ -221,6 +237,7 @@ int robot_spheres(const RobotSpheresOptions& o)
     if (!o.csv.empty()) save_csv_spheres(o.csv, surfaces.robot, model);
     if (!o.levels.empty()) write_levels(o.levels, rows);
     if (!o.json.empty()) write_json(o.json, surfaces.robot, rows);
+    if (!o.html.empty()) write_page(o, surfaces, model, rows);
     if (!o.quiet) {
         const bool taken = o.json == "-" || o.csv == "-" || o.levels == "-" || o.yaml == "-" || o.out == "-";
         std::ostream& to = taken ? std::cerr : std::cout;

@@ -7,7 +7,7 @@ namespace oncollide::tools {
 
 /// 'oncollide spheres' for a robot: judges a model of spheres, or makes one.
 struct RobotSpheresOptions {
-    std::string urdf, judge, yaml, out, csv, json, levels;
+    std::string urdf, judge, yaml, out, csv, json, levels, html;
     std::vector<std::string> packages;
     std::optional<double> max_error;
     std::optional<int> count;

@@ -303,6 +303,8 @@ void add_spheres(Arguments app)
     sub.add_option("--count N", robot.count, "make a model of at most N spheres, with the least over-reach found");
     sub.add_option("--yaml FILE", robot.yaml, "write the model as cuRobo's YAML");
     sub.add_option("--urdf FILE", robot.out, "write the model as a URDF whose collision geometry is spheres");
+    sub.add_option("--html FILE", robot.html,
+                   "write a page with a picture of each link: the uncovered surface, and the worst gap");
     sub.add_option("--package NAME=FOLDER", robot.packages, "folder of the meshes named package://NAME/...")
         .repeatable();
     sub.footer(

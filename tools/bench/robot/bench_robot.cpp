@@ -85,21 +85,6 @@ private:
     std::vector<Eigen::Isometry3d> poses_;
 };
 
-/// The robot with spheres as its collision geometry.
-RobotDescription with_spheres(RobotDescription robot, const SphereModel& model)
-{
-    for (std::size_t i = 0; i < robot.links.size(); ++i) {
-        robot.links[i].collision.clear();
-        for (const CoverSphere& sphere : model[i]) {
-            Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-            pose.translation() = sphere.centre;
-            robot.links[i].collision.push_back(
-                {std::make_shared<const Geometry>(Geometry{robot.links[i].name, Sphere{sphere.radius}, {}}), pose});
-        }
-    }
-    return robot;
-}
-
 SphereModel own_spheres(const RobotDescription& robot, double error)
 {
     SphereModel model;

@@ -42,6 +42,20 @@ RobotWork workload_of(const PlanningProblem& problem, const Robot& robot, int ea
     return work;
 }
 
+RobotDescription with_spheres(RobotDescription robot, const SphereModel& model)
+{
+    for (std::size_t i = 0; i < robot.links.size(); ++i) {
+        robot.links[i].collision.clear();
+        for (const CoverSphere& sphere : model[i]) {
+            Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+            pose.translation() = sphere.centre;
+            robot.links[i].collision.push_back(
+                {std::make_shared<const Geometry>(Geometry{robot.links[i].name, Sphere{sphere.radius}, {}}), pose});
+        }
+    }
+    return robot;
+}
+
 void RobotPlace::set_obstacles(const std::vector<LinkGeometry>& obstacles)
 {
     world.remove_bodies(bodies_);

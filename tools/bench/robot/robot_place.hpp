@@ -2,6 +2,7 @@
 #pragma once
 #include "robot/planning_problem.hpp"
 #include "robot/robot_world.hpp"
+#include "robot/sphere_files.hpp"
 
 namespace oncollide::tools {
 
@@ -21,6 +22,9 @@ struct RobotWork {
 };
 /// `each` configurations. Joints that the robot has not are left out.
 RobotWork workload_of(const PlanningProblem& problem, const Robot& robot, int each);
+
+/// The robot with spheres as its collision geometry.
+RobotDescription with_spheres(RobotDescription robot, const SphereModel& model);
 
 /// A World with the robot and the obstacles of one problem after another.
 struct RobotPlace {
