@@ -91,9 +91,11 @@ StateSpacePtr OncollideJoints::makeStateSpace() const
     std::shared_ptr<RealVectorStateSpace> real;
     for (const std::size_t number : numbers_) {
         const RobotJoint& joint = joint_of(*robot_, robot_->names()[number]);
-        if (joint.kind == JointKind::planar)
-            throw Exception("oncollide", "joint '" + joint.name +
-                                             "' is planar and has no limits; make a state space with bounds for it");
+        const bool limited =
+            joint.kind != JointKind::planar && std::isfinite(joint.lower) && std::isfinite(joint.upper);
+        if (joint.kind != JointKind::continuous && !limited)
+            throw Exception("oncollide",
+                            "joint '" + joint.name + "' has no limits; make a state space with bounds for it");
         if (joint.kind == JointKind::continuous) {
             spaces.push_back(std::make_shared<SO2StateSpace>());
             real.reset();

@@ -342,7 +342,13 @@ TEST(OmplValidity, WrongSpacesAndNamesAreRefused)
               std::string::npos);
     const auto plane = std::make_shared<SpaceInformation>(std::make_shared<SE2StateSpace>());
     EXPECT_EQ(refusal([&] { OncollideStateValidityChecker(plane, pose); }), "none");
-    EXPECT_NE(refusal([&] { pose.makeStateSpace(); }).find("joint 'shoulder' is planar"), std::string::npos);
+    EXPECT_NE(refusal([&] { pose.makeStateSpace(); }).find("joint 'shoulder' has no limits"), std::string::npos);
+    RobotDescription endless = arm();
+    endless.joints[1].upper = std::numeric_limits<double>::infinity();
+    const oncollide::Robot other(world, endless);
+    EXPECT_NE(
+        refusal([&] { OncollideJoints(world, other, names).makeStateSpace(); }).find("joint 'elbow' has no limits"),
+        std::string::npos);
     const auto joints_of = [&](const std::vector<std::string>& which, std::vector<double> rest = {}) {
         return refusal([&] { OncollideJoints(place.world, place.robot, which, rest); });
     };

@@ -30,7 +30,7 @@ public:
                                    const oncollide::RobotCheck& pairs = {});
 
     /// A RealVectorStateSpace with the joints' limits. With continuous joints: a CompoundStateSpace in which these are
-    /// SO2StateSpaces. Throws Exception for planar joints, which have no limits.
+    /// SO2StateSpaces. Throws Exception for another joint without limits.
     StateSpacePtr makeStateSpace() const;
 
     const oncollide::World& world() const { return *world_; }
