@@ -159,7 +159,7 @@ Eigen::Quaterniond unit(const double* quaternion)
 
 void Kinematics::between(const double* from, const double* to, double share, double* numbers) const
 {
-    for (std::size_t i = 0; i < width(); ++i) numbers[i] = from[i] + share * (to[i] - from[i]);
+    for (std::size_t i = 0; i < width(); ++i) numbers[i] = std::lerp(from[i], to[i], share); // exact at both ends
     for (const Step& step : steps_)
         if (step.kind == JointKind::floating) {
             const std::size_t q = step.number + 3;

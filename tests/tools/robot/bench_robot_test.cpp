@@ -1,5 +1,5 @@
-#include "command_fixture.hpp"
-#include "csv_rows.hpp"
+#include "tools/command_fixture.hpp"
+#include "tools/csv_rows.hpp"
 #include "robots/small_robot.hpp"
 
 namespace oncollide::test {

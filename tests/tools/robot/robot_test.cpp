@@ -1,4 +1,4 @@
-#include "command_fixture.hpp"
+#include "tools/command_fixture.hpp"
 #include "robots/small_robot.hpp"
 
 namespace oncollide::test {
