@@ -95,12 +95,12 @@ struct World::Impl {
     void refine_hits(QueryWorker& worker, const Probe& probe, std::vector<QueryHit>& hits);
     void find_hits(QueryWorker& worker, const Probe& probe, std::vector<QueryHit>& hits);
     bool allows(const QueryFilter& filter, std::uint32_t slot) const;
-    bool has_tree_for_segments(std::uint32_t slot);
-    bool tests_segments(std::uint32_t slot);
+    bool has_tree_for_segments(QueryWorker& worker, std::uint32_t slot);
+    bool tests_segments(QueryWorker& worker, std::uint32_t slot);
+    void find_boxes(QueryWorker& worker, const Segment& segment);
     Finding on_segment(QueryWorker& worker, std::uint32_t slot, const Segment& segment);
     void find_hits(QueryWorker& worker, const Segment& segment, const QueryFilter& filter, std::vector<QueryHit>& hits);
-    std::optional<CastHit> cast(QueryWorker& worker, std::uint32_t slot, const Segment& segment, double entry,
-                                double reach);
+    std::optional<CastHit> cast(QueryWorker& worker, std::uint32_t slot, const Segment& segment, double reach);
     void find_casts(QueryWorker& worker, const Segment& segment, const QueryFilter& filter, bool all);
     std::optional<CastHit> first_cast(QueryWorker& worker, const Segment& segment, const QueryFilter& filter);
     template <class Pairs, class Work>
