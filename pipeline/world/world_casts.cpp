@@ -101,9 +101,11 @@ std::optional<CastHit> World::Impl::first_cast(QueryWorker& w, const Segment& se
 
 std::optional<CastHit> World::cast(const Segment& segment, const QueryFilter& filter) const
 {
-    CastHit hit;
-    cast(std::span(&segment, 1), filter, std::span(&hit, 1));
-    return hit.body ? std::optional(hit) : std::nullopt;
+    Impl& p = impl();
+    check_segments(std::span(&segment, 1));
+    p.bring_up_to_date();
+    Impl::Lease worker(p);
+    return p.first_cast(*worker, segment, filter);
 }
 
 void World::cast(std::span<const Segment> segments, const QueryFilter& filter, std::span<CastHit> hits) const
