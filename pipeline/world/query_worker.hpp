@@ -18,7 +18,6 @@ struct World::Impl::QueryWorker {
     RefineContext context;
     PairWorker pairs; ///< for distances, contacts and penetrations
     SegmentQuery segments;
-    Model* with_tree = nullptr; ///< a model that had its tree in this call
     std::vector<Aabb> boxes;
     std::vector<AabbHit> hits;
     std::vector<std::pair<double, std::uint32_t>> entries; ///< of a segment into AABBs: fraction, slot
@@ -39,7 +38,7 @@ public:
             if (!impl.idle_workers.empty()) worker_ = std::move(impl.idle_workers.back()), impl.idle_workers.pop_back();
         }
         if (!worker_) worker_ = std::make_unique<QueryWorker>(impl);
-        worker_->context.frame = impl.frame.number, worker_->with_tree = nullptr;
+        worker_->context.frame = impl.frame.number;
         worker_->context.trees = {}, worker_->context.rounds.clear();
     }
     ~Lease()

@@ -43,7 +43,7 @@ std::optional<CastHit> World::Impl::cast(QueryWorker& w, std::uint32_t slot, con
     const Eigen::Isometry3d& pose = bodies.pose(slot);
     CastHit hit{.body = bodies.id(slot), .verdict = Verdict::undecided, .fraction_upper = 1.0};
     try {
-        if (has_tree_for_segments(w, slot)) {
+        if (has_tree_for_segments(slot)) {
             const RelativePose into(pose);
             const Segment mine{into(segment.from), into(segment.to)};
             const bool solid = settings.mode == Mode::solid;

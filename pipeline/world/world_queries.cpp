@@ -123,10 +123,10 @@ void World::Impl::find_hits(QueryWorker& w, const Probe& probe, std::vector<Quer
 }
 
 /// True if the body has the tree that segments need, or needs none. Makes the tree if there is room.
-bool World::Impl::has_tree_for_segments(QueryWorker& w, std::uint32_t slot)
+bool World::Impl::has_tree_for_segments(std::uint32_t slot)
 {
     Model& model = bodies.model(slot);
-    if (w.with_tree == &model || !SegmentQuery::needs_tree(model.kind())) return true;
+    if (with_tree.load(std::memory_order_acquire) == &model || !SegmentQuery::needs_tree(model.kind())) return true;
     model.need_obb_tree(frame.number);
     bool has;
     {
@@ -137,14 +137,14 @@ bool World::Impl::has_tree_for_segments(QueryWorker& w, std::uint32_t slot)
         const std::lock_guard lock(guard);
         has = models.admit_obb_tree(model, frame.number);
     }
-    if (has) w.with_tree = &model;
+    if (has) with_tree.store(&model, std::memory_order_release);
     return has;
 }
 
 /// True if on_segment() covers the body. Makes the tree that it needs.
-bool World::Impl::tests_segments(QueryWorker& w, std::uint32_t slot)
+bool World::Impl::tests_segments(std::uint32_t slot)
 {
-    return SegmentQuery::covers(bodies.model(slot).kind()) && has_tree_for_segments(w, slot);
+    return SegmentQuery::covers(bodies.model(slot).kind()) && has_tree_for_segments(slot);
 }
 
 /// The result of a segment and a body, in the body's frame.
@@ -190,7 +190,7 @@ void World::Impl::find_hits(QueryWorker& w, const Segment& segment, const QueryF
     w.tasks.clear();
     for (const AabbHit& hit : w.hits) {
         if (!allows(filter, hit.body)) continue;
-        if (!plain || !tests_segments(w, hit.body))
+        if (!plain || !tests_segments(hit.body))
             w.tasks.push_back({hit.body, nullptr, &bodies.model(hit.body), nullptr, &bodies.pose(hit.body)});
         else if (const Finding found = on_segment(w, hit.body, segment); found.verdict != Verdict::separate)
             hits.push_back({found, bodies.id(hit.body)});
