@@ -69,8 +69,9 @@ double ObbTree::radius_around(const Mesh& mesh)
 {
     const Eigen::Vector3d centre = mesh.bounds.centre();
     double radius = 0;
+    const auto away = [&](std::uint32_t v) { return (mesh.vertices[v] - centre).squaredNorm(); };
     for (const Triangle& t : mesh.triangles)
-        for (std::uint32_t v : t) radius = std::max(radius, (mesh.vertices[v] - centre).squaredNorm());
+        radius = std::max(radius, std::max(away(t[0]), std::max(away(t[1]), away(t[2]))));
     return std::sqrt(radius) * (1 + 0x1p-50) + 1e-150;
 }
 

@@ -42,15 +42,16 @@ private:
         if constexpr (requires { tree.below_root(); }) return tree.below_root();
         return Tree::root;
     }
-    void open(Tree& tree, const typename Tree::Node& node, const SegmentLine& line);
+    void open(Tree& tree, const typename Tree::Node& node, const SegmentLine& line, float last);
 
     std::vector<Box> boxes_ = std::vector<Box>(64); ///< the first `waiting_` are to visit, the last of them next
     std::size_t waiting_ = 0;
 };
 
 /// Adds the boxes of a node that the segment meets, the nearest last.
+/// @param last  boxes that it enters later are left out
 template <BoxHierarchy Tree>
-void SegmentWalk<Tree>::open(Tree& tree, const typename Tree::Node& node, const SegmentLine& line)
+void SegmentWalk<Tree>::open(Tree& tree, const typename Tree::Node& node, const SegmentLine& line, float last)
 {
     float entry[8];
     unsigned met, leaves;
@@ -65,6 +66,7 @@ void SegmentWalk<Tree>::open(Tree& tree, const typename Tree::Node& node, const 
     if (boxes_.size() < first + 8) boxes_.resize(2 * boxes_.size());
     for (; met; met &= met - 1) {
         const auto lane = static_cast<unsigned>(__builtin_ctz(met));
+        if (entry[lane] > last) continue;
         const Box box{entry[lane], (leaves >> lane & 1) != 0, static_cast<std::uint8_t>(lane), node};
         if constexpr (requires { tree.prefetch_child(node, lane); }) {
             if (box.leaf)
@@ -95,12 +97,12 @@ void SegmentWalk<Tree>::walk(Tree& tree, const Segment& segment, Take take, doub
     float last = last_entry(reach);
     if (last < -1) return;
     waiting_ = 0;
-    open(tree, first_node(tree), line);
+    open(tree, first_node(tree), line, last);
     while (waiting_) {
         const Box box = boxes_[--waiting_];
         if (std::max(box.entry, -1.0f) > last) continue;
         if (!box.leaf) {
-            open(tree, tree.child(box.node, box.lane), line);
+            open(tree, tree.child(box.node, box.lane), line, last);
             continue;
         }
         for (const Primitive& primitive : tree.primitives(box.node, box.lane)) {

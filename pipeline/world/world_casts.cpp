@@ -37,13 +37,11 @@ auto rank(const CastHit& hit)
 } // namespace
 
 /// The first point of the segment in a body, if its fraction may be at most `reach`.
-/// @param entry  lower bound of the fraction
-std::optional<CastHit> World::Impl::cast(QueryWorker& w, std::uint32_t slot, const Segment& segment, double entry,
-                                         double reach)
+std::optional<CastHit> World::Impl::cast(QueryWorker& w, std::uint32_t slot, const Segment& segment, double reach)
 {
     Model& model = bodies.model(slot);
     const Eigen::Isometry3d& pose = bodies.pose(slot);
-    CastHit hit{.body = bodies.id(slot), .verdict = Verdict::undecided, .fraction_lower = entry, .fraction_upper = 1.0};
+    CastHit hit{.body = bodies.id(slot), .verdict = Verdict::undecided, .fraction_upper = 1.0};
     try {
         if (has_tree_for_segments(slot)) {
             const RelativePose into(pose);
@@ -59,6 +57,7 @@ std::optional<CastHit> World::Impl::cast(QueryWorker& w, std::uint32_t slot, con
     } catch (const ChunkFault& fault) {
         models.note(fault.what());
     }
+    if (hit.verdict == Verdict::undecided) hit.fraction_lower = entry_into(segment, bodies.boxes()[slot]);
     const bool certain = hit.verdict == Verdict::colliding;
     const double at = certain ? 0.5 * (hit.fraction_lower + hit.fraction_upper) : hit.fraction_lower;
     hit.point = (1 - at) * segment.from + at * segment.to;
@@ -68,15 +67,18 @@ std::optional<CastHit> World::Impl::cast(QueryWorker& w, std::uint32_t slot, con
 /// Leaves in worker.casts all hits of a segment, or only the hits that may be the first.
 void World::Impl::find_casts(QueryWorker& w, const Segment& segment, const QueryFilter& filter, bool all)
 {
-    broad->query_segments(bodies.columns(), std::span(&segment, 1), w.hits);
+    find_boxes(w, segment);
     w.entries.clear(), w.casts.clear();
     for (const AabbHit& hit : w.hits)
-        if (allows(filter, hit.body)) w.entries.emplace_back(entry_into(segment, bodies.boxes()[hit.body]), hit.body);
-    std::ranges::sort(w.entries);
+        if (allows(filter, hit.body)) w.entries.emplace_back(0.0, hit.body);
+    if (w.entries.size() > 1) {
+        for (auto& [entry, slot] : w.entries) entry = entry_into(segment, bodies.boxes()[slot]);
+        std::ranges::sort(w.entries);
+    }
     double reach = 1;
     for (const auto& [entry, slot] : w.entries) {
         if (entry > reach) break;
-        const std::optional<CastHit> hit = cast(w, slot, segment, entry, reach);
+        const std::optional<CastHit> hit = cast(w, slot, segment, reach);
         if (!hit) continue;
         w.casts.push_back(*hit);
         if (!all && hit->verdict == Verdict::colliding) reach = std::min(reach, hit->fraction_upper);
@@ -99,9 +101,11 @@ std::optional<CastHit> World::Impl::first_cast(QueryWorker& w, const Segment& se
 
 std::optional<CastHit> World::cast(const Segment& segment, const QueryFilter& filter) const
 {
-    CastHit hit;
-    cast(std::span(&segment, 1), filter, std::span(&hit, 1));
-    return hit.body ? std::optional(hit) : std::nullopt;
+    Impl& p = impl();
+    check_segments(std::span(&segment, 1));
+    p.bring_up_to_date();
+    Impl::Lease worker(p);
+    return p.first_cast(*worker, segment, filter);
 }
 
 void World::cast(std::span<const Segment> segments, const QueryFilter& filter, std::span<CastHit> hits) const

@@ -33,6 +33,8 @@ struct World::Impl {
     WorldMutex guard;                                 ///< for const calls: of the models' trees
     OrderedMutex<LockRank::query_workers> idle_guard; ///< of idle_workers
     std::atomic<bool> taken_in{false};                ///< are all changes in the boxes and the broad phase?
+    /// For const calls: a model with its tree, until bodies or models change or a step ends. Spares a lock.
+    std::atomic<const Model*> with_tree{nullptr};
     std::vector<std::unique_ptr<QueryWorker>> idle_workers;
 
     Impl(const Settings& settings, std::unique_ptr<OcclusionBackend> backend, std::string note);
@@ -55,7 +57,11 @@ struct World::Impl {
     template <class Change>
     void change_map(ModelId id, Change change);
     const OccupancyMap& map_of(ModelId id);
-    void changed() { taken_in.store(false, std::memory_order_release); }
+    void changed()
+    {
+        taken_in.store(false, std::memory_order_release);
+        with_tree.store(nullptr, std::memory_order_relaxed);
+    }
 
     bool runs(StageId stage) const;
     std::string note_on_backend() const;
@@ -97,10 +103,10 @@ struct World::Impl {
     bool allows(const QueryFilter& filter, std::uint32_t slot) const;
     bool has_tree_for_segments(std::uint32_t slot);
     bool tests_segments(std::uint32_t slot);
+    void find_boxes(QueryWorker& worker, const Segment& segment);
     Finding on_segment(QueryWorker& worker, std::uint32_t slot, const Segment& segment);
     void find_hits(QueryWorker& worker, const Segment& segment, const QueryFilter& filter, std::vector<QueryHit>& hits);
-    std::optional<CastHit> cast(QueryWorker& worker, std::uint32_t slot, const Segment& segment, double entry,
-                                double reach);
+    std::optional<CastHit> cast(QueryWorker& worker, std::uint32_t slot, const Segment& segment, double reach);
     void find_casts(QueryWorker& worker, const Segment& segment, const QueryFilter& filter, bool all);
     std::optional<CastHit> first_cast(QueryWorker& worker, const Segment& segment, const QueryFilter& filter);
     template <class Pairs, class Work>

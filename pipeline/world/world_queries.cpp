@@ -5,6 +5,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/broadphase/aabb_checks.hpp>
+#include <oncollide/broadphase/segment_part.hpp>
 #include <oncollide/pipeline/check_distance.hpp>
 #include <oncollide/pipeline/world/query_worker.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
@@ -125,14 +126,19 @@ void World::Impl::find_hits(QueryWorker& w, const Probe& probe, std::vector<Quer
 bool World::Impl::has_tree_for_segments(std::uint32_t slot)
 {
     Model& model = bodies.model(slot);
-    if (!SegmentQuery::needs_tree(model.kind())) return true;
+    if (with_tree.load(std::memory_order_acquire) == &model || !SegmentQuery::needs_tree(model.kind())) return true;
     model.need_obb_tree(frame.number);
+    bool has;
     {
         const std::shared_lock lock(guard);
-        if (model.has_obb_tree()) return true;
+        has = model.has_obb_tree();
     }
-    const std::lock_guard lock(guard);
-    return models.admit_obb_tree(model, frame.number);
+    if (!has) {
+        const std::lock_guard lock(guard);
+        has = models.admit_obb_tree(model, frame.number);
+    }
+    if (has) with_tree.store(&model, std::memory_order_release);
+    return has;
 }
 
 /// True if on_segment() covers the body. Makes the tree that it needs.
@@ -159,11 +165,27 @@ Finding World::Impl::on_segment(QueryWorker& w, std::uint32_t slot, const Segmen
 
 /// Appends the hits of a segment. on_segment() decides hits alone; where the settings require more, or the model's kind
 /// is not covered, the tests of pairs decide, with a triangle of the segment's shape.
+/// Leaves in worker.hits the bodies in whose AABBs the segment may be. Few bodies need no search, and a single one that
+/// is tested exactly no test of its AABB.
+void World::Impl::find_boxes(QueryWorker& w, const Segment& segment)
+{
+    constexpr std::uint32_t few = 4;
+    if (bodies.slots() > few) return broad->query_segments(bodies.columns(), std::span(&segment, 1), w.hits);
+    w.hits.clear();
+    for (std::uint32_t slot = 0; slot < bodies.slots(); ++slot)
+        if (bodies.alive(slot) && ((bodies.slots() == 1 && SegmentQuery::covers(bodies.model(slot).kind())) ||
+                                   part_in(segment, bodies.boxes()[slot])))
+            w.hits.push_back({0, slot});
+}
+
 void World::Impl::find_hits(QueryWorker& w, const Segment& segment, const QueryFilter& filter,
                             std::vector<QueryHit>& hits)
 {
-    broad->query_segments(bodies.columns(), std::span(&segment, 1), w.hits);
     const bool plain = settings.clearance == 0 && !wants_kinds(settings);
+    if (plain)
+        find_boxes(w, segment);
+    else
+        broad->query_segments(bodies.columns(), std::span(&segment, 1), w.hits);
     const std::size_t first = hits.size();
     w.tasks.clear();
     for (const AabbHit& hit : w.hits) {

@@ -204,6 +204,7 @@ FrameView World::step()
     if (p.bodies.any_motion()) p.bodies.end_motions(), p.changed();
     TreeStats& trees = frame.context.trees;
     trees.collapsed = p.models.age(frame.number);
+    p.with_tree.store(nullptr, std::memory_order_relaxed);
     trees.nodes = p.models.nodes();
     trees.bytes = p.models.bytes();
     mix(p.hash, p.frame_hash);

@@ -78,6 +78,25 @@ void set_motions(HeldWorld& held, py::handle which, py::handle at, py::handle pa
     held.world.set_motions(ids, made, along);
 }
 
+void set_motion(HeldWorld& held, py::handle which, py::handle at, py::handle times, py::handle path)
+{
+    const char* const call = "World.set_motion";
+    const BodyId id = body(which, {call, "body"});
+    const Poses poses(at, {call, "poses"});
+    const std::size_t count = poses.size();
+    if (count < 2) refuse_value({call, "poses"}, "expected at least two poses, got " + std::to_string(count));
+    const py::array when = times.is_none() ? py::array() : doubles(times, {call, "times"});
+    if (!times.is_none() && !has_shape(when, {static_cast<py::ssize_t>(count)}))
+        refuse_value({call, "times"}, "expected one per pose, " + std::to_string(count) + ", got " + shape_of(when));
+    const auto* const given = static_cast<const double*>(when.data());
+    std::vector<RigidMotion::Key> keys;
+    for (std::size_t i = 0; i < count; ++i)
+        keys.push_back({times.is_none() ? double(i) / double(count - 1) : given[i], poses[i]});
+    const RigidMotion motion(keys, motion_path(path, {call, "path"}));
+    const Inside inside(held, call);
+    held.world.set_motion(id, motion);
+}
+
 py::array pose_of(HeldWorld& held, py::handle which)
 {
     const BodyId id = body(which, {"World.pose", "body"});
@@ -162,6 +181,13 @@ Moves many. bodies: (N,) ids. poses: (N, 4, 4) or (N, 7), metres, or one pose fo
 
 Moves many as set_poses() does, and lets the next step() report contacts on the way, in Frame.sweeps: from their poses
 so far to `poses`, over the time from 0 to 1. path: "linear" or "screw".)");
+    world.def("set_motion", &set_motion, "body"_a, "poses"_a, "times"_a = none, "path"_a = "linear",
+              R"(set_motion(self, body, poses, times=None, path="linear")
+--
+
+Moves a body to the last of `poses`, and lets the next step() report contacts on the way through all of them. poses:
+(N, 4, 4) or (N, 7), at least two. times: float64 (N,), ascending from 0 to 1; None: evenly spaced. path: from each pose
+to the next, as in set_motions().)");
     world.def(
         "set_static",
         [](HeldWorld& held, py::handle which, py::handle is_static) {

@@ -87,10 +87,19 @@ Motion get_motion(ByteReader& reader)
 
 } // namespace
 
+namespace {
+
+// A body without a way needs no bytes for it; checkpoints depend on the checksums of records.
+constexpr std::uint8_t static_bit = 1, way_bit = 2;
+
+} // namespace
+
 void put(Bytes& bytes, const BodyHere& b)
 {
     for (const std::uint32_t number : {b.gid, b.geometry, b.layer, b.mask, b.group}) put(bytes, number);
-    put(bytes, b.is_static), put_pose(bytes, b.pose), put_list(bytes, b.name), put_list(bytes, b.excluded);
+    put(bytes, static_cast<std::uint8_t>((b.is_static ? static_bit : 0) | (b.way.empty() ? 0 : way_bit)));
+    put_pose(bytes, b.pose), put_list(bytes, b.name), put_list(bytes, b.excluded);
+    if (b.way.empty()) return;
     put(bytes, static_cast<std::uint32_t>(b.way.size()));
     for (const RigidMotion::Key& key : b.way) put(bytes, key.time), put_pose(bytes, key.pose);
 }
@@ -106,9 +115,10 @@ BodyHere get_body(ByteReader& reader)
     BodyHere b{};
     for (std::uint32_t* number : {&b.gid, &b.geometry, &b.layer, &b.mask, &b.group})
         *number = reader.get<std::uint32_t>();
-    b.is_static = reader.get<bool>(), b.pose = get_pose(reader);
+    const auto bits = reader.get<std::uint8_t>();
+    b.is_static = (bits & static_bit) != 0, b.pose = get_pose(reader);
     b.name = reader.get_list<std::string>(), b.excluded = reader.get_list<std::vector<std::uint32_t>>();
-    b.way.resize(reader.get<std::uint32_t>());
+    if (bits & way_bit) b.way.resize(reader.get<std::uint32_t>());
     for (RigidMotion::Key& key : b.way) key.time = reader.get<double>(), key.pose = get_pose(reader);
     return b;
 }

@@ -301,7 +301,7 @@ void RankedRun::step_world(std::vector<Bytes>& out)
         Bytes& to = out[std::size_t(rank_of_row(named.a.slot))];
         put(to, named);
         const PairSweep* const sweep = sweep_of(std::size_t(&pair - view.pairs.data()));
-        put(to, sweep != nullptr);
+        if (options_.continuous) put(to, sweep != nullptr);
         if (sweep) put(to, SweepTimes{sweep->clear_until, sweep->contact_by});
         if (!csv_) continue;
         TextInMemory text;
@@ -326,7 +326,7 @@ void RankedRun::take_rows(std::vector<Bytes>& in)
     for (const Bytes& bytes : in)
         for (ByteReader reader(bytes); !reader.at_end();) {
             Row& row = rows_.emplace_back(Row{reader.get<PairResult>(), {}, {}});
-            if (reader.get<bool>()) row.times = reader.get<SweepTimes>();
+            if (options_.continuous && reader.get<bool>()) row.times = reader.get<SweepTimes>();
             if (csv_) row.text = reader.get_list<std::string>();
         }
     const auto order = [](const Row& row) { return BodyPair{row.pair.a.slot, row.pair.b.slot}; };

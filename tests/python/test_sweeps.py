@@ -1,4 +1,4 @@
-"""Moving models and bodies: World.sweep, World.cast_model and World.set_motions."""
+"""Moving models and bodies: World.sweep, World.cast_model, World.set_motions and World.set_motion."""
 
 import numpy as np
 import pytest
@@ -42,6 +42,38 @@ def test_frames_report_contacts_on_the_way():
     assert frame.sweeps["pair"].tolist() == [0]
     assert frame.sweeps["contact_by"][0] == pytest.approx((3 - 0.015) / 1000, abs=1e-6)
     assert len(world.step().sweeps) == 0
+
+
+@pytest.mark.parametrize("times", [None, [0, 0.25, 1]])
+def test_a_body_moves_through_poses_and_back_within_one_frame(times):
+    world = oncollide.World()
+    world.add_body(world.add(oncollide.box([0.01, 5, 5])), static=True)
+    bullet = world.add_body(world.add(oncollide.sphere(0.01)), at(-3, 0, 0))
+    world.step()
+    world.set_motion(bullet, np.stack([at(-3, 0, 0), at(5, 0, 0), at(-3, 0, 0)]), times)
+    sweeps = world.step().sweeps
+    assert len(sweeps) == 1
+    time = (3 - 0.02) / 8 * (0.5 if times is None else 0.25)
+    assert sweeps["clear_until"][0] <= time <= sweeps["contact_by"][0] <= time + 1e-4
+    assert world.pose(bullet)[0, 3] == -3
+    world.set_motion(bullet, np.stack([at(-3, 0, 0), at(-0.1, 0, 0), at(-3, 0, 0)]), times)
+    assert Verdict.COLLIDING not in world.step().pairs["verdict"].tolist()
+
+
+def test_wrong_keys_are_named():
+    world = oncollide.World()
+    ball = world.add_body(world.add(oncollide.sphere(1.0)))
+    poses = np.tile(np.eye(4), (3, 1, 1))
+    with pytest.raises(ValueError, match="World.set_motion: poses: expected at least two poses, got 1"):
+        world.set_motion(ball, np.eye(4))
+    with pytest.raises(ValueError, match="World.set_motion: times: expected one per pose, 3, got"):
+        world.set_motion(ball, poses, [0, 1])
+    with pytest.raises(oncollide.Error, match="motion: key 2: time 0.5 does not come after the time before it, 0.5"):
+        world.set_motion(ball, poses, [0, 0.5, 0.5])
+    with pytest.raises(oncollide.Error, match="motion: its keys run from time 0 to 2; they must run from 0 to 1"):
+        world.set_motion(ball, poses, [0, 1, 2])
+    with pytest.raises(oncollide.Error, match="motion: key 1: the pose is not finite"):
+        world.set_motion(ball, poses * [[[1]], [[np.nan]], [[1]]])
 
 
 def test_wrong_arguments_are_named():

@@ -200,10 +200,15 @@ TEST_F(Check, FindsTheFirstContactOnTheWay)
     const Outcome misses = check("3 1.001 0 0 0 0 1", {"--to-pose-b", "-5 1.001 0 0 0 0 1"});
     EXPECT_EQ(misses.code, 0) << misses.err;
     EXPECT_NE(misses.out.find("never meet on the way"), std::string::npos) << misses.out;
+    const auto starts = [&](const char* to) { return check("1 0 0 0 0 0 1", {"--to-pose-b", to}).out; };
+    EXPECT_NE(starts("5 0 0 0 0 0 1").find("in contact at time 0, and apart soon after."), std::string::npos);
+    EXPECT_NE(starts("1 0.5 0 0 0 0 1").find("in contact at time 0.\n"), std::string::npos);
     const Outcome both =
         check("3 0 0 0 0 0 1", {"--to-pose-a", "4 0 0 0 0 0 1", "--to-pose-b", "0 0 0 0 0 0 1", "--json", "-"});
     EXPECT_EQ(both.code, 1);
-    EXPECT_EQ(nlohmann::json::parse(both.out).at("frames").at(0).at("pairs").at(0).at(2), "colliding");
+    const nlohmann::json frame = nlohmann::json::parse(both.out).at("frames").at(0);
+    EXPECT_EQ(frame.at("pairs").at(0).at(2), "colliding");
+    EXPECT_NEAR(frame.at("sweeps").at(0).at(4).get<double>(), 2.0 / 7, 1e-4);
     expect_error(64, {"check", "a.off", "b.off", "--to-pose-b", "1 2 3"}, {"--to-pose-b", "x y z qx qy qz qw"});
     expect_error(64, {"check", "a.off", "b.off", "--to-pose-b", "9 0 0 0 0 0 1", "--distance", "0"},
                  {"--to-pose-b", "--distance"});

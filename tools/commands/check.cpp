@@ -166,7 +166,9 @@ std::string describe(const Scene& scene, const PairSweep& sweep)
         break;
     }
     const std::string_view word = name_of(sweep.verdict);
-    if (sweep.contact_by == 0) return fmt::format("{}: {} are in contact at time 0.", word, both);
+    if (sweep.contact_by == 0)
+        return fmt::format("{}: {} are in contact at time 0{}.", word, both,
+                           sweep.separating ? ", and apart soon after" : "");
     return fmt::format("{}: {} first meet {} (certified), at ({:.6g}, {:.6g}, {:.6g}).", word, both, time, at.x(),
                        at.y(), at.z());
 }
@@ -207,6 +209,7 @@ int check_pair(const CheckOptions& options)
     if (!options.quiet) print_warnings(scene);
     Pipeline pipeline(scene, settings);
     set_motions(pipeline.world(), options);
+    pipeline.set_continuous(moves); // so the results have the sweep
     Report report(scene, pipeline, {.csv = false, .trace = false, .separate = true});
     const FrameView frame = pipeline.step(scene);
     report.add(frame);

@@ -56,7 +56,9 @@ public:
         }
         const std::size_t cell = index(at[0], at[1], at[2]);
         ++counts_[cell];
-        for (const Vector3d& p : corners) boxes_[cell].add(p);
+        Aabb box; // one change of the cell's box per triangle: the next triangle waits for it
+        for (const Vector3d& p : corners) box.add(p);
+        boxes_[cell].min = boxes_[cell].min.cwiseMin(box.min), boxes_[cell].max = boxes_[cell].max.cwiseMax(box.max);
         return static_cast<std::uint16_t>(cell);
     }
     /// Halves the range near the median of its triangles, along the longest side that can be cut. Returns false if none

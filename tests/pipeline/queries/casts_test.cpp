@@ -239,5 +239,42 @@ TEST(Casts, FindABodyWhoseAabbBeginsJustBeforeTheNearestHit)
     EXPECT_NEAR(hit->point.x(), 4.5, 1e-12);
 }
 
+/// Few bodies are found without a search; the same ones among others far away are searched for.
+TEST(Casts, OfFewBodiesAreThoseOfTheSameBodiesAmongMany)
+{
+    for (std::size_t kind = 0; kind < kinds; ++kind)
+        for (std::uint64_t count = 1; count <= 4; ++count) {
+            World few, many;
+            for (World* const world : {&few, &many}) {
+                for (std::uint64_t i = 0; i < count; ++i)
+                    world->add_body({.model = world->add(std::make_shared<const Geometry>(
+                                         Geometry{"", draw_geometry(i == 0 ? kind : std::size_t(i), i), ""})),
+                                     .pose = random_pose(i, 1),
+                                     .layer = std::uint32_t(1 + i % 2)});
+                if (count > 2) world->remove_body(world->body_at(1));
+            }
+            const ModelId ball = many.add(Shape(Sphere{0.1}));
+            for (int i = 0; i < 10; ++i)
+                many.add_body({.model = ball, .pose = Eigen::Isometry3d(Eigen::Translation3d(100 + i, 50, 0))});
+            std::size_t hits = 0;
+            for (std::uint64_t k = 0; k < 200; ++k) {
+                const Segment segment = draw(k);
+                const QueryFilter filter{.mask = k % 4 ? 3u : 1u};
+                const std::optional<CastHit> a = few.cast(segment, filter);
+                std::optional<CastHit> b = many.cast(segment, filter);
+                ASSERT_EQ(a.has_value(), b.has_value()) << kind << " " << count << " " << k;
+                if (a) {
+                    ASSERT_EQ(a->body.slot, b->body.slot);
+                    b->body = a->body; // ids name their World, too
+                    expect_same(*a, *b), ++hits;
+                }
+                const auto in_few = few.query(segment, filter), in_many = many.query(segment, filter);
+                ASSERT_EQ(in_few.size(), in_many.size()) << kind << " " << count << " " << k;
+                for (std::size_t i = 0; i < in_few.size(); ++i) EXPECT_EQ(in_few[i].body.slot, in_many[i].body.slot);
+            }
+            EXPECT_GT(hits, 0u) << kind << " " << count;
+        }
+}
+
 } // namespace
 } // namespace oncollide::casts_test
