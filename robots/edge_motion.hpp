@@ -52,7 +52,7 @@ public:
     const Placed& middle() const { return middle_; }
 
     EdgeWays ways_of(const EdgeItem& item) const;
-    /// Of a ball in the frame of a link.
+    /// The motion of a ball in the frame of a link, seen from the item's link.
     BallTravel travel(const EdgeItem& item, const CoverSphere& ball, std::uint32_t link) const;
     double reach(const EdgeWays& ways) const { return (ways.a.moved + ways.b.moved) * robot_.stretch(); }
 

@@ -94,7 +94,7 @@ void EdgeSearch::search_pair(const EdgeItem& whole, std::vector<EdgeItem>& items
                 [&](const EdgeItem& item) { items.push_back(item); });
 }
 
-/// Queries the World in the windows of items, and halves those that are coarse where there are bodies.
+/// Queries the World in the windows of items. Coarse windows with bodies are halved.
 /// @param prepare  adds the query of an item in the middle of its window, and its reach; returns whether the window is
 /// coarse
 /// @param take     gets an item whose window is not coarse, and a body

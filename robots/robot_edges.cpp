@@ -14,7 +14,7 @@ namespace oncollide {
 namespace {
 
 constexpr std::size_t edges_per_chunk = 16;
-constexpr int samples = 8; // parts of an edge
+constexpr int samples = 8;        // parts of an edge
 constexpr double most_turn = 0.3; // rad: in windows of larger turns, motions are not tested, see Sweep
 
 } // namespace

@@ -209,28 +209,7 @@ bool OncollideMotionValidator::count(bool valid) const
 
 bool OncollideMotionValidator::checkMotion(const State* s1, const State* s2) const
 {
-    return count(!sampleCollides(s1, s2) && find(s1, s2, false).verdict == Verdict::separate);
-}
-
-/// The end, the middle, the quarters and so on, half as dense as by DiscreteMotionValidator: they find most contacts at
-/// a fraction of the cost of a certificate.
-bool OncollideMotionValidator::sampleCollides(const State* s1, const State* s2) const
-{
-    const std::vector<double> from = states_.configuration(s1), to = states_.end(from, s2);
-    const OncollideJoints& joints = states_.joints();
-    const unsigned parts = si_->getStateSpace()->validSegmentCount(s1, s2) / 2;
-    std::vector<double> numbers = to;
-    std::vector<oncollide::RobotFinding> found(1);
-    for (unsigned of = 2;; of *= 2) {
-        joints.robot().check(joints.world(), numbers, found, joints.pairs());
-        for (const oncollide::RobotFinding& one : found)
-            if (one.verdict == Verdict::colliding) return true; // the certificate decides the other verdicts
-        if (of >= 2 * parts) return false;
-        numbers.clear(), found.resize(of / 2);
-        for (unsigned k = 1; k < of; k += 2)
-            for (std::size_t i = 0; i < from.size(); ++i)
-                numbers.push_back(from[i] + double(k) / double(of) * (to[i] - from[i]));
-    }
+    return count(find(s1, s2, false).verdict == Verdict::separate);
 }
 
 bool OncollideMotionValidator::checkMotion(const State* s1, const State* s2, std::pair<State*, double>& lastValid) const

@@ -98,7 +98,6 @@ public:
 
 private:
     oncollide::RobotEdgeFinding find(const State* s1, const State* s2, bool first) const;
-    bool sampleCollides(const State* s1, const State* s2) const;
     bool count(bool valid) const;
 
     OncollideStates states_;
