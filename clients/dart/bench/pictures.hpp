@@ -12,7 +12,7 @@
 
 namespace dart::collision::oncollide_client::bench {
 
-/// What a picture shows.
+/// The bodies and the contacts that a picture shows.
 class View {
 public:
     enum class Role {
