@@ -184,8 +184,9 @@ struct ManifoldPoint {
     double depth;                     ///< from point_b to point_a along the normal: > 0 inside, < 0 apart
     double depth_error;               ///< certified: this bounds the error of the depth
     FeatureBits feature_a, feature_b;
-    /// Unit, from a to b: across the faces of both bodies at the point if these are opposite each other, else the
-    /// region's normal, from which it differs by at most 45 degrees. Threads and bearings turn on these.
+    /// Unit, from a to b: across the faces of both bodies that are opposite each other at the point, or of the body's
+    /// own face at the end of a region; else, and in flat regions, the region's normal, from which it differs by at
+    /// most 45 degrees. Threads and bearings turn on these.
     Eigen::Vector3d normal;
 };
 

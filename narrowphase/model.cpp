@@ -127,8 +127,25 @@ const MeshLinks& Model::links() const
                 if (flat->links.closed == links.closed) links.flat = std::move(flat);
             }
         links_ = std::make_shared<const MeshLinks>(std::move(links));
+        links_made_ = links_.get();
     });
     return *links_;
+}
+
+std::size_t Model::links_bytes() const
+{
+    const auto of = [](const auto&... lists) { return (... + (lists.capacity() * sizeof(lists[0]))); };
+    const auto of_links = [&](const MeshLinks& l) {
+        return of(l.vertex, l.neighbours, l.ridges) + l.tips.capacity() / 8; // the tips are bits
+    };
+    const MeshLinks* links = links_made_;
+    if (!links) return 0;
+    std::size_t sum = of_links(*links);
+    if (const FlatSurface* flat = links->flat.get())
+        sum += of_links(flat->links) +
+               of(flat->faces.mesh.vertices, flat->faces.mesh.triangles, flat->faces.vertex, flat->faces.face) +
+               flat->totals.bytes;
+    return sum;
 }
 
 ObbTree& Model::bounding_tree() const

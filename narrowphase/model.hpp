@@ -113,6 +113,8 @@ public:
     /// The neighbours of each triangle of surface_mesh(), or of a round shape's bounding mesh. Memory: 12 bytes per
     /// triangle and 4 per vertex.
     const MeshLinks& links() const;
+    /// Memory of links() and of the mesh's joined faces with their tree; 0 until links() is called.
+    std::size_t links_bytes() const;
     /// The OBB tree of a round shape's bounding mesh.
     ObbTree& bounding_tree() const;
     /// Points of each connected part; empty for a map.
@@ -205,6 +207,7 @@ private:
     mutable std::unique_ptr<TerrainTree> heights_;
     mutable std::shared_ptr<ObbTree> bounding_tree_;
     mutable std::shared_ptr<const MeshLinks> links_;
+    mutable std::atomic<const MeshLinks*> links_made_ = nullptr; ///< for other threads
     mutable bool closed_ = false;
     mutable std::vector<PartPoints> parts_;
     mutable std::shared_ptr<const FclModel> fcl_;

@@ -131,12 +131,12 @@ using PairFilter = std::function<void(std::span<const CandidatePair> pairs, std:
 /// A copy of the state and the counts of a World.
 struct WorldInfo {
     std::size_t bodies = 0, models = 0;
-    std::uint64_t frames = 0;             ///< steps so far
-    std::size_t bytes = 0;                ///< held for bodies, boxes and trees; the geometries come on top
-    std::string backend;                  ///< finds grey cells, e.g. "cpu (avx2)"
-    std::string renderer;                 ///< GL_RENDERER of a GPU backend; empty otherwise
-    std::string backend_note;             ///< why the backend is not the expected one; empty: it is
-    std::vector<StageStats> totals;       ///< sums over all frames, per stage
+    std::uint64_t frames = 0;       ///< steps so far
+    std::size_t bytes = 0;          ///< held for bodies, boxes, trees and joined faces; the geometries come on top
+    std::string backend;            ///< finds grey cells, e.g. "cpu (avx2)"
+    std::string renderer;           ///< GL_RENDERER of a GPU backend; empty otherwise
+    std::string backend_note;       ///< why the backend is not the expected one; empty: it is
+    std::vector<StageStats> totals; ///< sums over all frames, per stage
     std::vector<DelimitedRegion> regions; ///< regions that the last frame's delimitation examined, level by level;
                                           ///< empty if it was skipped, or if bodies changed and a query took that in
     std::vector<std::string> file_faults; ///< one line per chunk of a cooked file that could not be read; pairs that

@@ -657,9 +657,9 @@ DART_DETECTORS = {"fcl": "FCL", "bullet": "Bullet", "ode": "ODE", "oncollide": "
 
 
 def dart(scene, first, *columns):
-    """One row per variant and detector; `columns` are measures of docs/data/contacts/dart.csv and dart_nut.csv."""
+    """One row per variant and detector; `columns` are measures of docs/data/contacts/dart.csv."""
     of = {}
-    for r in rows_of("contacts/dart", "contacts/dart_nut"):
+    for r in rows_of("contacts/dart"):
         if r["scene"] == scene:
             of.setdefault((r["variant"], r["detector"]), {})[r["measure"]] = float(r["value"])
 

@@ -25,9 +25,13 @@ std::optional<FlatFaces> join_flat_faces(const Mesh& mesh, const MeshLinks& link
 struct FlatSurface {
     FlatFaces faces;
     MeshLinks links;
+    BoxTotals totals; ///< of the tree
     ObbTree tree;
 
-    explicit FlatSurface(FlatFaces joined) : faces(std::move(joined)), links(links_of(faces.mesh)), tree(faces.mesh) {}
+    explicit FlatSurface(FlatFaces joined)
+        : faces(std::move(joined)), links(links_of(faces.mesh)), tree(faces.mesh, &totals)
+    {
+    }
 };
 
 } // namespace oncollide

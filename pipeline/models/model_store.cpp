@@ -87,6 +87,14 @@ std::uint64_t ModelStore::collapse(std::uint32_t frame, std::uint32_t age)
     return late_ ? 0 : *nodes + spheres_.collapse(frame, age); // else retried in the next frame
 }
 
+std::size_t ModelStore::links_bytes() const
+{
+    std::size_t sum = 0;
+    for (std::uint32_t slot = 0; slot < slots(); ++slot)
+        if (alive(slot)) sum += (*this)[id(slot)].links_bytes();
+    return sum;
+}
+
 std::uint64_t ModelStore::age(std::uint32_t frame)
 {
     auto limit = static_cast<std::uint32_t>(settings_.age_limit);

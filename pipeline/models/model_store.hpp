@@ -77,6 +77,7 @@ public:
 
     std::uint64_t nodes() const { return spheres_.cells() + obbs_.nodes(); } ///< stored cells, and nodes of OBB trees
     std::size_t bytes() const { return spheres_.bytes() + obbs_.bytes(); }   ///< trees, surfaces and lists
+    std::size_t links_bytes() const; ///< neighbours of triangles and joined faces, which no budget limits
 
 private:
     void drop(Model& model);

@@ -323,7 +323,8 @@ WorldInfo World::inspect() const
     return {.bodies = p.bodies.size(),
             .models = p.models.size(),
             .frames = p.frame.number,
-            .bytes = p.bodies.bytes() + p.broad->bytes() + p.models.bytes() + p.frame.cache.bytes(),
+            .bytes =
+                p.bodies.bytes() + p.broad->bytes() + p.models.bytes() + p.models.links_bytes() + p.frame.cache.bytes(),
             .backend = p.models.backend().name(),
             .renderer = p.models.backend().renderer(),
             .backend_note = p.note_on_backend(),

@@ -55,6 +55,20 @@ TEST(Manifolds, ABoxOnManyTrianglesIsTheSameAsOnTwo)
     }
 }
 
+TEST(Manifolds, JoinedFacesCountInTheMemoryOfAWorld)
+{
+    Two two(make_box_mesh({1, 1, 1}, 20), at(0, 0, 1.99), make_box_mesh({1, 1, 1}), at(0, 0, 0));
+    (void)two.world.step();
+    const std::size_t before = two.world.inspect().bytes;
+    (void)two.manifold();
+    const std::size_t after = two.world.inspect().bytes;
+    EXPECT_GE(after - before, std::size_t{13 * 4800}); // neighbours and ridges of each triangle
+    EXPECT_LT(after - before, std::size_t{40 * 4800});
+    two.world.set_pose(two.a, at(0, 0, 1.98));
+    (void)two.manifold();
+    EXPECT_EQ(two.world.inspect().bytes, after);
+}
+
 TEST(Manifolds, FeaturesOfJoinedFacesAreThoseOfTheMesh)
 {
     // A block of a ground and of its copy upside down below it, without sides: 196 triangles in two planes.

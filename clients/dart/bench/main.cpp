@@ -48,11 +48,19 @@ void write(const std::string& path, const std::vector<Row>& rows)
     if (!file.flush()) throw std::runtime_error(path + ": cannot be written");
 }
 
+std::string file_name(const SceneRun& scene)
+{
+    std::string name = "dart-" + scene.scene + "-" + scene.variant;
+    std::erase(name, ','), std::erase(name, '.');
+    std::replace(name.begin(), name.end(), ' ', '-');
+    return name + ".png";
+}
+
 int run(int count, char** arguments)
 {
     CLI::App app{"Runs scenes in DART with each detector, in one process, 1 ms steps. Times are processor times."};
     std::vector<std::string> only_scenes, only_detectors, files;
-    std::string data = std::getenv("ONCOLLIDE_DATA") ? std::getenv("ONCOLLIDE_DATA") : "../shared/data";
+    std::string pictures, data = std::getenv("ONCOLLIDE_DATA") ? std::getenv("ONCOLLIDE_DATA") : "../shared/data";
     Limits limits;
     app.add_option("--scene", only_scenes, "stack, slide, enclosed, pile, overlap, 'nut M16' (default: all)");
     app.add_option("--detector", only_detectors, "fcl, bullet, ode, oncollide (default: all)")
@@ -62,6 +70,8 @@ int run(int count, char** arguments)
     app.add_option("--data", data, "folder with contacts/ and meshes/, for the nut and the cows")
         ->capture_default_str();
     app.add_option("--out", files, "files to write: .csv or .json");
+    app.add_option("--pictures", pictures, "folder for a PNG of each scene's end, the detectors from left to right")
+        ->check(CLI::ExistingDirectory);
     CLI11_PARSE(app, count, arguments);
 
     std::vector<Row> rows;
@@ -70,11 +80,14 @@ int run(int count, char** arguments)
             return list.empty() || std::find(list.begin(), list.end(), name) != list.end();
         };
         if (!wanted(only_scenes, scene.scene)) continue;
+        std::vector<View> views;
         for (const std::string& detector : detectors)
             if (wanted(only_detectors, detector)) {
-                rows.push_back({scene.scene, scene.variant, detector, scene.run(detector, limits)});
+                rows.push_back(
+                    {scene.scene, scene.variant, detector, scene.run(detector, limits, views.emplace_back())});
                 print(rows.back());
             }
+        if (!pictures.empty()) save_pictures(std::filesystem::path(pictures) / file_name(scene), views);
     }
     if (rows.empty())
         throw std::runtime_error("no scene of these names: " + fmt::format("{}", fmt::join(only_scenes, ", ")));

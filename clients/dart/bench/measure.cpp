@@ -107,6 +107,16 @@ void Run::count()
     for (const dynamics::BodyNode* body : bodies_) finite_ = finite_ && body->getTransform().matrix().allFinite();
 }
 
+void Run::show(View& view) const
+{
+    for (const dynamics::BodyNode* body : bodies_) {
+        if (body->getSkeleton()->getName().starts_with("front")) continue;
+        const bool fixed = body->getParentJoint()->getNumDofs() == 0;
+        for (const dynamics::ShapeNode* node : body->getShapeNodesWith<dynamics::CollisionAspect>())
+            view.add(*node->getShape(), node->getTransform(), fixed ? View::Role::fixed : View::Role::moving);
+    }
+}
+
 Measures Run::common() const
 {
     const double steps = double(std::max<std::size_t>(steps_, 1));

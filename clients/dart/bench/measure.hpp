@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "../tests/scenes.hpp"
+#include "pictures.hpp"
 
 namespace dart::collision::oncollide_client::bench {
 
@@ -47,6 +48,8 @@ public:
     void play(double simulated, const Limits& limits, const std::function<void()>& look = {});
     double time() const { return world_->getTime(); }
     const CollisionResult& contacts() const { return world_->getLastCollisionResult(); }
+    /// Adds all bodies as they are now. A body with a name that begins with "front" is left out.
+    void show(View& view) const;
     /// Steps, milliseconds per step and per collide(), contacts, contacts per pair, failures of the solver.
     Measures common() const;
 

@@ -35,7 +35,7 @@ dynamics::ShapePtr box_shape(const Vector3d& size)
 
 // --- A stack of five boxes of 1 m.
 
-Measures stack(int cuts, const std::string& detector, const Limits& limits)
+Measures stack(int cuts, const std::string& detector, const Limits& limits, View& view)
 {
     Run run(detector);
     run.add(tests::fixed(box_shape({10, 10, 1}), "ground", 1, at(0, 0, -0.5)));
@@ -65,6 +65,7 @@ Measures stack(int cuts, const std::string& detector, const Limits& limits)
     double creep = 0;
     for (std::size_t k = 0; k < 5; ++k)
         creep = std::max(creep, (to[k] - from[k]).head<2>().norm() / std::max(t1 - t0, 1e-3));
+    run.show(view);
     Measures found = run.common();
     found.insert(found.end(), {{"creep mm/s", 1e3 * creep},
                                {"tilt degrees", most_tilt},
@@ -76,7 +77,7 @@ Measures stack(int cuts, const std::string& detector, const Limits& limits)
 
 // --- A mesh box that slides without friction over a plane of triangles.
 
-Measures slide(int cuts, const std::string& detector, const Limits& limits)
+Measures slide(int cuts, const std::string& detector, const Limits& limits, View& view)
 {
     Run run(detector);
     oncollide::Mesh ground = tests::box_mesh({20, 20, 1}, cuts);
@@ -98,6 +99,7 @@ Measures slide(int cuts, const std::string& detector, const Limits& limits)
         up = std::max(up, v.z()), speed = std::max(speed, std::abs(v.dot(along) / 2 - 1));
         most_tilt = std::max(most_tilt, tilt(box));
     });
+    run.show(view), view.see(start.translation());
     Measures found = run.common();
     found.insert(
         found.end(),
@@ -107,7 +109,7 @@ Measures slide(int cuts, const std::string& detector, const Limits& limits)
 
 // --- One body inside a mesh.
 
-Measures enclosed(bool mesh, const std::string& detector, const Limits&)
+Measures enclosed(bool mesh, const std::string& detector, const Limits&, View& view)
 {
     Clock clock;
     const auto made = make_detector(detector, clock);
@@ -137,12 +139,18 @@ Measures enclosed(bool mesh, const std::string& detector, const Limits&)
         const double sign = contact.collisionObject1->getShapeFrame() == outer.get() ? -1 : 1;
         right += sign * contact.normal.dot(out) > 0.999 && contact.penetrationDepth > 0;
     }
+    CollisionResult result;
+    inner->setTranslation({0.6, -0.2, 0.1});
+    group->collide(CollisionOption(true, 1000, nullptr), &result);
+    view.add(*outer->getShape(), outer->getTransform(), View::Role::glass);
+    view.add(*inner->getShape(), inner->getTransform(), View::Role::moving), view.add(result);
     return {{"seen %", 100.0 * seen / tries}, {"normal right %", 100.0 * right / tries}};
 }
 
 // --- A pile of concave meshes in a box; two of them in deep overlap.
 
-Measures pile(const SolidMesh& body, double size, int count, const std::string& detector, const Limits& limits)
+Measures pile(const SolidMesh& body, double size, int count, const std::string& detector, const Limits& limits,
+              View& view)
 {
     Run run(detector);
     const double wall = 1.6 * size;
@@ -151,7 +159,8 @@ Measures pile(const SolidMesh& body, double size, int count, const std::string& 
         const double x = (k < 2 ? (k ? 1 : -1) : 0) * (wall + size / 2),
                      y = (k < 2 ? 0 : (k == 2 ? -1 : 1)) * (wall + size / 2);
         run.add(tests::fixed(box_shape({k < 2 ? size : 5 * size, k < 2 ? 5 * size : size, 12 * size}),
-                             "wall " + std::to_string(k), 0.5, at(x, y, 6 * size)));
+                             (k == 1 || k == 2 ? "front wall " : "wall ") + std::to_string(k), 0.5,
+                             at(x, y, 6 * size)));
     }
     const dynamics::ShapePtr shape = tests::mesh_shape(body.mesh);
     std::mt19937_64 random(2);
@@ -165,19 +174,22 @@ Measures pile(const SolidMesh& body, double size, int count, const std::string& 
         bodies.push_back(
             run.add(tests::free_body(shape, "body " + std::to_string(i), pose, body.mass, body.inertia, 0.5)));
     }
-    run.play(4, limits);
+    Limits all = limits;
+    all.budget *= 4; // to rest takes long
+    run.play(4, all);
     double fastest = 0, lost = 0;
     for (const BodyNode* b : bodies) {
         fastest = std::max(fastest, b->getLinearVelocity().norm());
         const Vector3d p = b->getTransform().translation();
         lost += p.z() < 0 || std::abs(p.x()) > wall || std::abs(p.y()) > wall;
     }
+    run.show(view);
     Measures found = run.common();
     found.insert(found.end(), {{"lost bodies", lost}, {"fastest at the end mm/s", 1e3 * fastest}});
     return found;
 }
 
-Measures overlap(const oncollide::Mesh& mesh, const std::string& detector, const Limits& limits)
+Measures overlap(const oncollide::Mesh& mesh, const std::string& detector, const Limits& limits, View& view)
 {
     Clock clock;
     const auto made = make_detector(detector, clock);
@@ -194,6 +206,8 @@ Measures overlap(const oncollide::Mesh& mesh, const std::string& detector, const
         b->setTranslation({0.001 * i, 0, 0.1});
         made->collide(group.get(), option, &result);
     }
+    for (const auto& frame : {a, b}) view.add(*frame->getShape(), frame->getTransform(), View::Role::moving);
+    view.add(result);
     return {{"detection ms", 1e3 * clock.seconds / double(clock.calls)}, {"contacts", double(result.getNumContacts())}};
 }
 
@@ -221,7 +235,7 @@ struct NutAndBolt {
     double angle;              ///< at which it is free of the bolt
 };
 
-Measures nut(const NutAndBolt& parts, double friction, const std::string& detector, const Limits& limits)
+Measures nut(const NutAndBolt& parts, double friction, const std::string& detector, const Limits& limits, View& view)
 {
     Run run(detector);
     run.add(tests::fixed(tests::mesh_shape(parts.bolt), "bolt", friction));
@@ -252,6 +266,7 @@ Measures nut(const NutAndBolt& parts, double friction, const std::string& detect
         if (run.time() == before) break; // the budget is used up
     }
     const double round = std::abs(turned - from_turned) / (2 * std::numbers::pi);
+    run.show(view), view.see(start.translation()), view.see(start.translation() - Vector3d(0, 0, 0.03));
     Measures found = run.common();
     found.insert(found.end(),
                  {{"turns", std::abs(turned) / (2 * std::numbers::pi)},
@@ -272,21 +287,22 @@ std::vector<SceneRun> all_scenes(const std::filesystem::path& data)
     };
     for (const auto& [cuts, name] :
          {std::pair(0, "boxes"), std::pair(1, "12 triangles"), std::pair(10, "1,200 triangles")})
-        add("stack", name, [cuts = cuts](const auto& d, const auto& l) { return stack(cuts, d, l); });
+        add("stack", name, [cuts = cuts](const auto& d, const auto& l, View& v) { return stack(cuts, d, l, v); });
     for (const auto& [cuts, name] :
          {std::pair(3, "108 triangles"), std::pair(41, "20,172 triangles"), std::pair(129, "199,692 triangles")})
-        add("slide", name, [cuts = cuts](const auto& d, const auto& l) { return slide(cuts, d, l); });
+        add("slide", name, [cuts = cuts](const auto& d, const auto& l, View& v) { return slide(cuts, d, l, v); });
     for (const bool mesh : {true, false})
         add("enclosed", mesh ? "mesh in mesh" : "box in mesh",
-            [mesh](const auto& d, const auto& l) { return enclosed(mesh, d, l); });
+            [mesh](const auto& d, const auto& l, View& v) { return enclosed(mesh, d, l, v); });
     const SolidMesh knot = solid(oncollide::make_torus_knot_mesh(2, 3, 0.3, 0.12, 0.07, 600));
-    add("pile", "20 knots", [knot](const auto& d, const auto& l) { return pile(knot, 0.7, 20, d, l); });
+    add("pile", "20 knots", [knot](const auto& d, const auto& l, View& v) { return pile(knot, 0.7, 20, d, l, v); });
     if (const auto file = data / "meshes/paper/cow.obj"; exists(file)) {
         const SolidMesh cow = solid(oncollide::load_mesh(file));
-        add("pile", "20 cows", [cow](const auto& d, const auto& l) { return pile(cow, 0.9, 20, d, l); });
+        add("pile", "20 cows", [cow](const auto& d, const auto& l, View& v) { return pile(cow, 0.9, 20, d, l, v); });
     }
     const oncollide::Mesh large = oncollide::make_torus_knot_mesh(2, 3, 0.5, 0.2, 0.15, 5000);
-    add("overlap", "two knots of 5,000", [large](const auto& d, const auto& l) { return overlap(large, d, l); });
+    add("overlap", "two knots of 5,000",
+        [large](const auto& d, const auto& l, View& v) { return overlap(large, d, l, v); });
     const auto bolt = data / "contacts/factory_bolt_m16_loose.obj",
                nut_file = data / "contacts/factory_nut_m16_loose_subdiv_3x.obj";
     if (exists(bolt) && exists(nut_file)) {
@@ -298,7 +314,7 @@ std::vector<SceneRun> all_scenes(const std::filesystem::path& data)
         parts.angle = free_angle(parts.nut, parts.bolt, parts.height);
         for (const double friction : {0.0, 0.2})
             add("nut M16", friction > 0 ? "friction 0.2" : "no friction",
-                [=](const auto& d, const auto& l) { return nut(parts, friction, d, l); });
+                [=](const auto& d, const auto& l, View& v) { return nut(parts, friction, d, l, v); });
     }
     return scenes;
 }

@@ -3,12 +3,14 @@
 #include <filesystem>
 
 #include "measure.hpp"
+#include "pictures.hpp"
 
 namespace dart::collision::oncollide_client::bench {
 
 struct SceneRun {
     std::string scene, variant;
-    std::function<Measures(const std::string& detector, const Limits& limits)> run;
+    /// Adds the end state to the view.
+    std::function<Measures(const std::string& detector, const Limits& limits, View& view)> run;
 };
 
 /// All scenes. The nut needs data/contacts/, and the cows need data/meshes/paper/.

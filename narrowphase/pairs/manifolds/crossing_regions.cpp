@@ -319,18 +319,23 @@ void add_directions(RegionBuilder& builder, const Lump& lump, const Part& part, 
         const CurvePoint& c = overlap.curve[i];
         if (facing_of(0, c.patch_a) == none && facing_of(1, c.patch_b) == none) rest.push_back(i);
     }
+    auto& of = memory.of_facing;
+    of.resize(std::max(of.size(), facings.all.size()));
+    for (auto& lists : of)
+        for (auto& list : lists) list.clear();
+    for (const std::uint32_t i : part.a)
+        if (const std::uint32_t f = facing_of(0, i); f != none) of[f][0].push_back(i);
+    for (const std::uint32_t i : part.b)
+        if (const std::uint32_t f = facing_of(1, i); f != none) of[f][1].push_back(i);
+    for (const std::uint32_t i : part.curve) {
+        const CurvePoint& c = overlap.curve[i];
+        const std::uint32_t f = facing_of(0, c.patch_a), g = facing_of(1, c.patch_b);
+        if (f != none) of[f][2].push_back(i);
+        if (g != none && g != f) of[g][2].push_back(i);
+    }
     for (std::uint32_t number = 0; number < facings.all.size(); ++number) {
-        auto& of = memory.of_region;
-        for (auto& list : of) list.clear();
-        for (const std::uint32_t i : part.a)
-            if (facing_of(0, i) == number) of[0].push_back(i);
-        for (const std::uint32_t i : part.b)
-            if (facing_of(1, i) == number) of[1].push_back(i);
-        for (const std::uint32_t i : part.curve) {
-            const CurvePoint& c = overlap.curve[i];
-            if (facing_of(0, c.patch_a) == number || facing_of(1, c.patch_b) == number) of[2].push_back(i);
-        }
-        builder.add(lump, {of[0], of[1], of[2]}, facings.all[number].matched() / matched, false, rest);
+        builder.add(lump, {of[number][0], of[number][1], of[number][2]}, facings.all[number].matched() / matched, false,
+                    rest);
         rest.clear();
     }
 }

@@ -101,7 +101,7 @@ std::vector<TrianglePair> other_pairs(ManifoldMemory& memory, const PlacedSurfac
     const auto drop = [&](int side) {
         const PlacedSurface& surface = side == 0 ? a : b;
         memory.vertices.clear();
-        std::vector<std::uint32_t>& lump_of = memory.of_region[0]; // by number of a vertex
+        std::vector<std::uint32_t>& lump_of = memory.lump_of; // by number of a vertex
         lump_of.clear();
         for (const Patch& p : overlap.patches[side])
             for (const std::uint32_t v : p.corners) {

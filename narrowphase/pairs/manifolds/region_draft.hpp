@@ -101,8 +101,9 @@ struct ManifoldMemory {
     FacesAhead ahead_a, ahead_b;
     /// Numbers of patches of a, of patches of b, and of points of the curve, by lump: lump i begins at offsets[i].
     std::array<std::vector<std::uint32_t>, 3> order, offsets;
-    std::array<std::vector<std::uint32_t>, 2> facing; ///< for each patch: its direction in the lump
-    std::array<std::vector<std::uint32_t>, 3> of_region;
+    std::array<std::vector<std::uint32_t>, 2> facing;                 ///< for each patch: its direction in the lump
+    std::vector<std::array<std::vector<std::uint32_t>, 3>> of_facing; ///< the same numbers, by direction of a lump
+    std::vector<std::uint32_t> lump_of;
     std::vector<std::pair<double, std::uint32_t>> by_area;
     KeyNumbers vertices;
     std::vector<bool> done; ///< lumps that have regions
