@@ -179,6 +179,16 @@ TEST(Manifolds, AVertexAnEdgeAndTwoEdges)
     const Two edges(roof_a, at(0, 0, 0), roof_b, at(0, 0, 0));
     ASSERT_EQ(edges.manifold().regions.size(), 1u);
     expect_near(edges.manifold().regions[0].normal, {0, 0, -1}, 1e-12, "edges");
+    // The same a little apart, and a tip above a face: with a margin.
+    for (const auto& [upper, lower] : {std::pair(roof_a, roof_b), {tip, flat_ground(2, 3)}}) {
+        const Two apart(upper, at(0.1, 0.2, 0.01), lower, at(0.1, 0.2, 0));
+        const Manifold m = apart.manifold({.margin = 0.02});
+        check(m, "apart");
+        ASSERT_EQ(m.regions.size(), 1u);
+        ASSERT_EQ(m.points.size(), 1u);
+        expect_near(m.points[0].normal, {0, 0, -1}, 1e-9, "apart");
+        EXPECT_NEAR(m.points[0].depth, -0.01, 1e-12);
+    }
 }
 
 /// A ring around z, of 128 segments; inner = 0: a cylinder.
