@@ -124,8 +124,8 @@ struct RobotEdgeFinding {
 /// The tests of Robot::check_edges().
 struct RobotEdgeCheck {
     RobotCheck pairs{};
-    /// Bound on contact_by - clear_until, as a share of the edge: at least 1e-9. Pairs also stay undecided if they come
-    /// closer than they move, relative to each other, in this share.
+    /// Bound on contact_by - clear_until, as a share of the edge: at least 1e-9. The times differ by more, or the edge
+    /// stays undecided, if before the contact a pair is closer than it moves in this share.
     double tolerance = 1e-4;
     /// Find the first contact. False: any contact ends the search; clear_until is then only a lower bound.
     bool first = true;

@@ -1,5 +1,4 @@
 #include "seeds.hpp"
-#include "robots/small_robot.hpp"
 
 #include <cmath>
 #include <sstream>
@@ -119,74 +118,6 @@ std::vector<std::string> dae_seeds()
                       corner + "<p>0 1 2 3 4</p></trifans><polygons count=\"1\">" + corner +
                       "<p>0 1 3 2</p></polygons>");
     return {as_dae(box()), as_dae(soup(), nodes, "<up_axis>X_UP</up_axis>", libraries), faces};
-}
-
-std::vector<std::string> urdf_seeds()
-{
-    std::string text = SmallRobot::text;
-    text.replace(text.find("package://robot/"), 16, ""); // beside the file
-    return {
-        text,
-        R"(<robot name="r"><link name="a"/><joint name="j" type="planar"><parent link="a"/><child link="b"/></joint>)"
-        R"(<joint name="k" type="floating"><parent link="b"/><child link="c"/></joint><link name="b"/>)"
-        R"(<link name="c"><collision><geometry><capsule radius="1" length="2"/></geometry></collision></link></robot>)"};
-}
-
-std::vector<std::string> srdf_seeds()
-{
-    return {SmallRobot::semantic,
-            R"(<robot name="arm"><group name="g"><link name="base"/><passive_joint name="slide"/></group>)"
-            R"(<disable_default_collisions link="left"/><enable_collisions link1="left" link2="base"/></robot>)"};
-}
-
-std::vector<std::string> problem_seeds()
-{
-    return {R"(name: shelf
-world:
-  collision_objects:
-    - id: board
-      pose: &place {position: [0.5, 0, 1], orientation: [0, 0, 0.6, 0.8]}
-      primitives:
-        - {type: box, dimensions: [1, 0.3, 0.02]}
-        - {type: cylinder, dimensions: [0.2, 0.04]}
-      primitive_poses:
-        - *place
-        - position: [0.1, 0.2, 0.12]
-          orientation: [0, 0, 0, 1]
-    - id: ball
-      primitives: [{type: sphere, dimensions: [0.1]}]
-      primitive_poses: [{position: [1, 1, 1], orientation: [1, 0, 0, 0]}]
-)",
-            "{world: {collision_objects: []}}"};
-}
-
-std::vector<std::string> request_seeds()
-{
-    return {R"(start_state:
-  joint_state:
-    name: [shoulder, elbow]
-    position: [0.5, -1.25e-1]
-goal_constraints:
-  - joint_constraints:
-      - joint_name: shoulder
-        position: 1.5
-        weight: 1
-      - {joint_name: elbow, position: .5}
-)"};
-}
-
-std::vector<std::string> sphere_model_seeds()
-{
-    return {R"(robot_cfg:
-  kinematics:
-    collision_spheres:
-      base:
-        - center: [0, 0.1, 0]
-          radius: 0.2
-        - {"center": [1, 2, 3], "radius": -10}
-      no_link: []
-)",
-            "collision_spheres: {upper: [{center: [0, 0, 0.5], radius: .1}]}"};
 }
 
 std::vector<std::string> threemf_seeds()

@@ -227,8 +227,10 @@ TEST_F(RobotEdges, BoundsOfTravelHoldForAllKindsOfJoints)
                 const Vector3d x =
                     ball.centre + ball.radius * Vector3d(any(-1, 1), any(-1, 1), any(-1, 1)).normalized();
                 const double moved = (there * x - seen(middle) * x).norm(), left = (there * x - guess * x).norm();
-                ASSERT_LE(moved, bound.moved * (1 + 1e-9) + 1e-14) << "trial " << trial << ", link " << link << " from " << from_link;
-                ASSERT_LE(left, off * (1 + 1e-9) + 1e-13) << "trial " << trial << ", link " << link << " from " << from_link;
+                ASSERT_LE(moved, bound.moved * (1 + 1e-9) + 1e-14)
+                    << "trial " << trial << ", link " << link << " from " << from_link;
+                ASSERT_LE(left, off * (1 + 1e-9) + 1e-13)
+                    << "trial " << trial << ", link " << link << " from " << from_link;
                 if (bound.moved > 0) largest = std::max(largest, moved / bound.moved);
                 if (off > 0) farthest = std::max(farthest, left / off);
             }

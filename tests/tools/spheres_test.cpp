@@ -206,10 +206,10 @@ TEST_F(Spheres, WritesTightOnesAsOrientedBoxes)
         for (const int axis : {7, 10, 13}) EXPECT_NEAR(std::hypot(box[axis], box[axis + 1], box[axis + 2]), 1, 1e-6);
         if (box[0] < 2) continue;
         EXPECT_LT(*std::min_element(&box[4], &box[7]), 1e-4) << "one triangle is flat";
-        EXPECT_NEAR(*std::max_element(&box[4], &box[7]), std::sqrt(2) / 2, 1e-3) << "its longest side, halved";
-        // Its right angle is in the middle of one side of the box, whose ends extend beyond the square.
-        EXPECT_NEAR(box[16], 0.5, 1e-3);
-        EXPECT_NEAR(box[17], 0.5, 1e-3);
+        // The box of half a square is the square.
+        EXPECT_NEAR(*std::max_element(&box[4], &box[7]), 0.5, 1e-3);
+        EXPECT_NEAR(box[16], 0, 1e-3);
+        EXPECT_NEAR(box[17], 0, 1e-3);
     }
 }
 
