@@ -27,9 +27,10 @@ void EdgeMotion::start(const double* from, const double* to)
         balls_.clear();
         const Eigen::Isometry3d into = middle_.links[rigid.link].inverse(Eigen::Isometry);
         for (const std::uint32_t i : rigid.parts) {
-            const Robot::Impl::Part& part = robot_.parts[i];
-            balls_.push_back({into * (middle_.links[part.link] * part.cover.whole.centre),
-                              part.cover.whole.radius * robot_.stretch()});
+            const CoverSphere& own = robot_.parts[i].cover.whole;
+            const Eigen::Vector3d centre = into * (middle_.links[robot_.parts[i].link] * own.centre);
+            const double arm = centre.norm(); // poses that are not quite rigid move the centre, too
+            balls_.push_back({centre, (arm + own.radius) * robot_.stretch() - arm});
         }
         rigid.ball = around_spheres(balls_);
     }

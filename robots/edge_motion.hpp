@@ -25,7 +25,7 @@ struct EdgeWays {
 /// Parts that no joint moves against each other on an edge.
 struct RigidParts {
     std::uint32_t link; ///< the highest one of theirs
-    CoverSphere ball;   ///< around them, in the frame of `link`
+    CoverSphere ball;   ///< around them, in the frame of `link`, stretched by Impl::stretch()
     std::vector<std::uint32_t> parts;
 };
 

@@ -64,18 +64,15 @@ void EdgeSearch::search_self(std::vector<EdgeItem>& items)
                 continue;
             }
             const EdgeItem whole{0, 1, a, b, {}, first.seen_from};
-            const EdgeWays ways = ways_of(whole);
             const double radius = std::min(motion_.rigid()[a].ball.radius, motion_.rigid()[b].ball.radius);
-            each_window(whole, std::min(motion_.reach(ways) / radius, ways.turned() / first_turn),
-                        [&](const EdgeItem& item) { coarse_.push_back(item); });
+            add_windows(whole, ways_of(whole), radius, coarse_);
         }
     std::ranges::stable_sort(coarse_, {}, &EdgeItem::middle);
     for (const EdgeItem& item : coarse_) {
         const Eigen::Isometry3d* const links = motion_.place(item.middle());
         const RigidParts &a = motion_.rigid()[item.a], &b = motion_.rigid()[item.b];
         const double apart = (links[a.link] * a.ball.centre - links[b.link] * b.ball.centre).norm(),
-                     near = motion_.reach(ways_of(item)) + (a.ball.radius + b.ball.radius) * robot_.stretch() +
-                            world_.settings().clearance,
+                     near = motion_.reach(ways_of(item)) + a.ball.radius + b.ball.radius + world_.settings().clearance,
                      size = links[a.link].translation().norm() + links[b.link].translation().norm();
         if (apart > near * (1 + 1e-12) + 1e-12 * size) continue;
         for (const std::uint32_t p : bundles_[item.a * count + item.b]) {
@@ -88,8 +85,13 @@ void EdgeSearch::search_self(std::vector<EdgeItem>& items)
 /// motion_.place() in the middle of the item comes first.
 void EdgeSearch::search_pair(const EdgeItem& whole, std::vector<EdgeItem>& items)
 {
-    const EdgeWays ways = motion_.ways_of(whole);
     const double radius = std::min(robot_.parts[whole.a].cover.whole.radius, robot_.parts[whole.b].cover.whole.radius);
+    add_windows(whole, motion_.ways_of(whole), radius, items);
+}
+
+void EdgeSearch::add_windows(const EdgeItem& whole, const EdgeWays& ways, double radius,
+                             std::vector<EdgeItem>& items) const
+{
     each_window(whole, std::min(motion_.reach(ways) / radius, ways.turned() / first_turn),
                 [&](const EdgeItem& item) { items.push_back(item); });
 }
@@ -140,7 +142,7 @@ void EdgeSearch::search_environment(std::vector<EdgeItem>& items)
     }
     const auto prepare = [&](ModelId model, const Eigen::Isometry3d& pose, double moved, double radius, double around) {
         queries_.push_back({model, pose, what_.filter});
-        reaches_.push_back((moved + around) * robot_.stretch());
+        reaches_.push_back(moved * robot_.stretch() + around);
         return moved > radius;
     };
     query(

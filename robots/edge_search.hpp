@@ -20,6 +20,8 @@ public:
 private:
     void search_self(std::vector<EdgeItem>& items);
     void search_pair(const EdgeItem& whole, std::vector<EdgeItem>& items);
+    /// Adds the windows of two sides to begin with, the smaller of which has this radius.
+    void add_windows(const EdgeItem& whole, const EdgeWays& ways, double radius, std::vector<EdgeItem>& items) const;
     void search_environment(std::vector<EdgeItem>& items);
     template <class Prepare, class Take>
     void query(std::vector<EdgeItem>& items, Prepare prepare, Take take);

@@ -198,12 +198,12 @@ public:
                const RobotCheck& what = {}) const;
 
     /// Checks whole edges: edge i begins at the numbers i * width() and following of `from`, and ends at the same of
-    /// `to`. All numbers change at
-    /// constant speed, floating joints rotate along the shorter arc. No contact is missed between samples: each pair is
-    /// tested in windows of time, with an upper bound on how far its links move in them (Schwarzer, Saha, Latombe:
-    /// Adaptive dynamic collision checking, 2005). A pair nested without contact of surfaces (Mode::solid) is found
-    /// where check() finds it, at both ends. Threads, errors and settings as check(), with the exact bounds of
-    /// World::near(). Cost: of some 10 to 30 configurations.
+    /// `to`. All numbers change at constant speed, floating joints rotate along the shorter arc. No contact is missed
+    /// between samples: each pair is tested in windows of time, with an upper bound on how far its links move in them
+    /// (Schwarzer, Saha, Latombe: Adaptive dynamic collision checking, 2005). A pair nested without contact of surfaces
+    /// (Mode::solid) is found where check() finds it, at both ends and the configurations between them that are checked
+    /// first. Threads, errors and settings as check(), with the exact bounds of World::near(). Cost: of some 40 to 150
+    /// configurations.
     void check_edges(const World& world, std::span<const double> from, std::span<const double> to,
                      std::span<RobotEdgeFinding> findings, const RobotEdgeCheck& what = {}) const;
 

@@ -97,18 +97,6 @@ Plan plan(PlanContender& contender, const RobotWork& work, const Moving& moving,
     return found;
 }
 
-/// Whether one of evenly spaced configurations of a motion collides.
-bool sample_collides(const RobotPlace& truth, std::span<const double> from, std::span<const double> to, int samples)
-{
-    std::vector<double> numbers;
-    for (int k = 0; k <= samples; ++k)
-        for (std::size_t i = 0; i < from.size(); ++i)
-            numbers.push_back(from[i] + double(k) / double(samples) * (to[i] - from[i]));
-    std::vector<RobotFinding> found(static_cast<std::size_t>(samples) + 1);
-    truth.robot.check(truth.world, numbers, found);
-    return std::ranges::any_of(found, [](const RobotFinding& f) { return f.verdict != Verdict::separate; });
-}
-
 /// Certifies each motion of a plan, or finds a contact in it. Motions without a contact are sampled, too.
 void judge(const RobotPlace& truth, const Plan& plan, int samples, PlanCounts& counts)
 {
@@ -116,14 +104,16 @@ void judge(const RobotPlace& truth, const Plan& plan, int samples, PlanCounts& c
     const std::span<const double> from(plan.data(), edges * width), to(plan.data() + width, edges * width);
     std::vector<RobotEdgeFinding> found(edges);
     truth.robot.check_edges(truth.world, from, to, found, {.first = false});
+    MotionSamples motion(truth);
     bool collides = false, undecided = false;
     for (std::size_t i = 0; i < edges; ++i) {
         if (found[i].contact_by <= 1) {
             collides = true;
             continue;
         }
+        const auto parts = static_cast<std::size_t>(samples);
         const bool sample =
-            sample_collides(truth, from.subspan(i * width, width), to.subspan(i * width, width), samples);
+            motion.collide(from.subspan(i * width, width), to.subspan(i * width, width), 0, parts, parts);
         if (found[i].verdict == Verdict::separate)
             counts.refuted += sample;
         else

@@ -80,7 +80,7 @@ Edges edges_of(const EdgeBenchOptions& options, const RobotPlace& place, const R
 class Sampled {
 public:
     Sampled(const RobotPlace& place, const Joints& joints, double resolution)
-        : place_(place), step_(resolution * joints.extent)
+        : samples_(place), step_(resolution * joints.extent)
     {
     }
     bool collides(std::span<const double> from, std::span<const double> to)
@@ -88,36 +88,19 @@ public:
         double square = 0;
         for (std::size_t i = 0; i < from.size(); ++i) square += std::pow(to[i] - from[i], 2);
         const auto parts = static_cast<std::size_t>(std::max(1.0, std::ceil(std::sqrt(square) / step_)));
-        return any(to) || any(inner(from, to, parts));
+        return samples_.collide(from, to, parts, parts, parts) || samples_.collide(from, to, 1, parts - 1, parts);
     }
     /// Whether one of evenly spaced configurations up to a share of the edge collides.
     bool collides_before(std::span<const double> from, std::span<const double> to, double share, std::size_t parts)
     {
-        numbers_.assign(from.begin(), from.end());
-        for (std::size_t i = 0; i < from.size(); ++i) numbers_[i] += share * (to[i] - from[i]);
-        const std::vector<double> end = numbers_;
-        return any(inner(from, end, parts));
+        std::vector<double> end(from.size());
+        for (std::size_t i = 0; i < from.size(); ++i) end[i] = std::lerp(from[i], to[i], share);
+        return samples_.collide(from, end, 1, parts - 1, parts);
     }
 
 private:
-    const std::vector<double>& inner(std::span<const double> from, std::span<const double> to, std::size_t parts)
-    {
-        numbers_.clear();
-        for (std::size_t k = 1; k < parts; ++k)
-            for (std::size_t i = 0; i < from.size(); ++i)
-                numbers_.push_back(from[i] + static_cast<double>(k) / static_cast<double>(parts) * (to[i] - from[i]));
-        return numbers_;
-    }
-    bool any(std::span<const double> numbers)
-    {
-        found_.resize(numbers.size() / place_.robot.width());
-        place_.robot.check(place_.world, numbers, found_);
-        return std::ranges::any_of(found_, [](const RobotFinding& f) { return f.verdict != Verdict::separate; });
-    }
-    const RobotPlace& place_;
+    MotionSamples samples_;
     double step_;
-    std::vector<double> numbers_;
-    std::vector<RobotFinding> found_;
 };
 
 struct EdgeCounts {

@@ -1,5 +1,8 @@
 #include "bench/robot/robot_place.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "cli/options.hpp"
 
 namespace oncollide::tools {
@@ -65,6 +68,18 @@ void RobotPlace::set_obstacles(const std::vector<LinkGeometry>& obstacles)
         models_.push_back(world.add(obstacle.geometry));
         bodies_.push_back(world.add_body({.model = models_.back(), .pose = obstacle.pose, .is_static = true}));
     }
+}
+
+bool MotionSamples::collide(std::span<const double> from, std::span<const double> to, std::size_t first,
+                            std::size_t last, std::size_t parts)
+{
+    numbers_.clear();
+    for (std::size_t k = first; k <= last; ++k)
+        for (std::size_t i = 0; i < from.size(); ++i)
+            numbers_.push_back(std::lerp(from[i], to[i], static_cast<double>(k) / static_cast<double>(parts)));
+    found_.resize(numbers_.size() / from.size());
+    place_.robot.check(place_.world, numbers_, found_);
+    return std::ranges::any_of(found_, [](const RobotFinding& f) { return f.verdict != Verdict::separate; });
 }
 
 } // namespace oncollide::tools

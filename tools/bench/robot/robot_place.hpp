@@ -42,4 +42,18 @@ private:
     std::vector<BodyId> bodies_;
 };
 
+/// Checks evenly spaced configurations of motions. Keeps its memory.
+class MotionSamples {
+public:
+    explicit MotionSamples(const RobotPlace& place) : place_(place) {}
+    /// Whether the configuration at one of the shares first / parts, ..., last / parts of a motion is not separate.
+    bool collide(std::span<const double> from, std::span<const double> to, std::size_t first, std::size_t last,
+                 std::size_t parts);
+
+private:
+    const RobotPlace& place_;
+    std::vector<double> numbers_;
+    std::vector<RobotFinding> found_;
+};
+
 } // namespace oncollide::tools
