@@ -1,6 +1,6 @@
+#include "robots/small_robot.hpp"
 #include "tools/command_fixture.hpp"
 #include "tools/csv_rows.hpp"
-#include "robots/small_robot.hpp"
 
 namespace oncollide::test {
 namespace {
@@ -94,6 +94,9 @@ TEST_F(RobotBenchmarks, FaultsOfProblemsNameTheFileAndTheLine)
     fault("scene0001.yaml", changed(board, "0.35", ".nan"), "position is not a finite number");
     fault("request0001.yaml", changed(bend, "0.05, 1]", "0.05]"), "line 2: name and position have different lengths");
     fault("request0001.yaml", "goal_constraints: [", "line 1");
+    const std::string other =
+        changed(changed(bend, "joint_name: elbow", "joint_name: e"), "joint_name: turn", "joint_name: t");
+    fault("request0001.yaml", other, "its goal has no joint of 'arm'");
     std::filesystem::remove(folder_ / "problems" / "board" / "request0001.yaml");
     EXPECT_EQ(bench("robot", {}).code, 66);
     std::filesystem::remove_all(folder_ / "problems" / "board");

@@ -3,6 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/text/printable.hpp>
+
 #include "cli/options.hpp"
 
 namespace oncollide::tools {
@@ -26,6 +31,10 @@ std::vector<PlanningProblem> open_problems(const ProblemOptions& options)
 
 RobotWork workload_of(const PlanningProblem& problem, const Robot& robot, int each)
 {
+    if (std::ranges::none_of(robot.names(), [&](const std::string& name) { return problem.goal.contains(name); }))
+        refuse(
+            fmt::format("{}/request{}.yaml", printable(problem.set), printable(problem.name)),
+            fmt::format("its goal has no joint of '{}'; is it of another robot?", printable(robot.description().name)));
     RobotWork work;
     std::vector<double> from = robot.neutral(), to;
     const auto set = [&](std::vector<double>& numbers, const std::map<std::string, double>& values) {

@@ -20,7 +20,8 @@ struct RobotWork {
     std::vector<double> numbers;
     std::vector<LinkGeometry> obstacles;
 };
-/// `each` configurations. Joints that the robot has not are left out.
+/// `each` configurations. Joints that the robot has not are left out. Throws Error{bad_data} if it has none of the
+/// goal's.
 RobotWork workload_of(const PlanningProblem& problem, const Robot& robot, int each);
 
 /// The robot with spheres as its collision geometry.
