@@ -10,9 +10,16 @@ struct RelativePose {
     Eigen::Vector3d translation;
 
     RelativePose(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b)
-        : rotation(a.linear().transpose() * b.linear()),
-          translation(a.linear().transpose() * (b.translation() - a.translation()))
     {
+        const double* const of_a = a.data(); // columns of four
+        const double* const of_b = b.data();
+        const auto along = [&](int i, double x, double y, double z) {
+            return of_a[4 * i] * x + of_a[4 * i + 1] * y + of_a[4 * i + 2] * z;
+        };
+        for (int j = 0; j < 3; ++j)
+            for (int i = 0; i < 3; ++i) rotation(i, j) = along(i, of_b[4 * j], of_b[4 * j + 1], of_b[4 * j + 2]);
+        for (int i = 0; i < 3; ++i)
+            translation[i] = along(i, of_b[12] - of_a[12], of_b[13] - of_a[13], of_b[14] - of_a[14]);
         // Rounding must not rotate one body against the other: two copies of a mesh at the same pose must coincide.
         if (a.linear() == b.linear()) rotation.setIdentity();
     }

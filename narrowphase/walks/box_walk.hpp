@@ -362,12 +362,7 @@ private:
         }
         waiting_.clear();
     }
-    double least_box_gap(const WalkFrame& frame) const
-    {
-        double least = infinity;
-        for (const float gap : nearest_) least = std::min(least, frame.at_least(gap));
-        return least;
-    }
+    double least_box_gap(const WalkFrame& frame) const { return frame.at_least(*std::ranges::min_element(nearest_)); }
     /// Lower bound of the distance if no two primitives met, from the rejected boxes and the tested primitives.
     double least_gap(const WalkFrame& frame)
     {

@@ -72,7 +72,7 @@ void BoxWalk<A, B, Leaves>::walk_all(float cutoff, auto take_leaves)
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 void BoxWalk<A, B, Leaves>::all_meetings(A& a, B& b, const RelativePose& b_to_a, auto found, auto leave)
 {
-    const WalkFrame frame(a, b, b_to_a);
+    const WalkFrame frame(a, b, b_to_a, 0);
     far_ = true;
     if (frame.apart > 0) return;
     start_near(a, b, b_to_a, frame, 0);
@@ -110,7 +110,7 @@ void BoxWalk<A, B, Leaves>::all_meetings(A& a, B& b, const RelativePose& b_to_a,
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 void BoxWalk<A, B, Leaves>::all_near(A& a, B& b, const RelativePose& b_to_a, double clearance, auto visit)
 {
-    const WalkFrame frame(a, b, b_to_a);
+    const WalkFrame frame(a, b, b_to_a, clearance);
     far_ = true;
     if (frame.apart > clearance) return;
     start_near(a, b, b_to_a, frame, clearance);

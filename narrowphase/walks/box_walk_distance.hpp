@@ -14,7 +14,7 @@ template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b, const RelativePose& b_to_a,
                                                                       double tolerance, double farthest)
 {
-    const WalkFrame frame(a, b, b_to_a);
+    const WalkFrame frame(a, b, b_to_a, farthest);
     if (frame.apart > farthest) return {frame.apart, infinity, {}};
     origin_ = frame.origin;
     start(a, b, b_to_a, frame);

@@ -41,7 +41,7 @@ template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 FirstEntry<typename Leaves::Pair> BoxWalk<A, B, Leaves>::first_entry(A& a, B& b, const RelativePose& b_to_a,
                                                                      const SweptMotion& motion)
 {
-    const WalkFrame frame(a, b, b_to_a);
+    const WalkFrame frame(a, b, b_to_a, infinity);
     origin_ = frame.origin;
     const auto moved = [&](const SweptSide& side) { return SweptSide{side.at(origin_), side.turn}; };
     swept_ = {moved(motion.a), moved(motion.b), motion.slack}, box_rounding_ = frame.box_rounding;

@@ -111,7 +111,7 @@ template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 double BoxWalk<A, B, Leaves>::meetings(A& a, B& b, const RelativePose& b_to_a, std::optional<Pair> hint, auto found,
                                        auto leave, std::optional<Place>* place)
 {
-    const WalkFrame frame(a, b, b_to_a);
+    const WalkFrame frame(a, b, b_to_a, 0);
     far_ = true;
     if (frame.apart > 0) return frame.apart;
     bool met = false, go_on = true;
@@ -137,13 +137,13 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
                                                               double tolerance, std::optional<Pair> hint,
                                                               std::optional<Place>* place)
 {
-    const WalkFrame frame(a, b, b_to_a);
+    const WalkFrame frame(a, b, b_to_a, clearance);
+    far_ = true;
+    if (frame.apart > clearance) return {false, frame.apart, {}};
     // Poses may be 2^-20 from rigid, so a distance in A's frame may differ from the distance in the world frame.
     const double rounding = frame.leaf_rounding + 0x1p-18 * clearance;
     NearBounds<Pair> result{false, clearance + std::max(tolerance, 2 * rounding), {}};
     const double enough = result.bound - rounding;
-    far_ = true;
-    if (frame.apart > clearance) return {false, frame.apart, {}};
     const Entry* from = nullptr; // the entry of pairs that do not wait
     const auto take = [&](Pair pair) {
         result.near = true, result.witness = pair;
@@ -200,8 +200,8 @@ template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 Comparison<typename Leaves::Pair> BoxWalk<A, B, Leaves>::compare(A& a, B& b, const RelativePose& b_to_a, double cutoff,
                                                                  double slack, std::optional<Pair> hint)
 {
-    const WalkFrame frame(a, b, b_to_a);
     const double most = cutoff + slack;
+    const WalkFrame frame(a, b, b_to_a, most);
     far_ = true;
     if (frame.apart > most) return {1, frame.apart, {}};
     double lower = infinity, upper = infinity;

@@ -58,7 +58,7 @@ class SolidDistance<Tree>::Query {
 public:
     Query(SolidDistance& memory, const ShapeTree& shape, Tree& tree, const RelativePose& tree_to_shape, double slack)
         : memory_(memory), shape_(shape), tree_(tree), into_(tree_to_shape), slack_(slack),
-          frame_(shape, tree, tree_to_shape), rounding_(frame_.box_rounding + 0x1p-17 * shape.radius()),
+          frame_(shape, tree, tree_to_shape, infinity), rounding_(frame_.box_rounding + 0x1p-17 * shape.radius()),
           above_centre_((shape.centre() - shape.shape().centre).norm() - shape.shape().inner - shape.shape().radius)
     {
         const Vector3d centre = into_.rotation.transpose() * (shape.centre() - into_.translation) - tree.centre();

@@ -21,8 +21,7 @@ void TriangleTestsOf<A, B>::start(const A& a, const B& b, const RelativePose& b_
 template <class A, class B>
 double TriangleTestsOf<A, B>::least_gap(double rounding) const
 {
-    double least = std::numeric_limits<double>::infinity();
-    for (const double gap2 : nearest2_) least = std::min(least, std::sqrt(gap2) * (1 - 0x1p-50));
+    double least = std::sqrt(*std::ranges::min_element(nearest2_)) * (1 - 0x1p-50);
     // Surfaces that nearly coincide have thousands of such pairs, which are too near for their exact gaps to matter.
     constexpr int most_exact_gaps = 64;
     int exact_gaps = 0;

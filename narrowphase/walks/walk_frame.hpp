@@ -28,27 +28,34 @@ struct WalkFrame {
     double leaf_rounding;   ///< error bound of distances between primitives
     double apart;           ///< lower bound of the distance of the spheres around the geometries
 
-    WalkFrame(const auto& a, const auto& b, const RelativePose& b_to_a)
+    /// @param reach  if the spheres are farther apart, only `apart` is set
+    WalkFrame(const auto& a, const auto& b, const RelativePose& b_to_a, double reach)
     {
+        const Eigen::Matrix3d& r = b_to_a.rotation;
         const Eigen::Vector3d d = b_to_a(b.centre()) - a.centre();
-        Eigen::Vector3f of_a = Eigen::Vector3f::Zero(), of_b = of_a; // the points that become the origin
-        if (a.radius() < b.radius())
-            of_b = (b_to_a.rotation.transpose() * -d).template cast<float>();
-        else
-            of_a = d.cast<float>();
-        origin = a.centre() + of_a.cast<double>();
-        const Eigen::Vector3d rest = d + b_to_a.rotation * of_b.cast<double>() - of_a.cast<double>();
-        place_a.rotated = false, place_b.rotated = true;
-        for (int i = 0; i < 9; ++i) place_b.rotation[i] = static_cast<float>(b_to_a.rotation(i / 3, i % 3));
-        for (int i = 0; i < 3; ++i) {
-            place_a.from[i] = of_a[i], place_b.from[i] = of_b[i];
-            place_b.translation[i] = static_cast<float>(rest[i]);
-        }
-        const double both = a.radius() + b.radius(), m = d.norm() + both;
+        const double both = a.radius() + b.radius(), length = d.norm(), m = length + both;
+        const auto sum = [](const Eigen::Vector3d& v) { return std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]); };
+        const double at_most_far = sum(a.centre()) + sum(b.centre()) + sum(b_to_a.translation); // without roots
+        // The translation of B, which only corrects the origin's rounding, is shorter than 2^-17 of the distance.
+        box_rounding =
+            0x1p-18 * std::min(a.radius(), b.radius()) + 0x1p-37 * length + 0x1p-48 * (m + at_most_far) + 1e-30;
+        apart = (length - (1 + 0x1p-18) * both) * (1 - 0x1p-18) - box_rounding;
+        if (apart > reach) return;
         const double far = a.centre().norm() + b.centre().norm() + b_to_a.translation.norm();
-        box_rounding = 0x1p-18 * std::min(a.radius(), b.radius()) + 0x1p-20 * rest.norm() + 0x1p-48 * (m + far) + 1e-30;
         leaf_rounding = std::max(0x1p-38 * m, 0x1p-48 * far) + 1e-150; // squares of smaller distances underflow
-        apart = (d.norm() - (1 + 0x1p-18) * both) * (1 - 0x1p-18) - box_rounding;
+        const bool from_a = a.radius() < b.radius();
+        for (int i = 0; i < 3; ++i) { // the points that become the origin
+            place_a.from[i] = from_a ? 0 : static_cast<float>(d[i]);
+            place_b.from[i] = from_a ? static_cast<float>(-(r(0, i) * d[0] + r(1, i) * d[1] + r(2, i) * d[2])) : 0;
+        }
+        place_a.rotated = false, place_b.rotated = true;
+        for (int i = 0; i < 3; ++i) {
+            const double from = double(place_a.from[i]);
+            const double moved = r(i, 0) * place_b.from[0] + r(i, 1) * place_b.from[1] + r(i, 2) * place_b.from[2];
+            origin[i] = a.centre()[i] + from;
+            place_b.translation[i] = static_cast<float>(d[i] + moved - from);
+            for (int j = 0; j < 3; ++j) place_b.rotation[3 * i + j] = static_cast<float>(r(i, j));
+        }
     }
     /// The lower bound of the distance that a gap proves.
     double at_least(double gap) const { return (gap - box_rounding) * (1 - 0x1p-17); }

@@ -10,21 +10,19 @@ Narrowing::Narrowing(const Settings& settings, ModelStore& models, Level level)
 {
 }
 
-bool Narrowing::is_idle(const RefineContext& context, std::span<const PairTask> tasks) const
+/// Queries whose trees exist run concurrently.
+bool Narrowing::sort_if_there(const RefineContext& context, std::span<const PairTask> tasks)
 {
-    if (level_ != Level::refine || !dispatch_.leaves_to_exact()) return false;
     const auto lock = context.walking();
-    return std::ranges::all_of(tasks, [&](const PairTask& t) { return dispatch_.there(level_, models_, *t.a, *t.b); });
+    if (!std::ranges::all_of(tasks, [&](const PairTask& t) { return dispatch_.there(level_, models_, *t.a, *t.b); }))
+        return false;
+    give_out(context, tasks);
+    return true;
 }
 
-/// Queries whose trees exist run concurrently.
 void Narrowing::sort_out(const RefineContext& context, std::span<const PairTask> tasks)
 {
-    if (context.guard) {
-        const auto lock = context.walking();
-        if (std::ranges::all_of(tasks, [&](const PairTask& t) { return dispatch_.there(level_, models_, *t.a, *t.b); }))
-            return give_out(context, tasks);
-    }
+    if (context.guard && sort_if_there(context, tasks)) return;
     const auto alone = context.changing();
     give_out(context, tasks);
 }
@@ -63,10 +61,16 @@ void Narrowing::tell_unreadable(const Settings& settings, const PairTask& task, 
     }
 }
 
-void Narrowing::run(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-                    std::span<Finding> results)
+bool Narrowing::run_if_there(RefineContext& context, std::span<const PairTask> tasks, std::span<Finding> results)
 {
-    sort_out(context, tasks);
+    if (!sort_if_there(context, tasks)) return false;
+    run_sorted(context, tasks, nullptr, results);
+    return true;
+}
+
+void Narrowing::run_sorted(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
+                           std::span<Finding> results)
+{
     refine(Refiner::spheres, spheres_, context, tasks, cache, results);
     refine(Refiner::obbs, boxes_, context, tasks, cache, results);
     refine(Refiner::exact, exact_, context, tasks, cache, results);
@@ -88,8 +92,8 @@ void Narrowing::run(RefineContext& context, std::span<const PairTask> tasks, Pai
 
 void BothLevels::run(RefineContext& context, std::span<const PairTask> tasks, std::span<Finding> results)
 {
-    if (!settings_.skip.contains(StageId::refine) && !refine_.is_idle(context, tasks))
-        refine_.run(context, tasks, nullptr, results);
+    if (exact_alone_ && exact_.run_if_there(context, tasks, results)) return;
+    if (!settings_.skip.contains(StageId::refine)) refine_.run(context, tasks, nullptr, results);
     if (!exact_runs(settings_)) return;
     open_.clear(), tasks_.clear(), results_.clear();
     for (std::uint32_t i = 0; i < tasks.size(); ++i)

@@ -24,14 +24,23 @@ public:
 
     /// Updates results[i] for tasks[i]. Pairs without a refiner keep their results, except that `within` becomes
     /// `undecided` if a budget has no room for an exact decision.
-    void run(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache, std::span<Finding> results);
-    /// True if run() would change nothing: the exact level decides these pairs, and their trees exist.
-    bool is_idle(const RefineContext& context, std::span<const PairTask> tasks) const;
+    void run(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache, std::span<Finding> results)
+    {
+        sort_out(context, tasks);
+        run_sorted(context, tasks, cache, results);
+    }
+    /// run(), if all trees of the tasks exist; otherwise changes nothing and returns false.
+    bool run_if_there(RefineContext& context, std::span<const PairTask> tasks, std::span<Finding> results);
+    /// True if run() of the level `refine` changes nothing where all trees exist: the exact level decides all pairs.
+    bool leaves_to_exact() const { return dispatch_.leaves_to_exact(); }
     /// True if the last run() decided task i.
     bool decided(std::size_t i) const { return refiners_[i] > Refiner::no_room; }
 
 private:
     void sort_out(const RefineContext& context, std::span<const PairTask> tasks);
+    bool sort_if_there(const RefineContext& context, std::span<const PairTask> tasks);
+    void run_sorted(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
+                    std::span<Finding> results);
     void give_out(const RefineContext& context, std::span<const PairTask> tasks);
     void tell_unreadable(const Settings& settings, const PairTask& task, Finding& result) const;
     void refine(Refiner which, PairRefiner& refiner, RefineContext& context, std::span<const PairTask> tasks,
@@ -55,16 +64,18 @@ private:
 class BothLevels {
 public:
     BothLevels(const Settings& settings, ModelStore& models)
-        : settings_(settings), refine_(settings, models, Level::refine), exact_(settings, models, Level::exact)
+        : settings_(settings), refine_(settings, models, Level::refine), exact_(settings, models, Level::exact),
+          exact_alone_(exact_runs(settings) && (refine_.leaves_to_exact() || settings.skip.contains(StageId::refine)))
     {
     }
 
-    /// As Narrowing::run(), but without a cache, because queries do not repeat.
+    /// As Narrowing::run(), but without a cache, because queries do not repeat. All results must be undecided.
     void run(RefineContext& context, std::span<const PairTask> tasks, std::span<Finding> results);
 
 private:
     const Settings& settings_;
     Narrowing refine_, exact_;
+    const bool exact_alone_;          ///< the exact level decides all pairs whose trees exist
     std::vector<std::uint32_t> open_; ///< tasks left for the exact level
     std::vector<PairTask> tasks_;     ///< the tasks in open_
     std::vector<Finding> results_;

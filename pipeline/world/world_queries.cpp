@@ -1,5 +1,6 @@
 // World: const queries of one thing against all bodies, safe from many threads at once.
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -95,11 +96,11 @@ void World::Impl::find_near(QueryWorker& worker, const Probe& probe, double marg
 /// Appends the hits of `probe` among worker.tasks.
 void World::Impl::refine_hits(QueryWorker& w, const Probe& probe, std::vector<QueryHit>& hits)
 {
-    const Aabb box = probe.model->bounds().box(probe.pose);
-    const auto farthest = [&](std::uint32_t slot) { return farthest_apart(box, bodies.boxes()[slot]); };
-    w.refined.clear();
-    for (const PairTask& task : w.tasks)
-        w.refined.push_back({Verdict::undecided, ContactKind::unknown, farthest(task.number)});
+    constexpr double unknown = std::numeric_limits<double>::infinity();
+    const auto farthest = [&](std::uint32_t slot) {
+        return farthest_apart(probe.model->bounds().box(probe.pose), bodies.boxes()[slot]);
+    };
+    w.refined.assign(w.tasks.size(), {Verdict::undecided, ContactKind::unknown, unknown});
     w.levels.run(w.context, w.tasks, w.refined);
     for (std::size_t i = 0; i < w.tasks.size(); ++i) {
         const std::uint32_t slot = w.tasks[i].number;
@@ -112,14 +113,16 @@ void World::Impl::refine_hits(QueryWorker& w, const Probe& probe, std::vector<Qu
                 models.note(fault.what());
                 found = {Verdict::undecided, ContactKind::unknown, farthest(slot)};
             }
-        if (found.verdict != Verdict::separate) hits.push_back({found, bodies.id(slot)});
+        if (found.verdict == Verdict::separate) continue;
+        if (found.bound == unknown) found.bound = farthest(slot); // no level had room or time
+        hits.push_back({found, bodies.id(slot)});
     }
 }
 
 void World::Impl::find_hits(QueryWorker& w, const Probe& probe, std::vector<QueryHit>& hits)
 {
     find_near(w, probe, 0);
-    refine_hits(w, probe, hits);
+    if (!w.tasks.empty()) refine_hits(w, probe, hits);
 }
 
 /// True if the body has the tree that segments need, or needs none. Makes the tree if there is room.

@@ -1,3 +1,5 @@
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "random_pose.hpp"
@@ -40,7 +42,7 @@ protected:
             const Ball a{random_pose(seed + 1000, 10 * size_a).translation(), size_a},
                 b{random_pose(seed + 2000, 10 * size_b).translation(), size_b};
             const RelativePose pose(random_pose(seed + 3000, 2 * (size_a + size_b)), random_pose(seed + 4000, size_a));
-            visit(a, b, pose, WalkFrame(a, b, pose), seed);
+            visit(a, b, pose, WalkFrame(a, b, pose, std::numeric_limits<double>::infinity()), seed);
         }
     }
 };
