@@ -22,9 +22,9 @@ constexpr std::uint32_t lines_of(bool inner)
 }
 
 /// Upper bound of the lines of all nodes below a box of `triangles` triangles in a fully grown tree, with the unused
-/// ends of blocks. A box of three or more triangles has eight children, or one for each of its triangles. A node of
-/// such children takes three lines for at least three triangles, and a node above eight of these five more: 29 lines
-/// for 24 triangles, and so on.
+/// ends of blocks. A box of three or more triangles has eight children, or one for each of its triangles, or two or
+/// three of at least six triangles. A node of single triangles takes three lines for at least three triangles, and a
+/// node above eight of these five more: 29 lines for 24 triangles, and so on.
 /// @param any  a box may have any number of children from two
 constexpr std::uint64_t most_node_lines(std::uint64_t triangles, bool any)
 {

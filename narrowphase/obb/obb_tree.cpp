@@ -24,6 +24,14 @@ constexpr std::size_t most_split = 131072;
 
 std::atomic<std::uint32_t> trees_made = 1;
 
+/// The number of parts of a box. Eight parts of three or four triangles would leave nodes half empty; two or three such
+/// parts together fill one.
+unsigned parts_of(std::uint32_t count, unsigned most)
+{
+    constexpr std::uint32_t few = 16, many = 32, in_each = 12;
+    return count <= few || count > many ? std::min(most, count) : (count + in_each - 1) / in_each;
+}
+
 } // namespace
 
 struct ObbTree::Growing {
@@ -192,7 +200,7 @@ ObbTree::Node ObbTree::grow(Node parent, unsigned k)
         if (const Node index = grow_by_grid(above, k)) return index;
     Growing& g = growing();
     g.parts.start({vertices_, triangles_, chunked_ ? chunked_->numbers() : nullptr}, centre_, {order_ + begin, count});
-    const unsigned parts = std::min(most_lanes, count);
+    const unsigned parts = parts_of(count, most_lanes);
     g.parts.split(parts);
     bool inner = false;
     for (unsigned part = 0; part < parts; ++part)

@@ -27,7 +27,7 @@ struct BoxTotals {
 /// when a traversal first opens it, so a scene pays only for the parts of its meshes that come close to others.
 ///
 /// The triangles of a box are split three times. Each split minimises the sum over both sides of box area times number
-/// of triangles, with at least two fifths of the triangles on each side, so the tree is at most 0.46 log2(n) + 2 nodes
+/// of triangles, with at least two fifths of the triangles on each side, so the tree is at most 0.46 log2(n) + 3 nodes
 /// deep. A node depends on the mesh alone, not on the order of traversals. Traversals may grow the tree concurrently.
 class ObbTree final : public HeldChunks {
 public:

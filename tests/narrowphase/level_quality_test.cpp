@@ -81,7 +81,7 @@ TEST(WholeTrees, BoxesLeaveLessOfACurvedSurfacesNeighbourhoodThanAsManySpheres)
     const auto spheres = whole.spheres(5);
     ObbTree tree(mesh);
     const auto boxes = tools::box_levels(tree).at(4);
-    ASSERT_EQ(boxes.size(), 4096u);
+    ASSERT_GT(boxes.size(), 3000u);
     ASSERT_GT(spheres.size(), boxes.size());
     const tools::SurfaceIndex index(mesh);
     const tools::QualityOptions options{.closed = true, .directions = 20, .points = 0};

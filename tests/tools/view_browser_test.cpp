@@ -41,8 +41,16 @@ protected:
             return document.substr(from + mark.size(), document.find('"', from + mark.size()) - from - mark.size());
         }
     };
+    /// What the browser shows after so much of its own time. On a loaded machine the picture may not be drawn by then:
+    /// an empty one is taken again.
     Seen look(const std::string& page, const std::string& fragment, const std::string& size = "900,640",
               int milliseconds = 1500)
+    {
+        const Seen seen = look_once(page, fragment, size, milliseconds);
+        const bool empty = drawn(seen.picture) == 0 && milliseconds < 10'000;
+        return empty ? look(page, fragment, size, 3 * milliseconds) : seen;
+    }
+    Seen look_once(const std::string& page, const std::string& fragment, const std::string& size, int milliseconds)
     {
         const Outcome outcome = browse(
             folder_, {"--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
