@@ -15,7 +15,6 @@ namespace oncollide {
 namespace {
 
 constexpr std::size_t spheres_each = 16; // per geometry, to rule out pairs
-constexpr std::size_t many_parts = 4;    // of a link: from here on, a query of their bounding sphere pays
 
 [[noreturn]] void fail(const std::string& what)
 {
@@ -47,23 +46,26 @@ Robot::Impl::Impl(World& world, RobotDescription given, const Eigen::Isometry3d&
         for (const LinkGeometry& collision : link.collision) check_pose("link '" + link.name + "'", collision.pose);
     const bool solid = world.settings().mode == Mode::solid;
     std::map<const Geometry*, ModelId> models;
+    std::map<const Mesh*, std::shared_ptr<const PartSolids>> solids;
     for (std::uint32_t i = 0; i < description.links.size(); ++i) {
         const auto first = static_cast<std::uint32_t>(parts.size());
         for (const LinkGeometry& collision : description.links[i].collision) {
             ModelId& model = models[collision.geometry.get()];
             if (!model) model = world.add(collision.geometry);
             add_part(i, model, collision.pose, cover(*collision.geometry, solid), {});
+            if (const Mesh* const mesh = std::get_if<Mesh>(&collision.geometry->data)) {
+                std::shared_ptr<const PartSolids>& own = solids[mesh];
+                if (!own) own = std::make_shared<const PartSolids>(*mesh);
+                parts.back().solids = own;
+            }
         }
-        if (first == parts.size()) continue;
-        add_group(first);
-        if (parts.size() - first >= many_parts)
-            groups.back().model = world.add(Sphere{groups.back().whole.radius * stretch()});
+        if (first < parts.size()) add_group(first);
     }
     attached_from = parts.size(), spheres_of_links = spheres.size();
     if (parts.empty()) refuse(fmt::format("robot '{}'", printable(description.name)), "no link has collision geometry");
     any_model = parts.front().model;
     point = world.add(Sphere{1e-6});
-    find_pairs();
+    take_in_groups();
 }
 
 void Robot::Impl::add_part(std::uint32_t link, ModelId model, const Eigen::Isometry3d& pose,
@@ -73,7 +75,8 @@ void Robot::Impl::add_part(std::uint32_t link, ModelId model, const Eigen::Isome
     const PartSpheres own{static_cast<std::uint32_t>(spheres.size()), static_cast<std::uint32_t>(cover.size()),
                           around_spheres(cover)};
     spheres.insert(spheres.end(), cover.begin(), cover.end());
-    parts.push_back({link, model, pose, own, {touching.begin(), touching.end()}});
+    const bool is_at_link = pose.matrix() == Eigen::Matrix4d::Identity();
+    parts.push_back({link, model, pose, is_at_link, own, {touching.begin(), touching.end()}});
 }
 
 void Robot::Impl::add_group(std::uint32_t first)
@@ -85,6 +88,23 @@ void Robot::Impl::add_group(std::uint32_t first)
         group.whole = around_spheres(wholes);
     }
     groups.push_back(group);
+}
+
+void Robot::Impl::take_in_groups()
+{
+    covers.clear(), idle = no_checkers();
+    for (const Group& group : groups) {
+        std::vector<CoverSphere> balls;
+        std::vector<std::uint32_t> of;
+        for (std::uint32_t i = group.first; i < group.end; ++i) {
+            const auto first = spheres.begin() + parts[i].cover.first;
+            balls.insert(balls.end(), first, first + parts[i].cover.count);
+            of.resize(balls.size(), i);
+        }
+        covers.emplace_back(balls, of, group.whole, group.link);
+    }
+    find_pairs();
+    find_sound_poses();
 }
 
 void Robot::Impl::find_pairs()
@@ -148,6 +168,36 @@ void Robot::Impl::check_pose(const std::string& of, const Eigen::Isometry3d& pos
         refuse(fmt::format("robot '{}': {}", printable(description.name), printable(of)), why);
 }
 
+void Robot::Impl::find_sound_poses()
+{
+    double skew = 0, size = 0;
+    const auto add = [&](const Eigen::Isometry3d& pose) {
+        const Eigen::Matrix3d r = pose.linear();
+        skew += (r.transpose() * r - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+        size += pose.translation().cwiseAbs().sum();
+    };
+    add(base);
+    for (const RobotJoint& joint : description.joints) {
+        add(joint.origin);
+        size += (1e9 * std::abs(joint.multiplier) + std::abs(joint.offset)) * 3;
+    }
+    for (const Part& part : parts) add(part.pose);
+    has_sound_poses = skew <= 0.9e-6 && size <= 1e14;
+}
+
+void Robot::Impl::check_poses(const Eigen::Isometry3d* links, std::size_t configuration) const
+{
+    for (const Part& part : parts) {
+        const Eigen::Isometry3d pose = pose_of(part, links);
+        std::string why = why_not_rigid(pose);
+        if (why.empty() && !(pose.translation().cwiseAbs().maxCoeff() <= 1e15)) why = "the pose is beyond 1e15 m";
+        if (!why.empty())
+            refuse(fmt::format("robot '{}': configuration {}: link '{}'", printable(description.name), configuration,
+                               printable(description.links[part.link].name)),
+                   why);
+    }
+}
+
 std::vector<std::uint32_t> Robot::Impl::own_slots() const
 {
     std::vector<std::uint32_t> slots;
@@ -200,6 +250,7 @@ void Robot::set_base(const Eigen::Isometry3d& base)
 {
     impl_->check_pose("base", base);
     impl_->base = base;
+    impl_->find_sound_poses();
 }
 
 std::vector<double> Robot::neutral() const
