@@ -53,6 +53,8 @@ GroupCover::GroupCover(std::span<const CoverSphere> spheres, std::span<const std
     std::vector<std::uint32_t> order(spheres.size());
     std::iota(order.begin(), order.end(), 0u);
     sort_into_blocks(order.begin(), order.end(), [&](std::uint32_t i) { return spheres[i].centre; });
+    for (const CoverSphere& sphere : spheres)
+        box_.add(sphere.centre.array() - sphere.radius), box_.add(sphere.centre.array() + sphere.radius);
     std::vector<CoverSphere> block;
     for (std::size_t i = 0; i < order.size(); ++i) {
         balls_.push_back(spheres[order[i]]), parts_.push_back(parts[order[i]]), block.push_back(spheres[order[i]]);
@@ -89,24 +91,24 @@ void NearParts::find(const GroupCover& a, const Eigen::Isometry3d& link_a, const
                      const Eigen::Isometry3d& link_b, std::vector<std::uint64_t>& pairs)
 {
     constexpr BallFrame as_it_is{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
-    const auto grown = [&](double radius) { return above(radius * factor_ + clearance_); };
     const double apart = (link_a.translation() - link_b.translation()).cwiseAbs().sum();
-    const BallGrowth growth{above(factor_), above(turn_ * (a.size() + b.size() + apart))};
+    const double slack = turn_ * (a.size() + b.size() + apart);
+    const BallGrowth with_clearance{above(factor_), above(slack + clearance_)}, growth{above(factor_), above(slack)};
     near_a_.resize(a.balls()), near_b_.resize(b.balls());
-    BallFrame frame;
-    set_frame(link_a, link_b, Eigen::Vector3d::Zero(), frame);
+    BallFrame frame; // into the frame of b's box
+    const Eigen::Vector3d middle = b.box().centre(), half = b.box().half_extent() * factor_;
+    set_frame(link_a, link_b, middle, frame);
+    const float box[3] = {above(half.x()), above(half.y()), above(half.z())};
     const BallBlocks blocks_b = b.blocks();
-    const CoverSphere& whole = b.whole();
-    const float around[4] = {static_cast<float>(whole.centre.x()), static_cast<float>(whole.centre.y()),
-                             static_cast<float>(whole.centre.z()), grown(whole.radius)};
-    const std::uint32_t count = ball_kernel().balls_near_ball(a.blocks(), frame, around, growth, near_a_.data());
+    const std::uint32_t count = ball_kernel().balls_near_box(a.blocks(), frame, box, with_clearance, near_a_.data());
+    for (int row = 0; row < 3; ++row) frame[4 * row + 3] += static_cast<float>(middle[row]);
     for (std::uint32_t i = 0; i < count; ++i) {
         const std::uint32_t k = near_a_[i];
         const float x = a.list().x[k], y = a.list().y[k], z = a.list().z[k];
         float ball[4];
         for (int row = 0; row < 3; ++row)
             ball[row] = frame[4 * row] * x + frame[4 * row + 1] * y + frame[4 * row + 2] * z + frame[4 * row + 3];
-        ball[3] = grown(a.list().radius[k]);
+        ball[3] = above(a.list().radius[k] * factor_ + clearance_);
         const std::uint32_t found = ball_kernel().balls_near_ball(blocks_b, as_it_is, ball, growth, near_b_.data());
         for (std::uint32_t n = 0; n < found; ++n) {
             pairs.push_back(std::uint64_t{a.part(k)} << 32 | b.part(near_b_[n]));

@@ -42,6 +42,7 @@ public:
     std::uint32_t part(std::uint32_t ball) const { return parts_[ball]; }
     bool has_one_part() const { return one_part_; }
     const CoverSphere& whole() const { return whole_; }
+    const Aabb& box() const { return box_; } ///< of the spheres
     std::uint32_t link() const { return link_; }
     /// Upper bound on the distance of points of the spheres from the link's origin.
     double size() const { return whole_.centre.norm() + whole_.radius; }
@@ -51,6 +52,7 @@ private:
     std::vector<std::uint32_t> parts_; ///< by ball
     bool one_part_;
     CoverSphere whole_;
+    Aabb box_;
     std::uint32_t link_;
 };
 

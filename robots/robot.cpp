@@ -14,6 +14,7 @@ namespace oncollide {
 
 namespace {
 
+constexpr double most_number = 1e9;
 constexpr std::size_t spheres_each = 16; // per geometry, to rule out pairs
 
 [[noreturn]] void fail(const std::string& what)
@@ -219,6 +220,10 @@ void Robot::Impl::check_numbers(const char* call, const char* item, const Robot&
     const std::size_t width = robot.width();
     if (numbers.size() != count * width)
         fail(fmt::format("{}: {} numbers for {} {}s of {}", call, numbers.size(), count, item, width));
+    const auto is_plain = [](const RobotJoint& joint) { return joint.kind != JointKind::floating; };
+    if (std::ranges::all_of(robot.description().joints, is_plain) &&
+        std::ranges::all_of(numbers, [](double number) { return std::abs(number) <= most_number; }))
+        return;
     for (std::size_t i = 0; i < count; ++i) try {
             robot.check_configuration(numbers.subspan(i * width, width), false);
         } catch (const Error& error) {
@@ -292,7 +297,7 @@ void Robot::check_configuration(std::span<const double> configuration, bool limi
             refuse(fmt::format("robot '{}': joint '{}'", printable(description().name), printable(joint.name)), what);
         };
         for (int n = 0; n < count; ++n)
-            if (!(std::abs(numbers[n]) <= 1e9)) bad(fmt::format("{} is not a number up to 1e9", numbers[n]));
+            if (!(std::abs(numbers[n]) <= most_number)) bad(fmt::format("{} is not a number up to 1e9", numbers[n]));
         if (count == 7 && !(std::abs(Eigen::Map<const Eigen::Vector4d>(numbers + 3).norm() - 1) <= 1e-6))
             bad("its quaternion is not of length 1");
         if (limits && count == 1 && !(numbers[0] >= joint.lower && numbers[0] <= joint.upper))

@@ -38,8 +38,8 @@ RobotDescription long_arm()
             add(link, Shape(Cylinder{0.03, 0.2}), {-0.05, 0, 0.2});
         }
         if (i >= 4)
-            for (std::uint64_t k = 0; k < 60; ++k)
-                add(link, Shape(Sphere{0.02 + 0.03 * u01(i, k, 3)}),
+            for (std::uint64_t k = 0; k < 100; ++k)
+                add(link, Shape(Sphere{0.02 + 0.02 * u01(i, k, 3)}),
                     {0.2 * u01(i, k, 0) - 0.1, 0.2 * u01(i, k, 1) - 0.1, 0.4 * u01(i, k, 2)});
         robot.links.push_back(std::move(link));
         if (i == 0) continue;
