@@ -139,6 +139,29 @@ TEST(RobotCheck, FindsTheFirstPairThatEveryPairDecidedAloneShows)
     }
 }
 
+/// A ball that slides along a row of boxes, at places where it just meets one or just does not.
+TEST(RobotCheck, NoContactIsLostAmongManyBodies)
+{
+    RobotDescription slider;
+    slider.name = "slider";
+    slider.links = {{"root", {}}, {"ball", {{std::make_shared<const Geometry>(Geometry{"ball", Sphere{0.05}, {}})}}}};
+    RobotJoint joint;
+    joint.name = "slide", joint.kind = JointKind::prismatic, joint.child = 1;
+    slider.joints = {joint};
+    World world;
+    const Robot robot(world, slider, Isometry3d(Eigen::Translation3d(5, 6, 7)));
+    const ModelId box = world.add(Box{{0.01, 0.01, 0.01}});
+    for (int i = 0; i < 100; ++i)
+        world.add_body({.model = box, .pose = Isometry3d(Eigen::Translation3d(5 + 0.25 * i, 6, 7))});
+    std::vector<double> numbers;
+    for (const double from : {-0.06 - 1e-9, -0.06 + 1e-9, 0.06 - 1e-9, 0.06 + 1e-9})
+        for (int i = 0; i < 100; ++i) numbers.push_back(0.25 * i + from);
+    std::vector<RobotFinding> found(numbers.size());
+    robot.check(world, numbers, found);
+    for (std::size_t i = 0; i < found.size(); ++i)
+        EXPECT_EQ(found[i].verdict == Verdict::colliding, i / 100 == 1 || i / 100 == 2) << i;
+}
+
 TEST(RobotCheck, SelfCollisionsAreThoseOfEveryPairDecidedAlone)
 {
     const RobotDescription description = long_arm();
