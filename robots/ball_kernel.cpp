@@ -26,7 +26,7 @@ inline F32x8 beyond(F32x8 x, float half)
     return max(abs(x) - half, F32x8{});
 }
 
-/// From the box to the point.
+/// The vector to the point from the nearest point of the box.
 inline Point outside(Point p, const float (&half)[3])
 {
     return {beyond(p.x, half[0]), beyond(p.y, half[1]), beyond(p.z, half[2])};

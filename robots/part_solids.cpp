@@ -20,7 +20,7 @@ Eigen::Vector3d box_inside(const Geometry& geometry)
     return Eigen::Vector3d::Constant(-1);
 }
 
-/// Of coordinates: poses up to 2^-20 from rigid, and rounding to float.
+/// Share of the coordinates that covers poses up to 2^-20 from rigid, and rounding to float.
 constexpr double pose_rounding = 0x1p-17;
 
 } // namespace

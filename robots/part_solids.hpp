@@ -9,7 +9,7 @@ namespace oncollide {
 
 struct Geometry;
 
-/// Solids around and inside a mesh, which tell most pairs apart or together without its triangles.
+/// Solids around and inside a mesh. They decide most pairs without its triangles.
 struct PartSolids {
     OuterHull hull;
     InnerSpheres inner;
@@ -26,7 +26,7 @@ struct PlacedBody {
     PlacedBody(std::uint32_t number, const Geometry& geometry, const Aabb& own_box, const Eigen::Isometry3d& pose);
 };
 
-/// What separated a pair last, to be tested first.
+/// The direction that separated a pair last. It is tested first.
 struct Parting {
     Eigen::Vector3f across = Eigen::Vector3f::Zero();
     std::uint8_t in_vain = 0, rest = 0; ///< tests in a row without result; tests to leave out

@@ -94,7 +94,7 @@ void Surroundings::find_together(std::uint32_t group, std::span<const std::uint8
             near_.push_back({i, around[static_cast<std::size_t>(std::countr_zero(mask))]});
 }
 
-/// Among many bodies a box around all configurations would hold too many.
+/// Queries each configuration: a box around all of them overlaps too many bodies.
 void Surroundings::find_one_by_one(std::uint32_t group, std::span<const std::uint8_t> open)
 {
     queries_.clear(), of_.clear();

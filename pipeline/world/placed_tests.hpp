@@ -10,8 +10,8 @@
 
 namespace oncollide {
 
-/// Queries and decisions of a World without the checks of their arguments: poses must be those that a World accepts.
-/// Its memory stays from call to call. For one thread, while nothing changes the World.
+/// Queries and decisions of a World without checks of poses, which must be rigid. The working memory stays from call to
+/// call. Calls belong to one thread, while nothing changes the World.
 class WorldAccess::PlacedTests {
 public:
     explicit PlacedTests(const World& world);

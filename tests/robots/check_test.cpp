@@ -220,7 +220,7 @@ TEST(RobotCheck, OneConfigurationAtATimeAndThreadsGiveTheSame)
     }
 }
 
-/// The World may change between calls; what a call keeps must not.
+/// A robot keeps working memory between calls, and the World changes.
 TEST(RobotCheck, BodiesThatMoveComeAndGoAreSeen)
 {
     SmallRobot files;
@@ -269,7 +269,7 @@ TEST(RobotCheck, PosesThatALongChainMakesUnsoundAreRefused)
     }
 }
 
-/// What solids of meshes tell is what the exact decision says.
+/// Solids of meshes give the verdicts of the exact decision.
 TEST(PartSolids, TellThatPartsAreApartOrMeetOnlyWhereTheyDo)
 {
     const Mesh knot = make_torus_knot_mesh(2, 3, 0.3, 0.12, 0.06, 800), block = make_box_mesh({0.3, 0.2, 0.1});
