@@ -14,8 +14,8 @@ namespace oncollide {
 
 namespace {
 
+constexpr double most_number = 1e9;
 constexpr std::size_t spheres_each = 16; // per geometry, to rule out pairs
-constexpr std::size_t many_parts = 4;    // of a link: from here on, a query of their bounding sphere pays
 
 [[noreturn]] void fail(const std::string& what)
 {
@@ -47,23 +47,26 @@ Robot::Impl::Impl(World& world, RobotDescription given, const Eigen::Isometry3d&
         for (const LinkGeometry& collision : link.collision) check_pose("link '" + link.name + "'", collision.pose);
     const bool solid = world.settings().mode == Mode::solid;
     std::map<const Geometry*, ModelId> models;
+    std::map<const Mesh*, std::shared_ptr<const PartSolids>> solids;
     for (std::uint32_t i = 0; i < description.links.size(); ++i) {
         const auto first = static_cast<std::uint32_t>(parts.size());
         for (const LinkGeometry& collision : description.links[i].collision) {
             ModelId& model = models[collision.geometry.get()];
             if (!model) model = world.add(collision.geometry);
             add_part(i, model, collision.pose, cover(*collision.geometry, solid), {});
+            if (const Mesh* const mesh = std::get_if<Mesh>(&collision.geometry->data)) {
+                std::shared_ptr<const PartSolids>& own = solids[mesh];
+                if (!own) own = std::make_shared<const PartSolids>(*mesh);
+                parts.back().solids = own;
+            }
         }
-        if (first == parts.size()) continue;
-        add_group(first);
-        if (parts.size() - first >= many_parts)
-            groups.back().model = world.add(Sphere{groups.back().whole.radius * stretch()});
+        if (first < parts.size()) add_group(first);
     }
     attached_from = parts.size(), spheres_of_links = spheres.size();
     if (parts.empty()) refuse(fmt::format("robot '{}'", printable(description.name)), "no link has collision geometry");
     any_model = parts.front().model;
     point = world.add(Sphere{1e-6});
-    find_pairs();
+    take_in_groups();
 }
 
 void Robot::Impl::add_part(std::uint32_t link, ModelId model, const Eigen::Isometry3d& pose,
@@ -73,7 +76,8 @@ void Robot::Impl::add_part(std::uint32_t link, ModelId model, const Eigen::Isome
     const PartSpheres own{static_cast<std::uint32_t>(spheres.size()), static_cast<std::uint32_t>(cover.size()),
                           around_spheres(cover)};
     spheres.insert(spheres.end(), cover.begin(), cover.end());
-    parts.push_back({link, model, pose, own, {touching.begin(), touching.end()}});
+    const bool is_at_link = pose.matrix() == Eigen::Matrix4d::Identity();
+    parts.push_back({link, model, pose, is_at_link, own, {touching.begin(), touching.end()}});
 }
 
 void Robot::Impl::add_group(std::uint32_t first)
@@ -85,6 +89,23 @@ void Robot::Impl::add_group(std::uint32_t first)
         group.whole = around_spheres(wholes);
     }
     groups.push_back(group);
+}
+
+void Robot::Impl::take_in_groups()
+{
+    covers.clear(), idle = no_checkers();
+    for (const Group& group : groups) {
+        std::vector<CoverSphere> balls;
+        std::vector<std::uint32_t> of;
+        for (std::uint32_t i = group.first; i < group.end; ++i) {
+            const auto first = spheres.begin() + parts[i].cover.first;
+            balls.insert(balls.end(), first, first + parts[i].cover.count);
+            of.resize(balls.size(), i);
+        }
+        covers.emplace_back(balls, of, group.whole, group.link);
+    }
+    find_pairs();
+    find_sound_poses();
 }
 
 void Robot::Impl::find_pairs()
@@ -148,6 +169,36 @@ void Robot::Impl::check_pose(const std::string& of, const Eigen::Isometry3d& pos
         refuse(fmt::format("robot '{}': {}", printable(description.name), printable(of)), why);
 }
 
+void Robot::Impl::find_sound_poses()
+{
+    double skew = 0, size = 0;
+    const auto add = [&](const Eigen::Isometry3d& pose) {
+        const Eigen::Matrix3d r = pose.linear();
+        skew += (r.transpose() * r - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+        size += pose.translation().cwiseAbs().sum();
+    };
+    add(base);
+    for (const RobotJoint& joint : description.joints) {
+        add(joint.origin);
+        size += (1e9 * std::abs(joint.multiplier) + std::abs(joint.offset)) * 3;
+    }
+    for (const Part& part : parts) add(part.pose);
+    has_sound_poses = skew <= 0.9e-6 && size <= 1e14;
+}
+
+void Robot::Impl::check_poses(const Eigen::Isometry3d* links, std::size_t configuration) const
+{
+    for (const Part& part : parts) {
+        const Eigen::Isometry3d pose = pose_of(part, links);
+        std::string why = why_not_rigid(pose);
+        if (why.empty() && !(pose.translation().cwiseAbs().maxCoeff() <= 1e15)) why = "the pose is beyond 1e15 m";
+        if (!why.empty())
+            refuse(fmt::format("robot '{}': configuration {}: link '{}'", printable(description.name), configuration,
+                               printable(description.links[part.link].name)),
+                   why);
+    }
+}
+
 std::vector<std::uint32_t> Robot::Impl::own_slots() const
 {
     std::vector<std::uint32_t> slots;
@@ -169,6 +220,10 @@ void Robot::Impl::check_numbers(const char* call, const char* item, const Robot&
     const std::size_t width = robot.width();
     if (numbers.size() != count * width)
         fail(fmt::format("{}: {} numbers for {} {}s of {}", call, numbers.size(), count, item, width));
+    const auto is_plain = [](const RobotJoint& joint) { return joint.kind != JointKind::floating; };
+    if (std::ranges::all_of(robot.description().joints, is_plain) &&
+        std::ranges::all_of(numbers, [](double number) { return std::abs(number) <= most_number; }))
+        return;
     for (std::size_t i = 0; i < count; ++i) try {
             robot.check_configuration(numbers.subspan(i * width, width), false);
         } catch (const Error& error) {
@@ -200,6 +255,7 @@ void Robot::set_base(const Eigen::Isometry3d& base)
 {
     impl_->check_pose("base", base);
     impl_->base = base;
+    impl_->find_sound_poses();
 }
 
 std::vector<double> Robot::neutral() const
@@ -241,7 +297,7 @@ void Robot::check_configuration(std::span<const double> configuration, bool limi
             refuse(fmt::format("robot '{}': joint '{}'", printable(description().name), printable(joint.name)), what);
         };
         for (int n = 0; n < count; ++n)
-            if (!(std::abs(numbers[n]) <= 1e9)) bad(fmt::format("{} is not a number up to 1e9", numbers[n]));
+            if (!(std::abs(numbers[n]) <= most_number)) bad(fmt::format("{} is not a number up to 1e9", numbers[n]));
         if (count == 7 && !(std::abs(Eigen::Map<const Eigen::Vector4d>(numbers + 3).norm() - 1) <= 1e-6))
             bad("its quaternion is not of length 1");
         if (limits && count == 1 && !(numbers[0] >= joint.lower && numbers[0] <= joint.upper))

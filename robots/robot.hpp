@@ -192,8 +192,10 @@ public:
 
     // --- Many configurations, without bodies.
     /// Sets findings[i] for numbers i * width() up to (i + 1) * width(), with the World's settings of accuracy and
-    /// threads. A configuration is tested until a pair collides. Bodies of this robot are not tested. Throws as
-    /// check_configuration() without limits.
+    /// threads. A configuration is tested until a pair collides. Bodies of this robot are not tested. Within max_error
+    /// it decides exactly where OBB trees refine and the clearance is 0, as that takes less time than a bound. Throws
+    /// as check_configuration() without limits. Cost: 0.5 to 2 microseconds per configuration for an arm among ten
+    /// bodies.
     void check(const World& world, std::span<const double> configurations, std::span<RobotFinding> findings,
                const RobotCheck& what = {}) const;
 
@@ -202,7 +204,7 @@ public:
     /// between samples: each pair is tested in windows of time, with an upper bound on how far its links move in them
     /// (Schwarzer, Saha, Latombe: Adaptive dynamic collision checking, 2005). A pair nested without contact of surfaces
     /// (Mode::solid) is found where check() finds it, at both ends and the configurations between them that are checked
-    /// first. Threads, errors and settings as check(), with the exact bounds of World::near(). Cost: of some 40 to 150
+    /// first. Threads, errors and settings as check(), with the exact bounds of World::near(). Cost: of some 100 to 500
     /// configurations.
     void check_edges(const World& world, std::span<const double> from, std::span<const double> to,
                      std::span<RobotEdgeFinding> findings, const RobotEdgeCheck& what = {}) const;

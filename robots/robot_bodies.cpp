@@ -28,7 +28,7 @@ std::uint32_t Robot::attach(World& world, std::uint32_t link, ModelId model, con
     const Aabb box = world.bounds(model, Eigen::Isometry3d::Identity());
     p.add_part(link, model, pose, cover_box(box, spheres_of_object), touching);
     p.add_group(static_cast<std::uint32_t>(p.parts.size() - 1));
-    p.find_pairs();
+    p.take_in_groups();
     return static_cast<std::uint32_t>(p.parts.size() - 1 - p.attached_from);
 }
 
@@ -38,7 +38,7 @@ void Robot::detach_all()
     refuse_with_bodies(p.bodies, "detach_all");
     p.parts.resize(p.attached_from), p.spheres.resize(p.spheres_of_links);
     std::erase_if(p.groups, [&](const Impl::Group& group) { return group.first >= p.attached_from; });
-    p.find_pairs();
+    p.take_in_groups();
 }
 
 void Robot::add_bodies(World& world, const BodySpec& given)

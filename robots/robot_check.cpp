@@ -1,71 +1,19 @@
-// Robot::check(): many configurations, in chunks. In a chunk all configurations are tested pair by pair of parts, so
-// that the World gets batches; a configuration leaves when a pair collides.
+// Robot::check(): many configurations, in chunks. In a chunk, bounding spheres find the pairs that are near each other,
+// in all configurations at a time; the World decides these in batches. A configuration leaves when a pair collides.
 #include <oncollide/robots/robot_impl.hpp>
+#include <oncollide/robots/surroundings.hpp>
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
+#include <mutex>
 
 #include <fmt/format.h>
 
 namespace oncollide {
 
-SphereCull::SphereCull(const Robot::Impl& robot, double clearance)
-    : robot_(robot), clearance_(clearance), stretch_(robot.stretch()), groups_(robot.groups.size()),
-      spheres_(robot.spheres.size() + robot.parts.size()), placed_(robot.parts.size())
-{
-}
-
-SphereCull::Placed SphereCull::placed(const CoverSphere& sphere, std::uint32_t link) const
-{
-    const Eigen::Vector3d at = links_[link] * sphere.centre;
-    const double slack = 1e-12 * (links_[link].translation().cwiseAbs().sum() + sphere.centre.cwiseAbs().sum());
-    return {at.x(), at.y(), at.z(), sphere.radius * stretch_ + slack};
-}
-
-void SphereCull::place(const Eigen::Isometry3d* links)
-{
-    links_ = links;
-    std::ranges::fill(placed_, std::uint8_t{0});
-    for (std::size_t i = 0; i < groups_.size(); ++i) groups_[i] = placed(robot_.groups[i].whole, robot_.groups[i].link);
-}
-
-const SphereCull::Placed* SphereCull::spheres_of(std::uint32_t i)
-{
-    const Robot::Impl::Part& part = robot_.parts[i];
-    Placed* const first = &spheres_[part.cover.first + i];
-    if (!placed_[i]) {
-        first[0] = placed(part.cover.whole, part.link);
-        for (std::uint32_t k = 0; k < part.cover.count; ++k)
-            first[k + 1] = placed(robot_.spheres[part.cover.first + k], part.link);
-        placed_[i] = 1;
-    }
-    return first;
-}
-
-bool SphereCull::meet(const Placed& a, const Placed& b, double reach) const
-{
-    const double dx = a.x - b.x, dy = a.y - b.y, dz = a.z - b.z;
-    const double within = (a.radius + b.radius + clearance_ + reach) * (1 + 1e-12);
-    return dx * dx + dy * dy + dz * dz <= within * within;
-}
-
-bool SphereCull::near(std::uint32_t a, std::uint32_t b, double reach)
-{
-    const Placed *const of_a = spheres_of(a), *const of_b = spheres_of(b);
-    if (!meet(of_a[0], of_b[0], reach)) return false;
-    const std::uint32_t count_a = robot_.parts[a].cover.count, count_b = robot_.parts[b].cover.count;
-    for (std::uint32_t i = 1; i <= count_a; ++i) {
-        if (!meet(of_a[i], of_b[0], reach)) continue;
-        for (std::uint32_t k = 1; k <= count_b; ++k)
-            if (meet(of_a[i], of_b[k], reach)) return true;
-    }
-    return false;
-}
-
 namespace {
 
-constexpr std::size_t chunk_size = 256;
+constexpr std::size_t chunk_size = 128;
+constexpr std::size_t batch_size = 64; // pairs
 
 /// Worse verdicts first.
 int severity(Verdict verdict)
@@ -75,142 +23,265 @@ int severity(Verdict verdict)
 
 } // namespace
 
-/// Tests chunks; one per thread.
+/// Tests chunks of configurations; one checker per thread.
 class Robot::Checker {
 public:
-    Checker(const Robot::Impl& robot, const World& world, const RobotCheck& what)
-        : robot_(robot), world_(world), what_(what), cull_(robot, world.settings().clearance), own_(robot.own_slots()),
-          near_(robot.group_pairs.size())
+    Checker(const Robot::Impl& robot, const World& world)
+        : robot_(robot), clearance_(world.settings().clearance), tests_(world), near_(robot.stretch(), clearance_),
+          surroundings_(robot.covers, tests_), partings_(robot.group_pairs.size())
     {
+        poses_of_batch_.reserve(2 * batch_size);
     }
 
-    void run(std::span<const double> numbers, std::span<RobotFinding> findings)
+    bool is_for(const World& world) const { return tests_.are_of(world); }
+    /// Reads the World as it is now.
+    void begin(const World& world, const RobotCheck& what)
     {
-        findings_ = findings;
+        tests_.begin();
+        what_ = &what, is_exact_ = tests_.is_exact();
+        models_.clear();
+        for (const Robot::Impl::Part& part : robot_.parts) models_.push_back(&tests_.model(part.model));
+        const std::vector<std::uint32_t> own = robot_.own_slots();
+        has_surroundings_ = world.size() > own.size();
+        surroundings_.begin(what.filter, own);
+    }
+
+    /// @param number  of the first configuration
+    void run(std::span<const double> numbers, std::size_t number, std::span<RobotFinding> findings)
+    {
         const std::size_t links = robot_.description.links.size(), width = robot_.tree.width();
+        findings_ = findings;
         poses_.resize(findings.size() * links, Eigen::Isometry3d::Identity());
+        open_.assign((findings.size() + 7) / 8, 0);
         for (std::size_t i = 0; i < findings.size(); ++i) {
             robot_.tree.link_poses(numbers.data() + i * width, robot_.base, &poses_[i * links]);
+            if (!robot_.has_sound_poses) robot_.check_poses(&poses_[i * links], number + i);
             findings[i] = {};
-            findings[i].bound = world_.settings().clearance;
+            findings[i].bound = clearance_;
+            open_[i / 8] |= static_cast<std::uint8_t>(1u << i % 8);
         }
-        if (what_.self) check_self();
-        if (what_.environment && world_.size() > own_.size()) check_environment();
+        centres_.place(robot_.covers, poses_, links);
+        if (what_->self) check_self();
+        if (what_->environment && has_surroundings_) check_environment();
     }
 
 private:
-    const Eigen::Isometry3d* links(std::uint32_t i) const { return &poses_[i * robot_.description.links.size()]; }
-    bool is_open(std::uint32_t i) const { return findings_[i].verdict != Verdict::colliding; }
-    PlacedModel placed(std::uint32_t part, std::uint32_t i) const
-    {
-        return {robot_.parts[part].model, robot_.pose_of(robot_.parts[part], links(i))};
-    }
+    /// A pair of parts, or of a part and a body, in a configuration. Pairs of a configuration are decided by ascending
+    /// `order`: parts a and b, from the upper bits on; or the complement of the part and the body's slot.
+    struct Near {
+        std::uint32_t configuration;
+        bool meets; ///< certainly
+        std::uint64_t order;
 
-    void take(std::uint32_t i, const Finding& found, std::uint32_t link, std::uint32_t other, BodyId body)
-    {
-        RobotFinding& worst = findings_[i];
-        const int mine = severity(found.verdict), known = severity(worst.verdict);
-        if (mine > known || (mine == known && mine > 0 && found.bound < worst.bound))
-            worst = {found.bound, found.verdict, link, other, body};
-    }
+        std::uint32_t upper() const { return static_cast<std::uint32_t>(order >> 32); }
+        std::uint32_t lower() const { return static_cast<std::uint32_t>(order); }
+    };
+    /// The pairs of a configuration in near_pairs_ that are not in the batch yet: a heap.
+    struct Run {
+        std::size_t first, end;
+    };
 
-    /// In each configuration, the pairs of parts that bounding spheres cannot rule out.
-    void find_near()
+    const Eigen::Isometry3d& link(std::uint32_t configuration, std::uint32_t number) const
     {
-        for (auto& list : near_) list.clear();
-        for (std::uint32_t i = 0; i < findings_.size(); ++i) {
-            cull_.place(links(i));
-            for (std::size_t g = 0; g < near_.size(); ++g) {
-                const Robot::Impl::GroupPair& groups = robot_.group_pairs[g];
-                if (!cull_.groups_near(groups.a, groups.b)) continue;
-                for (std::uint32_t p = groups.first; p < groups.end; ++p)
-                    if (cull_.near(robot_.pairs[p].a, robot_.pairs[p].b)) near_[g].push_back({i, p});
-            }
-        }
+        return poses_[configuration * robot_.description.links.size() + number];
     }
+    Eigen::Isometry3d pose_of(std::uint32_t part, std::uint32_t configuration) const
+    {
+        return robot_.pose_of(robot_.parts[part], &link(configuration, 0));
+    }
+    bool is_open(std::uint32_t i) const { return open_[i / 8] >> i % 8 & 1; }
 
     void check_self()
     {
-        find_near();
-        for (const auto& list : near_) {
-            pairs_.clear(), near_open_.clear();
-            for (const Near& near : list)
-                if (is_open(near.configuration)) {
-                    const auto [a, b, seen_from] = robot_.pairs[near.pair];
-                    pairs_.push_back({placed(a, near.configuration), placed(b, near.configuration)});
-                    near_open_.push_back(near);
-                }
-            found_.resize(pairs_.size());
-            if (!pairs_.empty()) world_.decide(pairs_, found_);
-            for (std::size_t k = 0; k < near_open_.size(); ++k) {
-                const auto [a, b, seen_from] = robot_.pairs[near_open_[k].pair];
-                take(near_open_[k].configuration, found_[k], robot_.parts[a].link, robot_.parts[b].link, {});
-            }
+        in_self_ = true;
+        bits_.resize(open_.size());
+        for (std::size_t p = 0; p < robot_.group_pairs.size(); ++p) {
+            const Robot::Impl::GroupPair& pair = robot_.group_pairs[p];
+            const GroupCover &a = robot_.covers[pair.a], &b = robot_.covers[pair.b];
+            const float reach = near_.reach(a, b, centres_.sizes[pair.a] + centres_.sizes[pair.b]);
+            ball_kernel().points_near(centres_.of(pair.a), centres_.of(pair.b), centres_.stride, reach, bits_.data());
+            for (std::size_t k = 0; k < open_.size(); ++k) bits_[k] &= open_[k];
+            each_bit(bits_, [&](std::uint32_t i) { add_parts(i, a, b, partings_[p]); });
+            decide_runs();
         }
+        decide_batch();
     }
 
-    /// Queries a model for the configurations in of_; calls take(configuration, hit) for each hit of another body.
-    template <class Take>
-    void query(ModelId model, std::uint32_t link, const Eigen::Isometry3d& pose, Take take)
+    void add_parts(std::uint32_t i, const GroupCover& a, const GroupCover& b, Parting& parting)
     {
-        queries_.clear();
-        for (const std::uint32_t i : of_) queries_.push_back({model, links(i)[link] * pose, what_.filter});
-        if (!of_.empty()) world_.query(queries_, hits_);
-        for (std::size_t k = 0; k < of_.size(); ++k)
-            for (std::size_t h = hits_.offsets[k]; h < hits_.offsets[k + 1]; ++h)
-                if (const QueryHit& hit = hits_.hits[h]; !std::ranges::binary_search(own_, hit.body.slot))
-                    take(of_[k], hit);
+        const auto are_apart = [&](std::uint64_t pair) {
+            const auto of_a = static_cast<std::uint32_t>(pair >> 32), of_b = static_cast<std::uint32_t>(pair);
+            const PartSolids *const x = robot_.parts[of_a].solids.get(), *const y = robot_.parts[of_b].solids.get();
+            return x && y && surely_apart(*x, pose_of(of_a, i), *y, pose_of(of_b, i), clearance_, parting);
+        };
+        const bool single = a.has_one_part() && b.has_one_part();
+        const bool known = single && parting.held(); // then it takes less time than the spheres
+        if (known && are_apart(std::uint64_t{a.part(0)} << 32 | b.part(0))) return;
+        pairs_.clear();
+        near_.find(a, link(i, a.link()), b, link(i, b.link()), pairs_);
+        if (!single && !pairs_.empty() && robot_.parts[a.part(0)].solids) { // the same pair may be there often
+            std::ranges::sort(pairs_);
+            pairs_.erase(std::ranges::unique(pairs_).begin(), pairs_.end());
+        }
+        const std::size_t first = near_pairs_.size();
+        for (const std::uint64_t pair : pairs_)
+            if (known || !are_apart(pair)) near_pairs_.push_back({i, false, pair});
+        if (near_pairs_.size() > first) runs_.push_back({first, near_pairs_.size()});
     }
 
-    /// The last parts first: they reach farthest.
+    /// The last groups first: they reach farthest.
     void check_environment()
     {
-        std::vector<std::uint32_t>& candidates = candidates_;
-        for (std::size_t g = robot_.groups.size(); g-- > 0;) {
-            const Robot::Impl::Group& group = robot_.groups[g];
-            candidates.clear();
-            for (std::uint32_t i = 0; i < findings_.size(); ++i)
-                if (is_open(i)) candidates.push_back(i);
-            if (group.model) { // is there anything around the group?
-                of_.swap(candidates), candidates.clear();
-                Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-                pose.translation() = group.whole.centre;
-                query(group.model, group.link, pose, [&](std::uint32_t i, const QueryHit&) {
-                    if (candidates.empty() || candidates.back() != i) candidates.push_back(i);
-                });
+        in_self_ = false;
+        surroundings_.prepare(centres_, near_);
+        for (auto g = static_cast<std::uint32_t>(robot_.covers.size()); g-- > 0;) {
+            const std::span<const Surroundings::Near> all = surroundings_.find(g, open_);
+            for (std::size_t k = 0; k < all.size();) {
+                const std::uint32_t i = all[k].configuration;
+                const std::size_t first = near_pairs_.size();
+                for (; k < all.size() && all[k].configuration == i; ++k)
+                    add_body(i, robot_.covers[g], surroundings_.body(all[k].body));
+                if (near_pairs_.size() > first) runs_.push_back({first, near_pairs_.size()});
             }
-            for (std::uint32_t part = group.end; part-- > group.first;) {
-                of_.clear();
-                for (const std::uint32_t i : candidates)
-                    if (is_open(i)) of_.push_back(i);
-                query(robot_.parts[part].model, group.link, robot_.parts[part].pose,
-                      [&](std::uint32_t i, const QueryHit& hit) {
-                          take(i, hit, group.link, RobotFinding::no_link, hit.body);
-                      });
-            }
+            decide_runs();
+            decide_batch(); // most contacts are found here: later groups need not be tested
         }
     }
 
-    /// A pair of parts that are near each other in a configuration.
-    struct Near {
-        std::uint32_t configuration, pair;
-    };
+    void add_body(std::uint32_t i, const GroupCover& group, const PlacedBody& body)
+    {
+        parts_.clear();
+        near_.find(group, link(i, group.link()), body.box, parts_);
+        for (const std::uint32_t part : parts_) {
+            const PartSolids* const solids = robot_.parts[part].solids.get();
+            Near near{i, false, std::uint64_t{~part} << 32 | body.slot};
+            if (solids) {
+                if (!near_pairs_.empty() && near_pairs_.back().order == near.order &&
+                    near_pairs_.back().configuration == i)
+                    continue; // another sphere of the same part
+                const Eigen::Isometry3d pose = pose_of(part, i);
+                if (surely_apart(*solids, pose, body.box, clearance_)) continue;
+                near.meets = is_exact_ && surely_meet(*solids, pose, body);
+            }
+            near_pairs_.push_back(near);
+        }
+    }
+
+    /// Moves the first pair of each run to the batch, then the second pair of each run whose configuration is still
+    /// open, and so on.
+    void decide_runs()
+    {
+        const auto later = [](const Near& a, const Near& b) { return a.order > b.order; };
+        for (const Run& run : runs_)
+            if (run.end - run.first > 1) std::ranges::make_heap(of(run), later);
+        for (bool is_first = true; !runs_.empty(); is_first = false) {
+            if (!is_first) decide_batch();
+            std::size_t left = 0;
+            for (Run run : runs_) {
+                const Near next = near_pairs_[run.first];
+                if (!is_open(next.configuration)) continue;
+                batch_.push_back(next);
+                if (batch_.size() == batch_size) decide_batch();
+                do { // a part may come more than once
+                    std::ranges::pop_heap(of(run), later), --run.end;
+                } while (run.end > run.first && near_pairs_[run.first].order == next.order);
+                if (run.end > run.first) runs_[left++] = run;
+            }
+            runs_.resize(left);
+        }
+        near_pairs_.clear();
+    }
+    std::span<Near> of(const Run& run) { return std::span(near_pairs_).subspan(run.first, run.end - run.first); }
+
+    void decide_batch()
+    {
+        tasks_.clear(), poses_of_batch_.clear();
+        for (const Near& near : batch_) {
+            if (near.meets) continue;
+            const auto placed = [&](std::uint32_t part) {
+                poses_of_batch_.push_back(pose_of(part, near.configuration));
+                return &poses_of_batch_.back();
+            };
+            const std::uint32_t a = in_self_ ? near.upper() : ~near.upper(), b = near.lower();
+            PairTask task{static_cast<std::uint32_t>(tasks_.size()), models_[a], nullptr, placed(a), nullptr};
+            if (in_self_)
+                task.b = models_[b], task.pose_b = placed(b);
+            else
+                task.b = &tests_.model_at(b), task.pose_b = &tests_.pose_at(b);
+            tasks_.push_back(task);
+        }
+        const Finding* found = tasks_.empty() ? nullptr : tests_.decide(tasks_).data();
+        for (const Near& near : batch_)
+            take(near, near.meets ? Finding{Verdict::colliding, ContactKind::unknown, 0} : *found++);
+        batch_.clear();
+    }
+
+    void take(const Near& near, const Finding& found)
+    {
+        RobotFinding& worst = findings_[near.configuration];
+        const int mine = severity(found.verdict), known = severity(worst.verdict);
+        if (mine < known || mine == 0 || (mine == known && found.bound >= worst.bound)) return;
+        worst.bound = found.bound, worst.verdict = found.verdict;
+        worst.link = robot_.parts[in_self_ ? near.upper() : ~near.upper()].link;
+        worst.other = in_self_ ? robot_.parts[near.lower()].link : RobotFinding::no_link;
+        worst.body = in_self_ ? BodyId{} : tests_.body_at(near.lower());
+        if (found.verdict == Verdict::colliding)
+            open_[near.configuration / 8] &= static_cast<std::uint8_t>(~(1u << near.configuration % 8));
+    }
 
     const Robot::Impl& robot_;
-    const World& world_;
-    const RobotCheck& what_;
-    SphereCull cull_;
-    std::vector<std::uint32_t> own_; ///< slots of the robot's bodies
+    const double clearance_;
+    WorldAccess::PlacedTests tests_;
+    NearParts near_;
+    Surroundings surroundings_;
+    std::vector<Parting> partings_; ///< by pair of groups
+    const RobotCheck* what_ = nullptr;
+    bool is_exact_ = false, has_surroundings_ = false, in_self_ = true;
+    std::vector<Model*> models_; ///< by part
     std::span<RobotFinding> findings_;
-    std::vector<Eigen::Isometry3d> poses_;       ///< by configuration and link
-    std::vector<std::vector<Near>> near_;        ///< by pair of groups
-    std::vector<Near> near_open_;                ///< of a batch
-    std::vector<std::uint32_t> of_, candidates_; ///< the configurations of a batch, and of a group
-    std::vector<PairOfModels> pairs_;
-    std::vector<Finding> found_;
-    std::vector<ModelQuery> queries_;
-    QueryHits hits_;
+    std::vector<Eigen::Isometry3d> poses_; ///< by configuration and link
+    GroupCentres centres_;
+    std::vector<std::uint8_t> open_, bits_; ///< of configurations; open: no pair is known to collide
+    std::vector<std::uint64_t> pairs_;
+    std::vector<std::uint32_t> parts_;
+    std::vector<Near> near_pairs_, batch_;
+    std::vector<Run> runs_;
+    std::vector<PairTask> tasks_;
+    std::vector<Eigen::Isometry3d> poses_of_batch_;
 };
+
+/// Checkers of earlier calls, with their memory.
+struct Robot::Impl::IdleCheckers {
+    struct GiveBack {
+        IdleCheckers* to = nullptr;
+        void operator()(Checker* checker) const
+        {
+            const std::lock_guard lock(to->guard);
+            to->checkers.emplace_back(checker);
+        }
+    };
+    using Lease = std::unique_ptr<Checker, GiveBack>;
+
+    Lease lease(const Impl& robot, const World& world, const RobotCheck& what)
+    {
+        std::unique_ptr<Checker> checker;
+        {
+            const std::lock_guard lock(guard);
+            if (!checkers.empty()) checker = std::move(checkers.back()), checkers.pop_back();
+        }
+        if (!checker || !checker->is_for(world)) checker = std::make_unique<Checker>(robot, world);
+        checker->begin(world, what);
+        return Lease(checker.release(), GiveBack{this});
+    }
+
+    std::mutex guard;
+    std::vector<std::unique_ptr<Checker>> checkers;
+};
+
+std::shared_ptr<Robot::Impl::IdleCheckers> Robot::Impl::no_checkers()
+{
+    return std::make_shared<IdleCheckers>();
+}
 
 void Robot::check(const World& world, std::span<const double> configurations, std::span<RobotFinding> findings,
                   const RobotCheck& what) const
@@ -219,9 +290,10 @@ void Robot::check(const World& world, std::span<const double> configurations, st
     p.check_world(world);
     p.check_numbers("check", "configuration", *this, configurations, findings.size());
     each_chunk(
-        world, findings.size(), chunk_size, [&] { return std::make_unique<Checker>(p, world, what); },
+        world, findings.size(), chunk_size, [&] { return p.idle->lease(p, world, what); },
         [&](Checker& checker, std::size_t first, std::size_t count) {
-            checker.run(configurations.subspan(first * width(), count * width()), findings.subspan(first, count));
+            checker.run(configurations.subspan(first * width(), count * width()), first,
+                        findings.subspan(first, count));
         });
 }
 

@@ -7,6 +7,7 @@
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/robots/cover.hpp>
 #include <oncollide/robots/kinematics.hpp>
+#include <oncollide/robots/part_solids.hpp>
 #include <oncollide/robots/robot.hpp>
 
 namespace oncollide {
@@ -23,8 +24,10 @@ struct Robot::Impl {
         std::uint32_t link;
         ModelId model;
         Eigen::Isometry3d pose; ///< in the link's frame
+        bool is_at_link;        ///< the pose is the identity
         PartSpheres cover;
-        std::vector<std::uint32_t> touching; ///< links that are not tested with this part
+        std::vector<std::uint32_t> touching;        ///< links that are not tested with this part
+        std::shared_ptr<const PartSolids> solids{}; ///< of a mesh, in its own frame; else null
     };
     struct PartPair {
         std::uint32_t a, b;
@@ -34,7 +37,6 @@ struct Robot::Impl {
     struct Group {
         std::uint32_t first, end, link;
         CoverSphere whole;
-        ModelId model{}; ///< that sphere, if there are many parts; else null
     };
     struct GroupPair {
         std::uint32_t a, b;
@@ -42,13 +44,17 @@ struct Robot::Impl {
         std::uint32_t near = 0;   ///< sampled configurations in which bounding spheres overlap
     };
 
+    struct IdleCheckers; ///< robot_check.cpp
+    static std::shared_ptr<IdleCheckers> no_checkers();
+
     Impl(World& world, RobotDescription given, const Eigen::Isometry3d& base_pose);
 
     void add_part(std::uint32_t link, ModelId model, const Eigen::Isometry3d& pose, std::vector<CoverSphere> spheres,
                   std::span<const std::uint32_t> touching);
     /// Adds a group of the parts from `first` on.
     void add_group(std::uint32_t first);
-    /// Lists the pairs of parts that are tested.
+    /// To be called when groups have changed: makes their covers, and lists the pairs of parts that are tested.
+    void take_in_groups();
     void find_pairs();
     void sort_pairs();
     /// Throws Error{usage} if the World is not this robot's.
@@ -62,11 +68,16 @@ struct Robot::Impl {
                               std::size_t count);
     Eigen::Isometry3d pose_of(const Part& part, const Eigen::Isometry3d* links) const
     {
-        return links[part.link] * part.pose;
+        return part.is_at_link ? links[part.link] : links[part.link] * part.pose;
     }
 
     /// The slots of the robot's bodies, sorted.
     std::vector<std::uint32_t> own_slots() const;
+
+    /// To be called when the base or the parts have changed.
+    void find_sound_poses();
+    /// Throws Error{bad_data} for a pose that a World refuses, with the number of the configuration.
+    void check_poses(const Eigen::Isometry3d* links, std::size_t configuration) const;
 
     /// Upper bound of the factor by which the poses of parts stretch lengths: the base, the origins and the part's own
     /// pose each count as rigid up to 1e-6 (why_not_rigid()).
@@ -79,7 +90,11 @@ struct Robot::Impl {
     std::vector<CoverSphere> spheres; ///< of all parts, in the frames of their links
     std::size_t attached_from = 0;
     std::size_t spheres_of_links = 0;
-    std::vector<Group> groups; ///< of all parts, in order
+    std::vector<Group> groups;      ///< of all parts, in order
+    std::vector<GroupCover> covers; ///< by group
+    /// A World accepts the poses of all parts in every configuration: they are rigid and not too far away.
+    bool has_sound_poses = false;
+    std::shared_ptr<IdleCheckers> idle; ///< of check(), for the parts as they are
     std::vector<PartPair> pairs;
     std::vector<GroupPair> group_pairs; ///< those most often near each other first
     std::vector<BodyId> bodies;

@@ -13,7 +13,8 @@ namespace oncollide {
 
 /// One query thread's working memory.
 struct World::Impl::QueryWorker {
-    explicit QueryWorker(Impl& impl);
+    /// @param settings  kept by reference
+    QueryWorker(Impl& impl, const Settings& settings);
     BothLevels levels;
     RefineContext context;
     PairWorker pairs; ///< for distances, contacts and penetrations
@@ -37,7 +38,7 @@ public:
             const std::lock_guard lock(impl.idle_guard);
             if (!impl.idle_workers.empty()) worker_ = std::move(impl.idle_workers.back()), impl.idle_workers.pop_back();
         }
-        if (!worker_) worker_ = std::make_unique<QueryWorker>(impl);
+        if (!worker_) worker_ = std::make_unique<QueryWorker>(impl, impl.settings);
         worker_->context.frame = impl.frame.number;
         worker_->context.trees = {}, worker_->context.rounds.clear();
     }

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
+#include <oncollide/pipeline/models/model_store.hpp>
 #include <oncollide/pipeline/world/frame.hpp>
 
 namespace oncollide {

@@ -1,4 +1,4 @@
-// Parts of a World that no installed header can name: for the library's own tools and tests.
+// Parts of a World that no installed header can name: for the library itself, its tools and tests.
 #pragma once
 #include <functional>
 #include <memory>
@@ -11,6 +11,8 @@
 namespace oncollide {
 
 struct WorldAccess {
+    class PlacedTests; // placed_tests.hpp
+
     /// A World with this backend in place of settings.backend.
     static World make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
     // As in WorldInfo, without the cost of the rest. Not beside queries.

@@ -50,12 +50,12 @@ void same_room(const char* call, const char* items, std::size_t count, const cha
                     fmt::format("{}: {} {}, room for {} {}; must be of one length", call, count, items, room, results));
 }
 
-World::Impl::QueryWorker::QueryWorker(Impl& impl)
-    : levels(impl.settings, impl.models), context{.settings = impl.settings,
-                                                  .trees = {},
-                                                  .rounds = {},
-                                                  .began = {},
-                                                  .guard = &impl.guard}
+World::Impl::QueryWorker::QueryWorker(Impl& impl, const Settings& settings)
+    : levels(settings, impl.models), context{.settings = settings,
+                                             .trees = {},
+                                             .rounds = {},
+                                             .began = {},
+                                             .guard = &impl.guard}
 {
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/broadphase/aabb_checks.hpp>
 #include <oncollide/pipeline/world/query_worker.hpp>
 #include <oncollide/pipeline/world/sweep_pairs.hpp>
 

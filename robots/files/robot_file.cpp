@@ -19,7 +19,8 @@ constexpr std::uintmax_t most_bytes = std::uintmax_t{64} << 20;
 void RobotSource::fail_at(const XmlElement& element, const std::string& what) const
 {
     const std::string& own = element.attribute("name");
-    fail(fmt::format("{}{}: {}", printable(element.name), own.empty() ? "" : " " + oncollide::quoted(own), what),
+    fail(fmt::format("{}{}: {}", printable(element.name), own.empty() ? "" : fmt::format(" {}", oncollide::quoted(own)),
+                     what),
          element.line);
 }
 

@@ -144,9 +144,27 @@ TEST_F(RobotTest, BatchesFindWhatFramesFind)
     }
 }
 
-TEST_F(RobotTest, BoundsHoldWithinAnError)
+/// A bound takes longer than the exact decision.
+TEST_F(RobotTest, ACheckWithinAnErrorIsExactWhereThatIsFaster)
 {
     World world({.max_error = 0.02}), exact;
+    add_posts(world), add_posts(exact);
+    const Robot robot(world, description), truth(exact, description);
+    constexpr std::size_t count = 1000;
+    const std::vector<double> numbers = random_numbers(count);
+    std::vector<RobotFinding> found(count), certain(count);
+    robot.check(world, numbers, found);
+    truth.check(exact, numbers, certain);
+    for (std::size_t i = 0; i < count; ++i) {
+        EXPECT_EQ(found[i].verdict, certain[i].verdict) << i;
+        EXPECT_EQ(found[i].link, certain[i].link) << i;
+        EXPECT_EQ(found[i].other, certain[i].other) << i;
+    }
+}
+
+TEST_F(RobotTest, BoundsHoldWithinAnError)
+{
+    World world({.max_error = 0.02, .bounding_volume = BoundingVolume::sphere}), exact;
     add_posts(world), add_posts(exact);
     const Robot robot(world, description), truth(exact, description);
     constexpr std::size_t count = 1000;

@@ -1,0 +1,85 @@
+#include <oncollide/pipeline/world/placed_tests.hpp>
+
+#include <oncollide/pipeline/world/query_worker.hpp>
+
+namespace oncollide {
+
+namespace {
+
+Settings settings_of(Settings settings)
+{
+    if (settings.exact == ExactLevel::off && settings.max_error && settings.clearance == 0 &&
+        settings.memory_budget == 0 && settings.skip.empty() && wants_obbs(settings))
+        settings.exact = ExactLevel::predicates;
+    return settings;
+}
+
+} // namespace
+
+struct WorldAccess::PlacedTests::Parts {
+    World::Impl& world;
+    Settings settings;
+    World::Impl::QueryWorker worker;
+
+    explicit Parts(World::Impl& impl) : world(impl), settings(settings_of(impl.settings)), worker(impl, settings) {}
+};
+
+WorldAccess::PlacedTests::PlacedTests(const World& world) : parts_(std::make_unique<Parts>(world.impl())) {}
+
+WorldAccess::PlacedTests::~PlacedTests() = default;
+
+bool WorldAccess::PlacedTests::are_of(const World& world) const
+{
+    return &parts_->world == &world.impl();
+}
+
+void WorldAccess::PlacedTests::begin()
+{
+    parts_->world.bring_up_to_date();
+    parts_->worker.context.frame = parts_->world.frame.number;
+}
+
+Model& WorldAccess::PlacedTests::model(ModelId id) const
+{
+    return parts_->world.check_model(id);
+}
+
+std::span<const AabbHit> WorldAccess::PlacedTests::around(std::span<const Aabb> boxes, const QueryFilter& filter)
+{
+    World::Impl& world = parts_->world;
+    std::vector<AabbHit>& hits = parts_->worker.hits;
+    world.broad->query(world.bodies.columns(), boxes, hits);
+    std::erase_if(hits, [&](const AabbHit& hit) { return !world.allows(filter, hit.body); });
+    return hits;
+}
+
+Model& WorldAccess::PlacedTests::model_at(std::uint32_t slot) const
+{
+    return parts_->world.bodies.model(slot);
+}
+
+const Eigen::Isometry3d& WorldAccess::PlacedTests::pose_at(std::uint32_t slot) const
+{
+    return parts_->world.bodies.pose(slot);
+}
+
+BodyId WorldAccess::PlacedTests::body_at(std::uint32_t slot) const
+{
+    return parts_->world.bodies.id(slot);
+}
+
+bool WorldAccess::PlacedTests::is_exact() const
+{
+    return exact_runs(parts_->settings) && exact_level(parts_->settings) == ExactLevel::predicates;
+}
+
+std::span<const Finding> WorldAccess::PlacedTests::decide(std::span<const PairTask> tasks)
+{
+    World::Impl::QueryWorker& worker = parts_->worker;
+    worker.context.trees = {}, worker.context.rounds.clear();
+    worker.tasks.assign(tasks.begin(), tasks.end());
+    parts_->world.decide(worker);
+    return worker.refined;
+}
+
+} // namespace oncollide

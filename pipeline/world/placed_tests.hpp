@@ -1,0 +1,46 @@
+// Tests of many models at poses: for layers above that make the poses themselves.
+#pragma once
+#include <memory>
+#include <span>
+
+#include <oncollide/broadphase/broad_phase.hpp>
+#include <oncollide/narrowphase/model.hpp>
+#include <oncollide/narrowphase/pairs/pair_task.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
+
+namespace oncollide {
+
+/// Queries and decisions of a World without checks of poses, which must be rigid. The working memory stays from call to
+/// call. Calls belong to one thread, while nothing changes the World.
+class WorldAccess::PlacedTests {
+public:
+    explicit PlacedTests(const World& world);
+    ~PlacedTests();
+
+    bool are_of(const World& world) const;
+    /// Takes in all changes of the World since the last call.
+    void begin();
+
+    /// Throws as a query with this model.
+    Model& model(ModelId id) const;
+
+    /// Bodies that the filter allows and whose AABBs are at most the clearance from each box; sorted by boxes, then by
+    /// slots. Valid until the next call.
+    std::span<const AabbHit> around(std::span<const Aabb> boxes, const QueryFilter& filter);
+    Model& model_at(std::uint32_t slot) const;
+    const Eigen::Isometry3d& pose_at(std::uint32_t slot) const;
+    BodyId body_at(std::uint32_t slot) const;
+
+    /// The results of World::decide(), in the order of `tasks`. A World within `max_error` decides exactly where OBB
+    /// trees refine: to find that two bodies meet takes less time than to bound their distance. Valid until the next
+    /// call.
+    std::span<const Finding> decide(std::span<const PairTask> tasks);
+    /// True if decide() decides by exact predicates, so that a verdict that is certain by other means is the same.
+    bool is_exact() const;
+
+private:
+    struct Parts;
+    std::unique_ptr<Parts> parts_;
+};
+
+} // namespace oncollide

@@ -1,0 +1,79 @@
+#pragma once
+#include <bit>
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include <oncollide/pipeline/world/placed_tests.hpp>
+#include <oncollide/robots/part_solids.hpp>
+
+namespace oncollide {
+
+/// The middles of the groups in some configurations, relative to the first link.
+struct GroupCentres {
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< of that link, in the first configuration
+    std::uint32_t count = 0, stride = 0;              ///< configurations; rounded up to a multiple of 8
+    std::vector<float> x, y, z;                       ///< by group, then by configuration
+    std::vector<Aabb> boxes;                          ///< by group: of all its middles, in the world
+    std::vector<double> sizes;                        ///< by group: upper bound on the sum of a middle's coordinates
+
+    /// @param poses  of all links, by configuration
+    void place(std::span<const GroupCover> groups, std::span<const Eigen::Isometry3d> poses, std::size_t links);
+    BallColumns of(std::size_t group) const
+    {
+        return {&x[group * stride], &y[group * stride], &z[group * stride], nullptr};
+    }
+};
+
+/// Calls visit(i) for each bit i that is set.
+template <class Visit>
+void each_bit(std::span<const std::uint8_t> bits, Visit visit)
+{
+    for (std::uint32_t k = 0; k < bits.size(); ++k)
+        for (unsigned b = bits[k]; b; b &= b - 1) visit(8 * k + static_cast<std::uint32_t>(std::countr_zero(b)));
+}
+
+/// Finds the bodies of a World that are near groups of a robot.
+class Surroundings {
+public:
+    struct Near {
+        std::uint32_t configuration, body; ///< index of body()
+    };
+
+    Surroundings(std::span<const GroupCover> groups, WorldAccess::PlacedTests& tests) : groups_(groups), tests_(tests)
+    {
+    }
+
+    /// @param own  sorted slots of bodies that do not count
+    void begin(const QueryFilter& filter, std::vector<std::uint32_t> own) { filter_ = filter, own_ = std::move(own); }
+
+    /// Finds the bodies that may be near in any configuration. Keeps references.
+    void prepare(const GroupCentres& centres, const NearParts& near);
+    /// The bodies near the group in the configurations of these bits; by configurations. Valid until the next call.
+    std::span<const Near> find(std::uint32_t group, std::span<const std::uint8_t> open);
+    const PlacedBody& body(std::uint32_t i) const { return bodies_[i]; }
+
+private:
+    std::uint32_t number_of(std::uint32_t slot);
+    bool is_own(std::uint32_t slot) const;
+    void find_together(std::uint32_t group, std::span<const std::uint8_t> open);
+    void find_one_by_one(std::uint32_t group, std::span<const std::uint8_t> open);
+
+    std::span<const GroupCover> groups_;
+    WorldAccess::PlacedTests& tests_;
+    QueryFilter filter_;
+    std::vector<std::uint32_t> own_;
+    const GroupCentres* centres_ = nullptr;
+    const NearParts* parts_ = nullptr;
+    std::vector<PlacedBody> bodies_;
+    std::unordered_map<std::uint32_t, std::uint32_t> numbers_; ///< in bodies_, by slot
+    std::vector<std::vector<std::uint32_t>> around_;           ///< by group: of all configurations
+    std::vector<Aabb> queries_;
+    std::vector<std::uint32_t> of_; ///< configurations of queries_
+    std::vector<Near> near_;
+    std::vector<std::uint64_t> masks_; ///< by configuration: bits of around_
+    std::vector<std::uint8_t> bits_;
+};
+
+} // namespace oncollide
