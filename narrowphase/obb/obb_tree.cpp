@@ -15,7 +15,7 @@ namespace {
 
 /// Boxes of at most this many triangles are fitted. Boxes of more triangles use the mesh's axes: fitting costs ten
 /// times as much as computing bounds, and would delay the first result of a large mesh.
-constexpr std::size_t most_fitted = 16384;
+constexpr std::size_t most_fitted = BoxTriangles::most;
 /// Each thread keeps working memory for at most this many triangles between nodes.
 constexpr std::size_t most_kept = 4096;
 
@@ -36,7 +36,7 @@ unsigned parts_of(std::uint32_t count, unsigned most)
 
 struct ObbTree::Growing {
     TriangleParts parts; ///< triangles of the box that is split
-    TriangleColumns columns;
+    BoxTriangles fitted;
 };
 
 ObbTree::Growing& ObbTree::growing()
@@ -47,7 +47,7 @@ ObbTree::Growing& ObbTree::growing()
 
 ObbTree::ObbTree(const Mesh& mesh, BoxTotals* totals)
     : mesh_(&mesh), totals_(totals), identity_(trees_made.fetch_add(1, std::memory_order_relaxed)),
-      centre_(mesh.bounds.centre()), radius_(radius_around(mesh)), large_(mesh.triangles.size() >= large_from),
+      centre_(mesh.bounds.centre()), radius_(radius_around(mesh)), large_(mesh.triangles.size() >= prefetched_from),
       vertices_(mesh.vertices.data()), triangles_(mesh.triangles.data()),
       own_blocks_(most_lines(mesh.triangles.size()) / lines_per_block + 1)
 {
@@ -211,9 +211,12 @@ ObbTree::Node ObbTree::grow(Node parent, unsigned k)
     node.begin = begin;
     for (std::size_t from = 0; from < count; ++node.lanes) {
         const std::size_t to = g.parts.end(node.lanes);
-        add_lane(g, index, from, to, begin);
+        add_lane(node, from, to, begin);
         from = to;
     }
+    fit_lanes(g, node);
+    for (std::uint32_t i = 0; i < count; ++i)
+        if (std::uint32_t& place = order_[begin + i]; place != g.parts.triangle(i)) place = g.parts.triangle(i);
     if (count > most_kept) g = {}; // such large nodes are rare, and later ones smaller
     std::atomic_ref(above.child[k]).store(index, std::memory_order_release);
     return index;
@@ -251,32 +254,39 @@ ObbTree::Node ObbTree::add_nodes(const GridPart& part, std::uint32_t begin)
     return index;
 }
 
-/// Adds the triangles in [from, to) as the next box.
-void ObbTree::add_lane(Growing& g, Node index, std::size_t from, std::size_t to, std::uint32_t begin)
+/// Adds the next box. It holds the triangles [from, to) of the node, whose triangles begin at position `begin`.
+void ObbTree::add_lane(BoxNode& node, std::size_t from, std::size_t to, std::uint32_t begin)
 {
-    BoxNode& node = node_at(blocks_, index);
     const unsigned k = node.lanes;
     const std::size_t size = to - from;
     if (node.inner) {
-        InnerNode& inner = inner_at(blocks_, index);
+        InnerNode& inner = reinterpret_cast<InnerNode&>(node);
         inner.begin[k] = begin + static_cast<std::uint32_t>(from), inner.count[k] = static_cast<std::uint32_t>(size);
     } else {
         node.offset[k] = static_cast<std::uint8_t>(from);
     }
     node.leaves |= static_cast<std::uint8_t>((size <= leaf_triangles) << k);
     node.singles |= static_cast<std::uint8_t>((size == 1) << k);
-    for (std::size_t i = from; i < to; ++i) {
-        std::uint32_t& place = order_[begin + i];
-        if (place != g.parts.triangle(i)) place = g.parts.triangle(i);
-    }
-    if (size > most_fitted) {
+}
+
+/// Sets the boxes of the node's lanes.
+void ObbTree::fit_lanes(Growing& g, BoxNode& node)
+{
+    const auto size = [&](unsigned k) { return g.parts.end(k) - (k ? g.parts.end(k - 1) : 0); };
+    std::array<std::uint32_t, most_lanes> counts{};
+    for (unsigned k = 0; k < node.lanes; ++k)
+        if (size(k) <= most_fitted) counts[k] = static_cast<std::uint32_t>(size(k));
+    g.fitted.assign(counts, [&](unsigned k, std::uint32_t i) -> const TrianglePoints& {
+        return g.parts.corners(g.parts.end(k) - counts[k] + i);
+    });
+    fit_boxes(node, g.fitted);
+    for (unsigned k = 0; k < node.lanes; ++k) {
+        if (counts[k] > 0) continue;
         Aabb box;
-        for (std::size_t i = from; i < to; ++i)
+        for (std::size_t i = g.parts.end(k) - size(k); i < g.parts.end(k); ++i)
             for (const Eigen::Vector3d& p : g.parts.corners(i)) box.add(p);
-        return set_box(node, k, box);
+        set_box(node, k, box);
     }
-    g.columns.assign(size, [&](std::size_t i) -> const TrianglePoints& { return g.parts.corners(from + i); });
-    fit_box(node, k, g.columns, g.parts.bounds(from, to));
 }
 
 std::size_t ObbTree::most_bytes(std::size_t triangles)

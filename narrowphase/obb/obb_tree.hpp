@@ -129,13 +129,13 @@ public:
     {
         for (const std::uint32_t corner : triangles_[triangle]) prefetch_all_of(vertices_[corner]);
     }
-    /// True if the tree is so large that its nodes and triangles are mostly not in the nearest caches when a traversal
-    /// reaches them, and prefetching all children pays. False for cooked meshes, whose data below a box may not be
-    /// loaded.
+    /// True if prefetching all children pays: a large tree, and each of many smaller ones, is mostly not in the nearest
+    /// caches when a traversal reaches it. False for few triangles, and for cooked meshes, whose data below a box may
+    /// not be loaded.
     bool is_large() const { return large_; }
 
     /// True if the mesh, cooked or not, has many triangles.
-    bool has_many() const { return !(node(root).leaves & 1) && count_of(root, 0) >= large_from; }
+    bool has_many() const { return !(node(root).leaves & 1) && count_of(root, 0) >= many_from; }
 
     /// Indexed by number in the tree. In a cooked mesh only entries that traversals have reached are valid.
     const Eigen::Vector3d* vertices() const { return vertices_; }
@@ -168,7 +168,7 @@ public:
     std::string validate() const;
 
 private:
-    static constexpr std::size_t large_from = 4096; ///< triangles; half a megabyte with their corners and boxes
+    static constexpr std::size_t prefetched_from = 64, many_from = 4096; ///< triangles
     static constexpr unsigned most_lanes = 8;
     std::string fault_of_node(Node index, std::uint32_t begin, std::uint32_t count) const;
     static std::uint64_t most_lines(std::size_t triangles);
@@ -192,7 +192,8 @@ private:
     Node add_nodes(const GridPart& part, std::uint32_t begin);
     struct Growing; ///< working memory of a thread
     static Growing& growing();
-    void add_lane(Growing& g, Node index, std::size_t from, std::size_t to, std::uint32_t begin);
+    static void add_lane(BoxNode& node, std::size_t from, std::size_t to, std::uint32_t begin);
+    static void fit_lanes(Growing& g, BoxNode& node);
 
     const Mesh* const mesh_; ///< null for a cooked mesh
     BoxTotals* const totals_;

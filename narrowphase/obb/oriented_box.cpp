@@ -12,9 +12,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double quaternion_steps = 32767;
-constexpr double most_centre = 32767, most_half = 65535;
-
 /// The axes of box k as the box test reads them: the same operations in the same order.
 Matrix3d axes_of(const BoxNode& node, unsigned k)
 {
@@ -40,7 +37,7 @@ void set_frame(BoxNode& node, const Vector3d& centre, double radius)
     // Centres lie in the sphere, and half-extents are below its radius; twice the radius leaves room for quantised
     // axes. The origin as a float may be off by 2^-24 of its size.
     const double most = 2 * (radius + 0x1p-23 * centre.norm());
-    node.unit = std::max(static_cast<float>(most / most_centre), 1e-30f);
+    node.unit = std::max(static_cast<float>(most / most_place), 1e-30f);
 }
 
 Vector3d centre_of(const BoxNode& node, unsigned k)
@@ -84,54 +81,32 @@ TriangleRow row_of(std::span<const TrianglePoints> triangles, const Vector3d& fr
     return row;
 }
 
-namespace {
-
-/// Sets the axes of box k to the nearest that it can store.
-void set_axes(BoxNode& node, unsigned k, const Matrix3d& axes)
+void fit_boxes(BoxNode& node, const BoxTriangles& triangles)
 {
-    const Eigen::Quaterniond q(axes);
-    const auto part = [](double x) { return static_cast<std::int16_t>(std::round(quaternion_steps * x)); };
-    node.qw[k] = part(q.w()), node.qx[k] = part(q.x()), node.qy[k] = part(q.y()), node.qz[k] = part(q.z());
-}
-
-/// Sets the centre of box k to the nearest that it can store, and half-extents that cover the extent `along` its axes.
-void set_extent(BoxNode& node, unsigned k, const Vector3d& centre, const Matrix3d& axes, const Aabb& along)
-{
-    const double unit = node.unit;
-    std::int16_t* const places[3] = {&node.x[k], &node.y[k], &node.z[k]};
-    for (int axis = 0; axis < 3; ++axis) {
-        const double steps = (centre[axis] - double(node.origin[axis])) / unit;
-        *places[axis] = static_cast<std::int16_t>(std::clamp(std::round(steps), -most_centre, most_centre));
-    }
-    const Vector3d place = axes.transpose() * centre_of(node, k);
-    const Vector3d rounding = 0x1p-50 * along.max.cwiseAbs().cwiseMax(along.min.cwiseAbs());
-    const Vector3d half = (along.max - place).cwiseMax(place - along.min) + rounding;
-    std::uint16_t* const halves[3] = {&node.hx[k], &node.hy[k], &node.hz[k]};
-    for (int axis = 0; axis < 3; ++axis)
-        *halves[axis] =
-            static_cast<std::uint16_t>(std::clamp(std::ceil(half[axis] / unit * (1 + 0x1p-20)), 0.0, most_half));
-}
-
-} // namespace
-
-void fit_box(BoxNode& node, unsigned k, const TriangleColumns& triangles, const Aabb& bounds)
-{
-    set_axes(node, k, fitted_axes(triangles, bounds));
-    const Matrix3d axes = axes_of(node, k);
-    const Aabb along = extent_along(axes, triangles);
-    const auto area = [](const Vector3d& h) { return h.x() * h.y() + h.y() * h.z() + h.z() * h.x(); };
-    // These fit better where geometry is built along the axes; but a thicker box bounds a curved surface worse.
-    const Vector3d straight = bounds.half_extent(), fitted = along.half_extent();
-    if (area(straight) < 0.95 * area(fitted) && straight.minCoeff() <= 1.25 * fitted.minCoeff())
-        set_box(node, k, extent_along(Matrix3d::Identity(), triangles));
-    else
-        set_extent(node, k, axes * along.centre(), axes, along);
+    const StoredBoxes boxes = triangles.fit({{node.origin[0], node.origin[1], node.origin[2]}, node.unit});
+    const auto store = [](auto(&to)[8], const auto(&from)[8]) { std::ranges::copy(from, to); };
+    store(node.x, boxes.place[0]), store(node.y, boxes.place[1]), store(node.z, boxes.place[2]);
+    store(node.qw, boxes.turn[0]), store(node.qx, boxes.turn[1]), store(node.qy, boxes.turn[2]);
+    store(node.qz, boxes.turn[3]);
+    store(node.hx, boxes.half[0]), store(node.hy, boxes.half[1]), store(node.hz, boxes.half[2]);
 }
 
 void set_box(BoxNode& node, unsigned k, const Aabb& box)
 {
-    set_axes(node, k, Matrix3d::Identity());
-    set_extent(node, k, box.centre(), Matrix3d::Identity(), box);
+    node.qw[k] = static_cast<std::int16_t>(quaternion_steps), node.qx[k] = node.qy[k] = node.qz[k] = 0;
+    const double unit = node.unit;
+    std::int16_t* const places[3] = {&node.x[k], &node.y[k], &node.z[k]};
+    for (int axis = 0; axis < 3; ++axis) {
+        const double steps = (box.centre()[axis] - double(node.origin[axis])) / unit;
+        *places[axis] = static_cast<std::int16_t>(std::clamp(std::round(steps), -most_place, most_place));
+    }
+    const Vector3d place = centre_of(node, k);
+    const Vector3d rounding = 0x1p-50 * box.max.cwiseAbs().cwiseMax(box.min.cwiseAbs());
+    const Vector3d half = (box.max - place).cwiseMax(place - box.min) + rounding;
+    std::uint16_t* const halves[3] = {&node.hx[k], &node.hy[k], &node.hz[k]};
+    for (int axis = 0; axis < 3; ++axis)
+        *halves[axis] =
+            static_cast<std::uint16_t>(std::clamp(std::ceil(half[axis] / unit * (1 + 0x1p-20)), 0.0, most_half));
 }
 
 } // namespace oncollide

@@ -29,11 +29,8 @@ bool holds(const BoxNode& node, unsigned k, const Eigen::Vector3d& point);
 /// @param from  origin of the packed coordinates
 TriangleRow row_of(std::span<const TrianglePoints> triangles, const Eigen::Vector3d& from);
 
-/// Fits a box around the triangles and stores it as box k: with the axes of fitted_axes(), or with the frame's axes if
-/// that box has less area and is not thicker. Conservative: the box as read by the box test holds every point of the
-/// triangles.
-/// @param bounds  a box along the frame's axes, nearly the bounds of the triangles
-void fit_box(BoxNode& node, unsigned k, const TriangleColumns& triangles, const Aabb& bounds);
+/// Fits the node's boxes around their triangles. Requires that its frame and its lanes are set.
+void fit_boxes(BoxNode& node, const BoxTriangles& triangles);
 /// Stores a box along the frame's axes as box k.
 void set_box(BoxNode& node, unsigned k, const Aabb& box);
 

@@ -153,9 +153,9 @@ LaneMasks TerrainTree::open_cell(const Node& node, const BoxPlacement* placement
     for (unsigned k = 0; k < 2; ++k) {
         TrianglePoints t = points(primitives(node, k).numbers[0]);
         for (Eigen::Vector3d& p : t) p -= origin;
-        const TriangleColumns triangle(t);
-        const Eigen::Matrix3d axes = fitted_axes(triangle, {});
-        const Aabb along = extent_along(axes, triangle);
+        const Eigen::Matrix3d axes = axes_of_triangle(t);
+        Aabb along;
+        for (const Eigen::Vector3d& p : t) along.add(axes.transpose() * p);
         const Eigen::Vector3d centre = axes * along.centre();
         put(boxes, k, centre.cast<float>(), axes.cast<float>(), along.half_extent().cast<float>(), placement);
     }

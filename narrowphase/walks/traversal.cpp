@@ -95,7 +95,14 @@ TraversalOf<A, B>::contact(A& a, B& b, const RelativePose& b_to_a, std::optional
             }
             return contact.kind != TriangleContact::crossing && !contact.parted;
         };
-        const auto touch_at_most = [&](TrianglePair pair) { return parted(pair) || corners_touch_at_most(pair); };
+        int corners = 0; // pairs whose common corner may be in a plane between the meshes
+        constexpr int most_corners = 256;
+        const auto touch_at_most = [&](TrianglePair pair) {
+            if (parted(pair)) return true;
+            if (!corners_touch_at_most(pair)) return false;
+            if (corners++ < most_corners) add_plane(pair);
+            return !contact.parted; // otherwise the test of the pair ends the traversal
+        };
         contact.bound = walk_.meetings(a, b, b_to_a, hint, found, touch_at_most, place);
         return contact;
     }

@@ -1,7 +1,6 @@
 #pragma once
-#include <algorithm>
+#include <array>
 #include <cstddef>
-#include <span>
 #include <vector>
 
 #include <oncollide/base/aabb.hpp>
@@ -18,46 +17,45 @@ inline const BoxFitKernel& box_fit_kernel()
     return kernel;
 }
 
-/// The input of box fitting: triangles in columns.
-class TriangleColumns {
+/// The triangles of up to eight boxes that are fitted together. Working memory.
+class BoxTriangles {
 public:
-    TriangleColumns() = default;
-    explicit TriangleColumns(const TrianglePoints& triangle)
-    {
-        assign(1, [&](std::size_t) -> const TrianglePoints& { return triangle; });
-    }
+    static constexpr std::size_t most = 1 << 14; ///< triangles of a box
 
-    /// Takes the triangles corners(0) to corners(size - 1). The last triangle fills the last group of four.
-    void assign(std::size_t size, auto corners)
+    /// @param counts   triangles of each box; 0: no box
+    /// @param corners  corners(k, i) returns the corners of triangle i of box k
+    void assign(const std::array<std::uint32_t, 8>& counts, auto corners)
     {
-        size_ = size, number_ = (size + 3) / 4;
-        if (fours_.size() < number_) fours_.resize(number_);
-        for (std::size_t n = 0; n < number_; ++n) {
-            const TrianglePoints* four[4];
-            for (std::size_t lane = 0; lane < 4; ++lane) four[lane] = &corners(std::min(4 * n + lane, size - 1));
-            for (std::size_t c = 0; c < 3; ++c)
-                for (int axis = 0; axis < 3; ++axis)
-                    for (std::size_t lane = 0; lane < 4; ++lane)
-                        fours_[n].corners[c][axis][lane] = (*four[lane])[c][axis];
-        }
+        start(counts);
+        for (std::uint32_t row = 0; row < number_; ++row)
+            for (unsigned k = 0; k < 8; ++k)
+                if (counts[k] > 1) put(k, row, corners(k, row < counts[k] ? row : 0));
+        for (unsigned k = 0; k < 8; ++k)
+            if (counts[k] == 1) put_alone(k, corners(k, 0u));
     }
-    std::size_t size() const { return size_; }
-    std::span<const FourTriangles> fours() const { return std::span(fours_).first(number_); }
-    TrianglePoints first() const;
+    StoredBoxes fit(const StoredFrame& frame) const
+    {
+        StoredBoxes boxes;
+        box_fit_kernel().fit(rows_.data(), counts_, frame, boxes);
+        return boxes;
+    }
 
 private:
-    std::vector<FourTriangles> fours_; ///< the first number_ are in use
-    std::size_t size_ = 0, number_ = 0;
+    void start(const std::array<std::uint32_t, 8>& counts);
+    void put_alone(unsigned k, TrianglePoints triangle);
+    void put(unsigned k, std::uint32_t row, const TrianglePoints& triangle)
+    {
+        for (std::size_t c = 0; c < 3; ++c)
+            for (int axis = 0; axis < 3; ++axis) rows_[row].corners[c][axis][k] = triangle[c][axis];
+    }
+
+    std::vector<EightTriangles> rows_; ///< the first number_ are in use
+    std::uint32_t counts_[8];
+    std::uint32_t number_ = 0;
 };
 
-/// The extent of the triangles along each column of `axes`.
-Aabb extent_along(const Eigen::Matrix3d& axes, const TriangleColumns& triangles);
-
-/// Axes, the columns of a rotation, along the directions of largest and smallest spread of the triangles' surface; for
-/// one triangle, along its normal and its longest side or, with a right angle, a leg. Source: Gottschalk, Lin and
-/// Manocha, "OBBTree", SIGGRAPH 1996.
-/// @param triangles  at most 2^14
-/// @param bounds     a box along the axes of the frame, nearly the bounds of the triangles
-Eigen::Matrix3d fitted_axes(const TriangleColumns& triangles, const Aabb& bounds);
+/// Axes of the box around one triangle, the columns of a rotation: along its longest side or, with a right angle, a
+/// leg, and along its normal. They do not depend on the order of its corners.
+Eigen::Matrix3d axes_of_triangle(TrianglePoints triangle);
 
 } // namespace oncollide

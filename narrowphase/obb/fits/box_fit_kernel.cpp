@@ -6,6 +6,7 @@
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {
 
+// A lane is a box: four boxes at a time in double, all eight in float.
 using F64 = F64x4;
 using I64 = I64x4;
 
@@ -20,12 +21,26 @@ inline Vec operator-(const Vec& u, const Vec& v)
 {
     return {u.x - v.x, u.y - v.y, u.z - v.z};
 }
-inline Vec corner(const FourTriangles& four, int c)
+inline Vec operator*(const Vec& v, F64 by)
 {
-    const auto lanes = [&](int axis) { return *reinterpret_cast<const F64*>(four.corners[c][axis]); };
-    return {lanes(0), lanes(1), lanes(2)};
+    return {v.x * by, v.y * by, v.z * by};
 }
-
+inline F64 dot(const Vec& u, const Vec& v)
+{
+    return u.x * v.x + u.y * v.y + u.z * v.z;
+}
+inline Vec choose(I64 which, const Vec& u, const Vec& v)
+{
+    return {which ? u.x : v.x, which ? u.y : v.y, which ? u.z : v.z};
+}
+inline F64 splat64(double v)
+{
+    return F64{v, v, v, v};
+}
+inline F64 abs64(F64 v)
+{
+    return reinterpret_cast<F64>(reinterpret_cast<I64>(v) & 0x7fffffffffffffff);
+}
 /// Rounds to the nearest integer; |v| is at most 2^51.
 inline F64 whole(F64 v)
 {
@@ -33,72 +48,91 @@ inline F64 whole(F64 v)
     return (v + shift) - shift;
 }
 
-void extent(const FourTriangles* fours, std::size_t number, const double (&directions)[3][3], double (&low)[3],
-            double (&high)[3])
-{
-    F64 least[3], most[3];
-    for (int i = 0; i < 3; ++i) least[i] = F64{} + __builtin_inf(), most[i] = F64{} - __builtin_inf();
-    for (std::size_t n = 0; n < number; ++n)
-        for (int c = 0; c < 3; ++c) {
-            const Vec p = corner(fours[n], c);
-#pragma GCC unroll 3
-            for (int i = 0; i < 3; ++i) {
-                const F64 along = directions[i][0] * p.x + directions[i][1] * p.y + directions[i][2] * p.z;
-                least[i] = min(least[i], along), most[i] = max(most[i], along);
-            }
-        }
-    for (int i = 0; i < 3; ++i) {
-        low[i] = least[i][0], high[i] = most[i][0];
-        for (int lane = 1; lane < 4; ++lane) {
-            low[i] = least[i][lane] < low[i] ? least[i][lane] : low[i];
-            high[i] = most[i][lane] > high[i] ? most[i][lane] : high[i];
-        }
+/// The rows of four of the boxes.
+struct Rows {
+    const EightTriangles* rows;
+    std::uint32_t number;
+    int first;  ///< box
+    I64 counts; ///< of triangles, by box
+
+    Vec corner(std::uint32_t row, int c) const
+    {
+        const auto lanes = [&](int axis) { return *reinterpret_cast<const F64*>(&rows[row].corners[c][axis][first]); };
+        return {lanes(0), lanes(1), lanes(2)};
     }
+    I64 used(std::uint32_t row) const { return counts > static_cast<long long>(row); }
+};
+
+struct Extent {
+    F64 low[3], high[3];
+
+    F64 middle(int i) const { return 0.5 * (low[i] + high[i]); }
+    F64 half(int i) const { return 0.5 * (high[i] - low[i]); }
+    F64 area() const { return half(0) * half(1) + half(1) * half(2) + half(2) * half(0); }
+    F64 least() const { return min(half(0), min(half(1), half(2))); }
+};
+
+/// @param along  the projections of a corner onto three directions
+inline Extent extent(const Rows& boxes, auto along)
+{
+    Extent out;
+    for (int i = 0; i < 3; ++i) out.low[i] = splat64(__builtin_inf()), out.high[i] = splat64(-__builtin_inf());
+    for (std::uint32_t row = 0; row < boxes.number; ++row)
+        for (int c = 0; c < 3; ++c) {
+            const Vec p = along(boxes.corner(row, c));
+            out.low[0] = min(out.low[0], p.x), out.high[0] = max(out.high[0], p.x);
+            out.low[1] = min(out.low[1], p.y), out.high[1] = max(out.high[1], p.y);
+            out.low[2] = min(out.low[2], p.z), out.high[2] = max(out.high[2], p.z);
+        }
+    return out;
 }
 
-/// Triangles on the grid, with their areas.
+/// A symmetric matrix: xx, yy, zz, xy, xz, yz.
+struct Spread {
+    F64 of[6];
+};
+
+/// Triangles on a grid on which their corners are at most 2^13 steps from the middle of the box.
 struct OnGrid {
     Vec p, q, r;
-    F64 area; ///< twice the area
 
-    OnGrid(const FourTriangles& four, const double (&middle)[3], double scale)
+    OnGrid(const Rows& boxes, std::uint32_t row, const Extent& extent, F64 scale)
     {
         const auto place = [&](int c) -> Vec {
-            const Vec v = corner(four, c);
-            return {whole((v.x - middle[0]) * scale), whole((v.y - middle[1]) * scale),
-                    whole((v.z - middle[2]) * scale)};
+            const Vec v = boxes.corner(row, c);
+            return {whole((v.x - extent.middle(0)) * scale), whole((v.y - extent.middle(1)) * scale),
+                    whole((v.z - extent.middle(2)) * scale)};
         };
         p = place(0), q = place(1), r = place(2);
+    }
+    F64 area2() const ///< four times the square of the area
+    {
         const Vec u = q - p, v = r - p;
         const F64 x = u.y * v.z - u.z * v.y, y = u.z * v.x - u.x * v.z, z = u.x * v.y - u.y * v.x;
-        area = sqrt(x * x + y * y + z * z);
+        return x * x + y * y + z * z;
     }
 };
 
-void sums(const FourTriangles* fours, std::size_t triangles, const double (&middle)[3], double scale, SurfaceSums& out)
+/// Second moments of the surfaces; of a surface without area, of its corners. All sums are of integers and below 2^53,
+/// so they are exact: the result does not depend on the order of triangles and corners, even if the surface spreads
+/// equally in all directions.
+inline Spread spread_of_surface(const Rows& boxes, const Extent& extent, F64 scale)
 {
-    const std::size_t number = (triangles + 3) / 4;
-    constexpr I64 lane{0, 1, 2, 3};
-    const auto there = [&](std::size_t n) { return lane < static_cast<long long>(triangles - 4 * n); };
-    F64 largest = F64{};
-    for (std::size_t n = 0; n < number; ++n) {
-        const F64 area = OnGrid(fours[n], middle, scale).area;
-        largest = max(largest, there(n) ? area : F64{});
-    }
-    double most = 0;
-    for (int k = 0; k < 4; ++k) most = largest[k] > most ? largest[k] : most;
+    F64 largest{};
+    for (std::uint32_t row = 0; row < boxes.number; ++row)
+        largest = max(largest, OnGrid(boxes, row, extent, scale).area2()); // rows that repeat a triangle change nothing
     // A square is below 12 * 2^26, and its weight at most 256. There are at most 2^14, so their sum is below 2^52.
     constexpr double heaviest = 256;
-    const double share_of_area = most > 0 ? heaviest / most : 0;
-    F64 squares[6] = {}, sum[3] = {}, weights = F64{};
-    for (std::size_t n = 0; n < number; ++n) {
-        const OnGrid t(fours[n], middle, scale);
-        F64 weight = F64{} + 1;
-        if (most > 0) {
-            const F64 share = min(t.area * share_of_area, F64{} + heaviest), nearest = whole(share);
-            weight = nearest < share ? nearest + 1 : nearest; // 0 only for triangles without area
-        }
-        weight = there(n) ? weight : F64{};
+    const I64 flat = largest == F64{};
+    const F64 share_of_area = heaviest / sqrt(flat ? splat64(1) : largest);
+    F64 squares[6] = {}, weights{};
+    Vec sum{};
+    for (std::uint32_t row = 0; row < boxes.number; ++row) {
+        const OnGrid t(boxes, row, extent, scale);
+        const F64 share = min(sqrt(t.area2()) * share_of_area, splat64(heaviest)), nearest = whole(share);
+        F64 weight = nearest < share ? nearest + 1 : nearest; // 0 only for triangles without area
+        weight = flat ? splat64(1) : weight;
+        weight = boxes.used(row) ? weight : F64{};
         const Vec s = t.p + t.q + t.r;
         const auto square = [&](F64 Vec::*i, F64 Vec::*j) {
             return s.*i * (s.*j) + t.p.*i * (t.p.*j) + t.q.*i * (t.q.*j) + t.r.*i * (t.r.*j);
@@ -106,13 +140,189 @@ void sums(const FourTriangles* fours, std::size_t triangles, const double (&midd
         squares[0] += weight * square(&Vec::x, &Vec::x), squares[1] += weight * square(&Vec::y, &Vec::y);
         squares[2] += weight * square(&Vec::z, &Vec::z), squares[3] += weight * square(&Vec::x, &Vec::y);
         squares[4] += weight * square(&Vec::x, &Vec::z), squares[5] += weight * square(&Vec::y, &Vec::z);
-        sum[0] += weight * s.x, sum[1] += weight * s.y, sum[2] += weight * s.z;
-        weights += weight;
+        sum = sum + s * weight, weights += weight;
     }
-    const auto total = [](F64 v) { return (v[0] + v[1]) + (v[2] + v[3]); };
-    for (int i = 0; i < 6; ++i) out.squares[i] = total(squares[i]);
-    for (int i = 0; i < 3; ++i) out.sum[i] = total(sum[i]);
-    out.weight = total(weights);
+    weights = max(weights, splat64(1));
+    const Vec mean{sum.x / (3 * weights), sum.y / (3 * weights), sum.z / (3 * weights)};
+    const F64 products[6] = {mean.x * mean.x, mean.y * mean.y, mean.z * mean.z,
+                             mean.x * mean.y, mean.x * mean.z, mean.y * mean.z};
+    Spread spread;
+    for (int i = 0; i < 6; ++i) spread.of[i] = squares[i] / (12 * weights) - products[i];
+    return spread;
+}
+
+/// A matrix with the axes of one triangle: its normal, and its longest side or, with a right angle, a leg.
+inline Spread spread_of_triangle(const Rows& boxes, F64 scale)
+{
+    const Vec p = boxes.corner(0, 0), a = (boxes.corner(0, 1) - p) * scale, b = (boxes.corner(0, 2) - p) * scale,
+              c = b - a;
+    const F64 aa = dot(a, a), bb = dot(b, b), cc = dot(c, c), longest = max(aa, max(bb, cc));
+    const F64 middle = max(min(aa, bb), min(max(aa, bb), cc));
+    const F64 length2 = abs64(aa + bb + cc - 2 * longest) < 0.001 * longest ? middle : longest;
+    const auto unit = [](const Vec& v, F64 square, F64 least) {
+        return v * (square > least ? 1 / sqrt(square > least ? square : splat64(1)) : F64{});
+    };
+    const Vec u = unit(choose(aa == length2, a, choose(bb == length2, b, c)), length2, F64{});
+    const Vec other = choose(aa == length2, b, a), rest = other - u * dot(u, other);
+    const Vec v = unit(rest, dot(rest, rest), 1e-24 * longest);
+    return {u.x * u.x + 0.5 * v.x * v.x, u.y * u.y + 0.5 * v.y * v.y, u.z * u.z + 0.5 * v.z * v.z,
+            u.x * u.y + 0.5 * v.x * v.y, u.x * u.z + 0.5 * v.x * v.z, u.y * u.z + 0.5 * v.y * v.z};
+}
+
+/// Axes as quaternions: w, x, y, z.
+struct Turns {
+    F32x8 of[4];
+};
+
+/// One rotation of Jacobi's method, in the plane of axes p and q, with an approximate angle that needs no trigonometry.
+/// Source: McAdams et al., "Computing the singular value decomposition of 3x3 matrices with minimal branching and
+/// elementary floating point operations", 2011.
+inline void rotate(F32x8& pp, F32x8& pq, F32x8& qq, F32x8& pk, F32x8& qk, Turns& turn, int p, int q, int k)
+{
+    constexpr float most = 5.8284271f, cosine = 0.92387953f, sine = 0.38268343f; // 3 + 2 sqrt(2); of pi / 8
+    const F32x8 none = splat(0), one = splat(1), across = 2 * (pp - qq);
+    const I32x8 some = abs(pq) > splat(1e-12f), small = most * pq * pq < across * across;
+    const F32x8 length2 = across * across + pq * pq, by = 1 / sqrt(some ? length2 : one);
+    const F32x8 ch = some ? (small ? across * by : splat(cosine)) : one,
+                sh = some ? (small ? pq * by : splat(sine)) : none;
+    const F32x8 c = ch * ch - sh * sh, s = 2 * sh * ch;
+    const F32x8 a = c * pp + s * pq, b = c * pq + s * qq, d = c * pq - s * pp, e = c * qq - s * pq;
+    pp = c * a + s * b, pq = c * b - s * a, qq = c * e - s * d;
+    const F32x8 rest = c * pk + s * qk;
+    qk = c * qk - s * pk, pk = rest;
+    const F32x8 w = turn.of[0], x = turn.of[p], y = turn.of[q], z = turn.of[k];
+    turn.of[0] = w * ch - z * sh, turn.of[k] = z * ch + w * sh;
+    turn.of[p] = x * ch + y * sh, turn.of[q] = y * ch - x * sh;
+}
+
+/// The axes of symmetric matrices whose trace is 1, or 0.
+inline Turns principal_turns(const float (&of)[6][8])
+{
+    constexpr int sweeps = 4;
+    F32x8 xx = load(of[0]), yy = load(of[1]), zz = load(of[2]), xy = load(of[3]), xz = load(of[4]), yz = load(of[5]);
+    Turns turn{splat(1), splat(0), splat(0), splat(0)};
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+        rotate(xx, xy, yy, xz, yz, turn, 1, 2, 3);
+        rotate(yy, yz, zz, xy, xz, turn, 2, 3, 1);
+        rotate(zz, xz, xx, yz, xy, turn, 3, 1, 2);
+    }
+    const auto& [w, x, y, z] = turn.of;
+    const F32x8 by = static_cast<float>(quaternion_steps) / sqrt(w * w + x * x + y * y + z * z);
+    for (F32x8& part : turn.of) {
+        constexpr float shift = 0x1.8p23f; // rounds to integers
+        part = (min(max(part * by, splat(-32767)), splat(32767)) + shift) - shift;
+    }
+    return turn;
+}
+
+/// The axes of stored quaternions, by component, as the box test reads them: the same operations in the same order.
+inline void read_axes(const Turns& turn, float (&axes)[3][3][8])
+{
+    F32x8 w = turn.of[0] * (1.0f / 32767), x = turn.of[1] * (1.0f / 32767), y = turn.of[2] * (1.0f / 32767),
+          z = turn.of[3] * (1.0f / 32767);
+    const F32x8 stretch = 1.5f - 0.5f * (w * w + x * x + y * y + z * z);
+    w = w * stretch, x = x * stretch, y = y * stretch, z = z * stretch;
+    const F32x8 x2 = x + x, y2 = y + y, z2 = z + z;
+    const F32x8 xx = x * x2, yy = y * y2, zz = z * z2, xy = x * y2, xz = x * z2, yz = y * z2, wx = w * x2, wy = w * y2,
+                wz = w * z2;
+    const F32x8 of[3][3] = {
+        {1 - (yy + zz), xy + wz, xz - wy}, {xy - wz, 1 - (xx + zz), yz + wx}, {xz + wy, yz - wx, 1 - (xx + yy)}};
+    for (int axis = 0; axis < 3; ++axis)
+        for (int i = 0; i < 3; ++i) store(axes[axis][i], of[axis][i]);
+}
+
+inline F64 widened(const float (&eight)[8], int first)
+{
+    return F64{eight[first], eight[first + 1], eight[first + 2], eight[first + 3]};
+}
+
+/// Stores the nearest centres, and half-extents that cover the extents along the axes.
+inline void put(const Extent& along, const Vec (&axes)[3], const StoredFrame& frame, const Rows& boxes,
+                StoredBoxes& out)
+{
+    const F64 unit = splat64(frame.unit), none{};
+    const F64 middle[3] = {along.middle(0), along.middle(1), along.middle(2)};
+    const Vec centre = axes[0] * middle[0] + axes[1] * middle[1] + axes[2] * middle[2];
+    const F64 at[3] = {centre.x, centre.y, centre.z};
+    F64 steps[3], placed[3];
+    for (int i = 0; i < 3; ++i) {
+        const F64 from = (at[i] - double(frame.origin[i])) / unit;
+        steps[i] = whole(min(max(from, splat64(-most_place)), splat64(most_place)));
+        placed[i] = double(frame.origin[i]) + steps[i] * unit;
+    }
+    const Vec stored{placed[0], placed[1], placed[2]};
+    for (int i = 0; i < 3; ++i) {
+        const F64 place = dot(axes[i], stored);
+        const F64 rounding = 0x1p-50 * max(abs64(along.low[i]), abs64(along.high[i]));
+        const F64 half = max(along.high[i] - place, place - along.low[i]) + rounding;
+        const F64 wanted = min(max(half / unit * (1 + 0x1p-20), none), splat64(most_half)), nearest = whole(wanted);
+        const F64 covering = nearest < wanted ? nearest + 1 : nearest;
+        for (int lane = 0; lane < 4; ++lane) {
+            const bool used = boxes.counts[lane] > 0;
+            out.place[i][boxes.first + lane] = static_cast<std::int16_t>(used ? steps[i][lane] : 0);
+            out.half[i][boxes.first + lane] = static_cast<std::uint16_t>(used ? covering[lane] : 0);
+        }
+    }
+}
+
+void fit(const EightTriangles* rows, const std::uint32_t (&counts)[8], const StoredFrame& frame, StoredBoxes& out)
+{
+    std::uint32_t number = 0;
+    for (const std::uint32_t count : counts) number = count > number ? count : number;
+    Rows boxes[2];
+    Extent straight[2];
+    float spread[6][8];
+    for (int half = 0; half < 2; ++half) {
+        Rows& four = boxes[half];
+        four.rows = rows, four.number = number, four.first = 4 * half;
+        for (int lane = 0; lane < 4; ++lane) four.counts[lane] = counts[4 * half + lane];
+        const Extent all = straight[half] = extent(four, [](const Vec& p) { return p; });
+        const F64 size = max(all.half(0), max(all.half(1), all.half(2)));
+        const I64 tiny = size < splat64(1e-290);
+        const F64 scale = tiny ? F64{} : 0x1p13 / (tiny ? splat64(1) : size);
+        Spread of = spread_of_surface(four, all, scale);
+        const I64 single = four.counts == 1;
+        if (single[0] | single[1] | single[2] | single[3]) {
+            const Spread alone = spread_of_triangle(four, scale);
+            for (int i = 0; i < 6; ++i) of.of[i] = single ? alone.of[i] : of.of[i];
+        }
+        const F64 trace = of.of[0] + of.of[1] + of.of[2], by = 1 / (trace > F64{} ? trace : splat64(1));
+        for (int i = 0; i < 6; ++i)
+            for (int lane = 0; lane < 4; ++lane)
+                spread[i][4 * half + lane] = static_cast<float>(of.of[i][lane] * by[lane]);
+    }
+    Turns turn = principal_turns(spread);
+    float fitted_axes[3][3][8];
+    read_axes(turn, fitted_axes);
+    alignas(32) std::int32_t turned[8];
+    for (int half = 0; half < 2; ++half) {
+        Vec axes[3];
+        for (int axis = 0; axis < 3; ++axis)
+            axes[axis] = {widened(fitted_axes[axis][0], 4 * half), widened(fitted_axes[axis][1], 4 * half),
+                          widened(fitted_axes[axis][2], 4 * half)};
+        Extent along = extent(boxes[half], [&](const Vec& p) {
+            return Vec{dot(axes[0], p), dot(axes[1], p), dot(axes[2], p)};
+        });
+        // These fit better where geometry is built along the axes; but a thicker box bounds a curved surface worse.
+        const Extent& all = straight[half];
+        const I64 along_frame = (all.area() < 0.95 * along.area()) & (all.least() <= 1.25 * along.least());
+        for (int i = 0; i < 3; ++i) {
+            along.low[i] = along_frame ? all.low[i] : along.low[i];
+            along.high[i] = along_frame ? all.high[i] : along.high[i];
+            axes[i] = choose(along_frame, {splat64(i == 0), splat64(i == 1), splat64(i == 2)}, axes[i]);
+        }
+        for (int lane = 0; lane < 4; ++lane)
+            turned[4 * half + lane] = boxes[half].counts[lane] == 0 ? 0 : along_frame[lane] ? 1 : -1;
+        put(along, axes, frame, boxes[half], out);
+    }
+    for (int part = 0; part < 4; ++part) {
+        float steps[8];
+        store(steps, turn.of[part]);
+        for (int k = 0; k < 8; ++k) {
+            const float frames = part == 0 ? static_cast<float>(quaternion_steps) : 0;
+            out.turn[part][k] = static_cast<std::int16_t>(turned[k] == 0 ? 0 : turned[k] > 0 ? frames : steps[k]);
+        }
+    }
 }
 
 void count_less(const float* numbers, std::size_t size, std::int32_t* less)
@@ -129,7 +339,7 @@ void count_less(const float* numbers, std::size_t size, std::int32_t* less)
 
 BoxFitKernel box_fit_kernel()
 {
-    return {extent, sums, count_less};
+    return {fit, count_less};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

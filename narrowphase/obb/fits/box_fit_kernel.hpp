@@ -5,28 +5,32 @@
 
 namespace oncollide {
 
-/// Indexed by corner, axis and triangle.
-struct alignas(32) FourTriangles {
-    double corners[3][3][4];
+/// One triangle of each of eight boxes, indexed by corner, axis and box.
+struct alignas(32) EightTriangles {
+    double corners[3][3][8];
 };
 
-/// Sums over a surface, weighted by its triangles.
-struct SurfaceSums {
-    double squares[6]; ///< xx, yy, zz, xy, xz, yz: twelve times the integrals over triangles of area 1
-    double sum[3];     ///< three times the centres
-    double weight;
+/// Eight boxes as BoxNode stores them: in steps of its unit from its origin, with the axes as quaternions.
+struct StoredBoxes {
+    std::int16_t place[3][8];
+    std::int16_t turn[4][8]; ///< w, x, y, z
+    std::uint16_t half[3][8];
 };
+struct StoredFrame {
+    float origin[3], unit;
+};
+constexpr double most_place = 32767, most_half = 65535, quaternion_steps = 32767; ///< of StoredBoxes
 
 struct BoxFitKernel {
-    /// The smallest and the largest projection of the corners onto each of three directions.
-    void (*extent)(const FourTriangles* fours, std::size_t number, const double (&directions)[3][3], double (&low)[3],
-                   double (&high)[3]);
-    /// Sums over at most 2^14 triangles; unused lanes of the last four may hold anything. Coordinates are rounded to a
-    /// grid of `scale` steps per metre, on which the corners are at most 2^13 steps from the middle. All sums are of
-    /// integers and below 2^53, so they are exact: the result does not depend on the order of triangles and corners,
-    /// even if the surface spreads equally in all directions.
-    void (*sums)(const FourTriangles* fours, std::size_t triangles, const double (&middle)[3], double scale,
-                 SurfaceSums& out);
+    /// Fits eight boxes, each around triangles of its own. Its axes follow the spread of the triangles' surface
+    /// (Gottschalk, Lin and Manocha, "OBBTree", SIGGRAPH 1996); for one triangle they follow its normal and its longest
+    /// side or, with a right angle, a leg. They are the frame's axes if that box has less area and is not thicker.
+    /// Conservative: the box as read by the box test holds every point of the triangles. Does not depend on the order
+    /// of a box's triangles, nor on the order of the corners of several triangles.
+    /// @param rows    the triangles of box k are in lane k of the first counts[k] rows; the rows after these repeat one
+    /// @param counts  at most 2^14; 0: no box, and everything stored is 0
+    void (*fit)(const EightTriangles* rows, const std::uint32_t (&counts)[8], const StoredFrame& frame,
+                StoredBoxes& out);
     /// For each number, counts the numbers that are less. Both arrays must be accessible up to a multiple of 8
     /// elements.
     void (*count_less)(const float* numbers, std::size_t size, std::int32_t* less);
