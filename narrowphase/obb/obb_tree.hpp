@@ -135,7 +135,7 @@ public:
     bool is_large() const { return large_; }
 
     /// True if the mesh, cooked or not, has many triangles.
-    bool has_many() const { return !(node(root).leaves & 1) && count_of(root, 0) >= large_from; }
+    bool has_many() const { return !(node(root).leaves & 1) && count_of(root, 0) >= many; }
 
     /// Indexed by number in the tree. In a cooked mesh only entries that traversals have reached are valid.
     const Eigen::Vector3d* vertices() const { return vertices_; }
@@ -169,6 +169,7 @@ public:
 
 private:
     static constexpr std::size_t large_from = 4096; ///< triangles; half a megabyte with their corners and boxes
+    static constexpr std::uint32_t many = 2048;     ///< triangles; fewer are soon compared box by box
     static constexpr unsigned most_lanes = 8;
     std::string fault_of_node(Node index, std::uint32_t begin, std::uint32_t count) const;
     static std::uint64_t most_lines(std::size_t triangles);
