@@ -78,6 +78,8 @@ concept BoxHierarchy = requires(H& h, const H& same, typename H::Node node, unsi
 ///   `bounds(pair)` instead, as ConvexDistance returns them.
 /// - `high_a(primitive, line)`, `low_b(primitive, line)`: the largest and the smallest projection of the primitive onto
 ///   a direction in its own geometry's frame. Cheap: they bound distances.
+/// - optional, `from_a(primitive, point)`, `from_b`: the squared distance of a primitive from a point of A's frame, for
+///   a first guess of the distance.
 /// - optional, `nearest(pairs, take)`: calls take(pair, points) for each pair, and costs less than one `nearest(pair)`
 ///   each.
 template <class L, class A, class B>

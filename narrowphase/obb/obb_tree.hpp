@@ -168,7 +168,7 @@ public:
     std::string validate() const;
 
 private:
-    static constexpr std::size_t prefetched_from = 64, many_from = 4096; ///< triangles
+    static constexpr std::size_t prefetched_from = 64, many_from = 2048; ///< triangles
     static constexpr unsigned most_lanes = 8;
     std::string fault_of_node(Node index, std::uint32_t begin, std::uint32_t count) const;
     static std::uint64_t most_lines(std::size_t triangles);

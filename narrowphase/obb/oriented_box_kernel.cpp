@@ -40,7 +40,8 @@ inline unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned
 #pragma GCC unroll 3
         for (int i = 0; i < 3; ++i) radii_by_length = radii_by_length + oh[i] * abs(t[i]);
         const F32x8 length = sqrt(dot(d, d));
-        gap = max(gap, length > splat(0) ? length - radii_by_length / length : gap);
+        // The quotient is undefined in unused lanes, which then keep the gap so far.
+        gap = max(length > splat(0) ? length - radii_by_length / length : gap, gap);
         const float x = line->direction[0], y = line->direction[1], z = line->direction[2];
         F32x8 least = x * load(boxes.c[0]) + y * load(boxes.c[1]) + z * load(boxes.c[2]);
 #pragma GCC unroll 3
@@ -48,7 +49,10 @@ inline unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned
         gap = max(gap, least - line->other_reach);
     }
     const float margin = boxes.margin + other.margin;
-    if (bits(gap <= splat(cutoff + margin))) {
+    // The cross products of edges hardly ever separate boxes that are smaller than their distance.
+    const float cutoff2 = cutoff * cutoff;
+    const bool small = far && other.size[k] < cutoff2 && !bits(load(boxes.size) >= splat(cutoff2));
+    if (!small && bits(gap <= splat(cutoff + margin))) {
         // Cross products have length at most 1, so projections onto them are lower bounds of the distance.
 #pragma GCC unroll 3
         for (int i = 0; i < 3; ++i) {
@@ -96,6 +100,18 @@ float reach(const OpenBoxes& boxes, const float (&direction)[3])
     most = max(most, ONCOLLIDE_SHUFFLE(most, 2, 3, 0, 1, 6, 7, 4, 5));
     most = max(most, ONCOLLIDE_SHUFFLE(most, 1, 0, 3, 2, 5, 4, 7, 6));
     return most[0];
+}
+
+void from_point(const OpenBoxes& boxes, const float (&point)[3], float (&distance2)[8])
+{
+    const Vec d{point[0] - load(boxes.c[0]), point[1] - load(boxes.c[1]), point[2] - load(boxes.c[2])};
+    F32x8 sum = splat(0);
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+        const F32x8 out = max(abs(dot(load(boxes.axis[i]), d)) - load(boxes.h[i]), splat(0));
+        sum = sum + out * out;
+    }
+    store(distance2, sum);
 }
 
 /// The times, between `first` and `last`, at which eight boxes may overlap another one along all axes so far.
@@ -234,8 +250,8 @@ unsigned node_on_segment(const BoxNode& node, const SegmentLine& s, float (&entr
 
 OrientedBoxKernel oriented_box_kernel()
 {
-    return {open,  open_triangles, open_octants, compare_near,   compare_far,
-            reach, meet_in_time,   on_segment,   node_on_segment};
+    return {open,  open_triangles, open_octants, compare_near, compare_far,
+            reach, from_point,     meet_in_time, on_segment,   node_on_segment};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

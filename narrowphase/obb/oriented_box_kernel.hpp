@@ -50,6 +50,8 @@ struct OrientedBoxKernel {
     CompareFar* compare_far;
     /// The largest projection of the boxes onto a direction of length 1 at most.
     float (*reach)(const OpenBoxes& boxes, const float (&direction)[3]);
+    /// The squared distances of a point from the boxes, without any allowance for rounding.
+    void (*from_point)(const OpenBoxes& boxes, const float (&point)[3], float (&distance2)[8]);
     /// Returns one bit for each box that box `k` of `other` may touch at a time up to `until` <= 1.
     /// @param entries  out: lower bounds of the first such times, at least -1
     unsigned (*meet_in_time)(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxMotion& motion,

@@ -334,19 +334,19 @@ private:
         return go_on;
     }
     bool test_if_enough(std::size_t& batch, auto found);
-    /// Bounds of the distance of primitives that do not meet, and the vector from A's nearest point to B's.
+    /// Bounds of the distance of primitives that do not meet, and the nearest points.
     struct Nearest {
         double lower, upper;
-        Eigen::Vector3d between;
+        Eigen::Vector3d a, b;
     };
     Nearest nearest(const Pair& pair, const WalkFrame& frame)
     {
         if constexpr (requires { leaves_.bounds(pair); }) {
             const auto found = leaves_.bounds(pair);
-            return {found.lower, found.upper, found.on_b - found.on_a};
+            return {found.lower, found.upper, found.on_a, found.on_b};
         } else {
             const NearestPoints found = leaves_.nearest(pair);
-            return {found.distance - frame.leaf_rounding, found.distance + frame.leaf_rounding, found.b - found.a};
+            return {found.distance - frame.leaf_rounding, found.distance + frame.leaf_rounding, found.a, found.b};
         }
     }
     /// Calls take(pair, points) for all waiting pairs.
@@ -354,8 +354,8 @@ private:
     {
         if constexpr (measures_many) {
             leaves_.nearest(std::span<const Pair>(waiting_), [&](const Pair& pair, const NearestPoints& found) {
-                take(pair, Nearest{found.distance - frame.leaf_rounding, found.distance + frame.leaf_rounding,
-                                   found.b - found.a});
+                take(pair, Nearest{found.distance - frame.leaf_rounding, found.distance + frame.leaf_rounding, found.a,
+                                   found.b});
             });
         } else {
             for (const Pair& pair : waiting_) take(pair, nearest(pair, frame));

@@ -6,6 +6,7 @@
 #include <span>
 
 #include <oncollide/narrowphase/walks/box_walk_queries.hpp>
+#include <oncollide/narrowphase/walks/point_search.hpp>
 
 namespace oncollide {
 
@@ -35,9 +36,10 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
     // neighbours of the last pair show it on the line of that pair.
     take_line(WalkLine(b_to_a(b.centre()) - a.centre(), b_to_a));
     WalkLine last_line = line_;
-    double share = 1; // search for pairs nearer than this share of the distance of the nearest pair
-    double most;      // primitives farther apart do not matter
-    float cutoff;     // boxes with a larger gap do not matter
+    Eigen::Vector3d near_a, near_b; // the nearest points so far
+    double share = 1;               // search for pairs nearer than this share of the distance of the nearest pair
+    double most;                    // primitives farther apart do not matter
+    float cutoff;                   // boxes with a larger gap do not matter
     const auto narrow_down = [&] {
         const double nearer = std::min(share * best.upper, best.upper - tolerance);
         cutoff = std::min(frame.gap_within(std::min(nearer, farthest)), 0x1p90f);
@@ -46,10 +48,11 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
     };
     const auto measure = [&] {
         measure_waiting(frame, [&](const Pair& pair, const Nearest& points) {
-            last_line = WalkLine(points.between, b_to_a);
+            last_line = WalkLine(points.b - points.a, b_to_a);
             best.lower = std::min(best.lower, points.lower);
             if (points.upper >= best.upper || points.lower > farthest) return;
             best.upper = points.upper, best.nearest = pair;
+            near_a = points.a, near_b = points.b;
             take_line(last_line);
         });
         narrow_down();
@@ -89,15 +92,40 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
             else if (const float gap = kept ? line_gap(e) : e.gap; gap > cutoff)
                 best.lower = std::min(best.lower, frame.at_least(gap));
             else
-                sort_last(open<Gaps::far>(e, cutoff));
+                open<Gaps::far>(e, cutoff);
         }
         measure();
     };
-    // Pairs in overlapping boxes that did not meet are near. If there are none, a coarse search finds the line early.
-    // Its share is larger for geometries that are far apart: few of their pairs are nearer than that.
+    const auto guess = [&] {
+        if constexpr (requires(Eigen::Vector3d p) { leaves_.from_a(typename A::Primitive{}, p); })
+            approach(
+                a_, b_, kernel_,
+                [&](auto of_a, auto& at) {
+                    return leaves_.from_a(of_a, origin_ + Eigen::Vector3d(at[0], at[1], at[2]));
+                },
+                [&](auto of_b, auto& at) {
+                    return leaves_.from_b(of_b, origin_ + Eigen::Vector3d(at[0], at[1], at[2]));
+                },
+                [&](OpenBox leaf_a, OpenBox leaf_b, bool in_a, float(&at)[3]) {
+                    const double before = best.upper;
+                    each_pair({leaf_a.slot, leaf_a.lane, leaf_b.slot, leaf_b.lane},
+                              [&](Pair pair) { return waiting_.push_back(pair), true; });
+                    measure();
+                    if (!best.nearest) return false;
+                    for (int i = 0; i < 3; ++i) at[i] = static_cast<float>((in_a ? near_a : near_b)[i] - origin_[i]);
+                    return best.upper < 0.9999 * before;
+                });
+    };
+    // Pairs in overlapping boxes that did not meet are near. If there are none, a guess finds the line early; between
+    // near geometries also a coarse search. Its share is larger for geometries that are far apart: few of their pairs
+    // are nearer than that.
     if (waiting_.size() > most_seeds) waiting_.resize(most_seeds);
     measure();
-    if (!best.nearest) look(box_rows - rows_before > 8 ? 0.5 : 0.85);
+    if (!best.nearest) {
+        const std::uint64_t rows = box_rows - rows_before;
+        if (rows <= 16 && std::isinf(farthest)) guess();
+        if (rows > 8 || !best.nearest) look(rows > 8 ? 0.5 : 0.85);
+    }
     if (best.nearest) look(1); // otherwise the distance is above the cutoff `farthest`
     best.lower = std::max(std::min(best.lower, least_box_gap(frame)), 0.0);
     return best;

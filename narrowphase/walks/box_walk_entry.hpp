@@ -64,7 +64,8 @@ FirstEntry<typename Leaves::Pair> BoxWalk<A, B, Leaves>::first_entry(A& a, B& b,
         const auto between = [&](double time) {
             there.translation = b_to_a.translation + time * parts.speed;
             leaves_.start(a, b, there);
-            return nearest(pair, frame).between;
+            const Nearest points = nearest(pair, frame);
+            return Eigen::Vector3d(points.b - points.a);
         };
         const PartsEntry entry = oncollide::first_entry(parts, from, best.time, separating, apart, between);
         if (entry.time >= best.time) return;

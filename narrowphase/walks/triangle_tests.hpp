@@ -103,6 +103,15 @@ public:
     {
         return least_along(line, b_.points(triangle));
     }
+    /// The squared distance of a point of A's frame from a triangle, without an error bound.
+    double from_a(std::uint32_t triangle, const Eigen::Vector3d& point) const
+    {
+        return squared_distance(point, a_.points(triangle));
+    }
+    double from_b(std::uint32_t triangle, const Eigen::Vector3d& point) const
+    {
+        return squared_distance(b_to_a_->rotation.transpose() * (point - b_to_a_->translation), b_.points(triangle));
+    }
     NearestPoints nearest(TrianglePair pair);
     /// Calls take(pair, points) for each pair.
     template <class Take>

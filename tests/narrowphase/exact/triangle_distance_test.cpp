@@ -48,5 +48,21 @@ TEST(TriangleDistance, IsThatOfTheNearestPoints)
     }
 }
 
+TEST(TriangleDistance, OfAPointIsThatOfATriangleShrunkToThePoint)
+{
+    for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+        TrianglePoints t;
+        for (std::uint64_t k = 0; k < 3; ++k)
+            for (std::uint64_t i = 0; i < 3; ++i) t[k][int(i)] = u01(seed, 21, 3 * k + i);
+        if (seed % 8 == 0) t[2] = t[seed % 3 == 0 ? 1 : 0]; // a segment
+        if (seed % 8 == 1) t[1] = t[2] = t[0];              // a point
+        if (seed % 8 == 2) t[1] = 0.5 * (t[0] + t[2]);      // its corners are on one line
+        const Vector3d p(3 * u01(seed, 22, 0) - 1, 3 * u01(seed, 22, 1) - 1, 3 * u01(seed, 22, 2) - 1);
+        const double distance = std::sqrt(squared_distance(p, t)), expected = triangle_distance({p, p, p}, t);
+        EXPECT_GE(distance, expected - 1e-7) << seed;
+        EXPECT_LE(distance, (seed % 8 == 2 ? corner_distance({p, p, p}, t) : expected) + 1e-7) << seed;
+    }
+}
+
 } // namespace
 } // namespace oncollide::triangle_distance_test

@@ -173,6 +173,48 @@ TEST(OrientedBoxKernel, NeverShowsAGapLargerThanTheDistance)
     EXPECT_GT(apart, 1000);
 }
 
+TEST(OrientedBoxKernel, MeasuresThePointsDistances)
+{
+    for (std::uint64_t seed = 0; seed < 100; ++seed) {
+        const OpenBoxes boxes = random_boxes(seed);
+        const float point[3] = {float(4 * u01(seed, 5, 0) - 2), float(4 * u01(seed, 5, 1) - 2),
+                                float(4 * u01(seed, 5, 2) - 2)};
+        for (const Kernel& kernel : kernels()) {
+            float distance2[8];
+            kernel.kernel.from_point(boxes, point, distance2);
+            for (unsigned lane = 0; lane < 8; ++lane) {
+                const Vector3d from = Vector3d(point[0], point[1], point[2]) -
+                                      Vector3d(boxes.c[0][lane], boxes.c[1][lane], boxes.c[2][lane]);
+                double expected = 0;
+                for (int j = 0; j < 3; ++j) {
+                    const Vector3d axis(boxes.axis[j][0][lane], boxes.axis[j][1][lane], boxes.axis[j][2][lane]);
+                    const double out = std::max(0.0, std::abs(axis.dot(from)) - double(boxes.h[j][lane]));
+                    expected += out * out;
+                }
+                EXPECT_NEAR(distance2[lane], expected, 1e-5 * (1 + expected)) << kernel.name;
+            }
+        }
+    }
+}
+
+TEST(OrientedBoxKernel, NeverReachesUnusedLanes)
+{
+    for (const float size : {1e-9f, 1.0f, 1e9f, 1e15f}) {
+        OpenBoxes boxes = random_boxes(3), other = random_boxes(4);
+        for (int i = 0; i < 3; ++i)
+            for (int lane = 0; lane < 8; ++lane) other.h[i][lane] *= size;
+        for (int i = 0; i < 3; ++i) boxes.h[i][5] = 0;
+        boxes.c[0][5] = 1e30f, boxes.size[5] = 0;
+        for (const Kernel& kernel : kernels())
+            for (const float direction : {-1.0f, 1.0f}) {
+                float gaps[8], nearest[8] = {};
+                const BoxLine line{{direction, 0, 0}, 0};
+                EXPECT_FALSE(kernel.kernel.compare_far(boxes, other, 2, line, 0x1p90f, gaps, nearest) >> 5 & 1)
+                    << kernel.name << ' ' << size;
+            }
+    }
+}
+
 /// Boxes that only the nine cross products separate: two flat, long boxes that cross like the strokes of a plus.
 TEST(OrientedBoxKernel, PartsBoxesByTheirEdges)
 {
