@@ -192,10 +192,10 @@ public:
 
     // --- Many configurations, without bodies.
     /// Sets findings[i] for numbers i * width() up to (i + 1) * width(), with the World's settings of accuracy and
-    /// threads. A configuration is tested until a pair collides. Bodies of this robot are not tested. Within max_error
-    /// it decides exactly where OBB trees refine and the clearance is 0, as that takes less time than a bound. Throws
-    /// as check_configuration() without limits. Cost: 0.5 to 2 microseconds per configuration for an arm among ten
-    /// bodies.
+    /// threads. A configuration is tested until a pair collides. Bodies of this robot are not tested. With max_error
+    /// and an automatic exact level, it decides exactly where OBB trees refine, as that takes less time than a bound.
+    /// Throws as check_configuration() without limits. Cost: 0.5 to 2 microseconds per configuration for an arm among
+    /// ten bodies.
     void check(const World& world, std::span<const double> configurations, std::span<RobotFinding> findings,
                const RobotCheck& what = {}) const;
 

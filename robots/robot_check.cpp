@@ -51,6 +51,7 @@ public:
     {
         const std::size_t links = robot_.description.links.size(), width = robot_.tree.width();
         findings_ = findings;
+        batch_.clear(), near_pairs_.clear(), runs_.clear(); // an error may have ended the last call
         poses_.resize(findings.size() * links, Eigen::Isometry3d::Identity());
         open_.assign((findings.size() + 7) / 8, 0);
         for (std::size_t i = 0; i < findings.size(); ++i) {

@@ -4,24 +4,21 @@
 
 namespace oncollide {
 
-namespace {
-
-Settings settings_of(Settings settings)
-{
-    if (settings.exact == ExactLevel::off && settings.max_error && settings.clearance == 0 &&
-        settings.memory_budget == 0 && settings.skip.empty() && wants_obbs(settings))
-        settings.exact = ExactLevel::predicates;
-    return settings;
-}
-
-} // namespace
-
 struct WorldAccess::PlacedTests::Parts {
     World::Impl& world;
     Settings settings;
     World::Impl::QueryWorker worker;
 
-    explicit Parts(World::Impl& impl) : world(impl), settings(settings_of(impl.settings)), worker(impl, settings) {}
+    explicit Parts(World::Impl& impl) : world(impl), settings(settings_of(impl)), worker(impl, settings) {}
+
+    static Settings settings_of(const World::Impl& impl)
+    {
+        Settings s = impl.settings;
+        const bool bounds_pairs = s.exact == ExactLevel::off && s.max_error && s.clearance == 0 && wants_obbs(s) &&
+                                  s.memory_budget == 0 && s.skip.empty();
+        if (bounds_pairs && impl.requested_exact == ExactLevel::automatic) s.exact = ExactLevel::predicates;
+        return s;
+    }
 };
 
 WorldAccess::PlacedTests::PlacedTests(const World& world) : parts_(std::make_unique<Parts>(world.impl())) {}

@@ -31,9 +31,9 @@ public:
     const Eigen::Isometry3d& pose_at(std::uint32_t slot) const;
     BodyId body_at(std::uint32_t slot) const;
 
-    /// The results of World::decide(), in the order of `tasks`. A World within `max_error` decides exactly where OBB
-    /// trees refine: to find that two bodies meet takes less time than to bound their distance. Valid until the next
-    /// call.
+    /// The results of World::decide(), in the order of `tasks`. A World with an automatic exact level and `max_error`
+    /// decides exactly where OBB trees refine: to find that two bodies meet takes less time than to bound their
+    /// distance. Valid until the next call.
     std::span<const Finding> decide(std::span<const PairTask> tasks);
     /// True if decide() decides by exact predicates, so that a verdict that is certain by other means is the same.
     bool is_exact() const;

@@ -12,7 +12,8 @@ namespace oncollide {
 /// The data of a World. Implemented in world.cpp (models), world_bodies.cpp, world_step.cpp (frames), world_pairs.cpp,
 /// world_queries.cpp, world_casts.cpp and world_sweeps.cpp (const queries).
 struct World::Impl {
-    Settings settings;
+    Settings settings; ///< with `exact` resolved
+    ExactLevel requested_exact = ExactLevel::automatic;
     const std::uint16_t tag; ///< in the ids that this World issues
     ModelStore models;
     Bodies bodies;

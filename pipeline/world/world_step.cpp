@@ -122,6 +122,7 @@ std::unique_ptr<World::Impl> World::Impl::make(const Settings& settings, std::un
     auto made = std::make_unique<Impl>(resolved, std::move(backend), std::move(note));
 
     Impl& p = *made;
+    p.requested_exact = settings.exact;
     p.broad =
         make_broad_phase(settings.broad_phase, {.margin = settings.clearance, .threads = p.frame.context.threads});
     p.stages.push_back(make_bounds_stage());

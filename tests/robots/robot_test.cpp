@@ -164,7 +164,7 @@ TEST_F(RobotTest, ACheckWithinAnErrorIsExactWhereThatIsFaster)
 
 TEST_F(RobotTest, BoundsHoldWithinAnError)
 {
-    World world({.max_error = 0.02, .bounding_volume = BoundingVolume::sphere}), exact;
+    World world({.max_error = 0.02, .exact = ExactLevel::off, .bounding_volume = BoundingVolume::sphere}), exact;
     add_posts(world), add_posts(exact);
     const Robot robot(world, description), truth(exact, description);
     constexpr std::size_t count = 1000;
