@@ -136,6 +136,24 @@ TEST(Traversal, BoundsTheDistanceToTheToleranceAsked)
     }
 }
 
+/// Without the first guess, 380 and 294 rows.
+TEST(Traversal, FindsFarDistancesInFewRows)
+{
+    const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 5000), ball = make_sphere_mesh(0.5, 3000);
+    const auto rows = [&](const Mesh& other) {
+        ObbTree a(knot), b(other);
+        Traversal walk;
+        for (std::uint64_t seed = 0; seed < 30; ++seed) {
+            Isometry3d pose = random_pose(seed, 1);
+            pose.translation() = (2.5 + 2 * u01(seed, 3, 0)) * random_pose(seed + 50, 1).linear().col(0);
+            walk.distance(a, b, at(pose), 0);
+        }
+        return double(walk.counts().box_rows) / 30;
+    };
+    EXPECT_LE(rows(knot), 345) << "knots";
+    EXPECT_LE(rows(ball), 265) << "a ball";
+}
+
 TEST(Traversal, CallsMeshesNearThatAreWithinTheClearanceAndNoneBeyondTheTolerance)
 {
     Traversal walk;
