@@ -72,7 +72,7 @@ TEST(PointSearch, ApproachesTheNearestPointsOfBalls)
         Isometry3d pose = random_pose(seed, 1);
         pose.translation() = (1.4 + u01(seed, 3, 0)) * random_pose(seed + 50, 1).linear().col(0);
         const RelativePose b_to_a = at(pose);
-        const WalkFrame frame(a, b, b_to_a);
+        const WalkFrame frame(a, b, b_to_a, std::numeric_limits<double>::infinity());
         OpenNodes<ObbTree> nodes_a, nodes_b;
         nodes_a.start(a, &frame.place_a), nodes_b.start(b, &frame.place_b);
         nodes_a.open(ObbTree::root), nodes_b.open(ObbTree::root);
