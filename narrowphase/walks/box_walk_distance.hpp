@@ -78,6 +78,10 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
         });
         if (waiting_.size() >= (best.nearest ? measured : 1)) measure();
     };
+    constexpr bool guesses = requires(Eigen::Vector3d p)
+    {
+        leaves_.from_a(typename A::Primitive{}, p);
+    };
     const bool kept = a_.has_many() || b_.has_many(); // otherwise projections of boxes were compared already
     // Depth first: a heap of all boxes would open half as many, but maintaining it costs more than opening them.
     const auto look = [&](double share_of_nearest) {
@@ -91,13 +95,13 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
                 take_leaves(e);
             else if (const float gap = kept ? line_gap(e) : e.gap; gap > cutoff)
                 best.lower = std::min(best.lower, frame.at_least(gap));
-            else
-                open<Gaps::far>(e, cutoff);
+            else if (const unsigned count = open<Gaps::far>(e, cutoff); !guesses)
+                sort_last(count);
         }
         measure();
     };
     const auto guess = [&] {
-        if constexpr (requires(Eigen::Vector3d p) { leaves_.from_a(typename A::Primitive{}, p); })
+        if constexpr (guesses)
             approach(
                 a_, b_, kernel_,
                 [&](auto of_a, auto& at) {

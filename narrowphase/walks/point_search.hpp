@@ -31,7 +31,7 @@ OpenBox nearest_leaf(OpenNodes<H>& nodes, const OrientedBoxKernel& kernel, const
         OpenBox box;
         float distance2;
     };
-    std::array<Entry, 128> stack; // what does not fit is left out
+    std::array<Entry, 128> stack; // boxes beyond its room are left out
     std::size_t top = 0;
     stack[top++] = {{0, 0}, 0};
     Entry found{no_box, std::numeric_limits<float>::infinity()};

@@ -41,8 +41,8 @@ protected:
             return document.substr(from + mark.size(), document.find('"', from + mark.size()) - from - mark.size());
         }
     };
-    /// What the browser shows after so much of its own time. On a loaded machine the picture may not be drawn by then:
-    /// an empty one is taken again.
+    /// The page after the given time of the browser's clock. The browser may draw late on a loaded machine, so an empty
+    /// picture is taken again.
     Seen look(const std::string& page, const std::string& fragment, const std::string& size = "900,640",
               int milliseconds = 1500)
     {
