@@ -15,7 +15,8 @@
 namespace oncollide::tools {
 namespace {
 
-constexpr double long_ms = 5; // a query that took longer in total is not repeated
+constexpr double long_ms = 5;        // a query that took longer in total is not repeated
+constexpr double long_loop_ms = 200; // a loop
 
 /// The result of any kind of query.
 struct Found {
@@ -95,6 +96,11 @@ public:
                 take_turns(entrants_.size(), pose, [&](std::size_t k) {
                     if (supports(*entrants_[k].row.contender, query)) measure(entrants_[k], query, pose);
                 });
+        for (std::size_t group = 0; group < workload_.groups.size(); ++group)
+            for (NarrowQuery query : queries_)
+                take_turns(entrants_.size(), group, [&](std::size_t k) {
+                    if (supports(*entrants_[k].row.contender, query)) measure_loop(entrants_[k], query, group);
+                });
         std::vector<NarrowRow> rows;
         for (NarrowEntrant& entrant : entrants_) {
             entrant.row.figures = entrant.peer->figures();
@@ -124,6 +130,21 @@ private:
                       repeats_, [&] { give(*entrant.peer, query, workload_.poses[pose].known.b, found_); }, long_ms);
         result.hashes[pose] = hash_of(query, found_);
         compare(query, pose, result);
+    }
+
+    void measure_loop(NarrowEntrant& entrant, NarrowQuery query, std::size_t group)
+    {
+        QueryResult& result = *entrant.row.queries[std::size_t(query)];
+        std::vector<const Eigen::Isometry3d*> poses;
+        for (const NarrowPose& pose : workload_.poses)
+            if (pose.group == group) poses.push_back(&pose.known.b);
+        const double ms = least_ms(
+            repeats_,
+            [&] {
+                for (const Eigen::Isometry3d* pose : poses) give(*entrant.peer, query, *pose, found_);
+            },
+            long_loop_ms);
+        result.loop_us.push_back(poses.empty() ? 0 : 1e3 * ms / double(poses.size()));
     }
 
     void compare(NarrowQuery query, std::size_t pose, QueryResult& result)

@@ -33,6 +33,7 @@ NarrowTruth judge(const Mesh& a, const Mesh& b, const NarrowWorkload& workload,
 /// A contender's results for one kind of query, by pose.
 struct QueryResult {
     std::vector<double> us;                   ///< least of the repeats
+    std::vector<double> loop_us;              ///< by group: mean in a loop over its poses, least of the repeats
     std::vector<std::uint64_t> missed, extra; ///< boolean: 0 or 1; all: pairs of triangles
     std::vector<double> errors;               ///< of distances, in metres; empty for other queries
     std::vector<std::uint64_t> hashes;        ///< of the result
@@ -48,7 +49,8 @@ struct NarrowRow {
 };
 
 /// Runs every query of every pose with every contender, in alternation, each up to `repeats` times in a row (a query is
-/// not repeated once it has taken 5 ms), and compares every result with the truth.
+/// not repeated once it has taken 5 ms), and compares every result with the truth. Then runs the poses of each group in
+/// a loop, as often.
 std::vector<NarrowRow> race(const Mesh& a, const Mesh& b, const NarrowWorkload& workload, const NarrowTruth& truth,
                             const std::vector<NarrowContender>& contenders, const std::vector<NarrowQuery>& queries,
                             int repeats);

@@ -80,19 +80,20 @@ void print_query(const NarrowResult& result, NarrowQuery query)
         widths.push_back(std::max<std::size_t>(9, group.size() + 2));
         say("{:>{}}", group, widths.back());
     }
-    say("  |{:>9}{:>9}{:>11}{:>10}{:>12}{:>10}  {:<14}{}\n", "median", "mean", "colliding", "separate", "RSS/median",
-        "RSS/mean", "results", "hash");
+    say("  |{:>9}{:>9}{:>11}{:>10}{:>9}{:>12}{:>10}{:>10}  {:<14}{}\n", "median", "mean", "colliding", "separate",
+        "in loop", "RSS/median", "RSS/mean", "RSS/loop", "results", "hash");
     for (const NarrowRow& row : result.rows) {
         if (!took_part(row, query)) continue;
         say("  {:<16}", row.contender->name);
         for (std::size_t group = 0; group < result.workload.groups.size(); ++group)
             say("{:>{}}", microseconds(summarise(result, row, query, group).median), widths[group]);
         const NarrowSummary s = summarise(result, row, query);
-        say("  |{:>9}{:>9}{:>11}{:>10}{:>12.2f}{:>10.2f}  {:<14}{:016x}\n", microseconds(s.median),
+        say("  |{:>9}{:>9}{:>11}{:>10}{:>9}{:>12.2f}{:>10.2f}{:>10.2f}  {:<14}{:016x}\n", microseconds(s.median),
             microseconds(s.mean), s.colliding ? microseconds(s.mean_colliding) : "-",
-            s.colliding < s.poses ? microseconds(s.mean_separate) : "-",
+            s.colliding < s.poses ? microseconds(s.mean_separate) : "-", microseconds(s.in_loop),
             ratio(result, s, query, every_group, &NarrowSummary::median),
-            ratio(result, s, query, every_group, &NarrowSummary::mean), result_text(s, query), s.hash);
+            ratio(result, s, query, every_group, &NarrowSummary::mean),
+            ratio(result, s, query, every_group, &NarrowSummary::in_loop), result_text(s, query), s.hash);
     }
 }
 
@@ -116,6 +117,10 @@ NarrowSummary summarise(const NarrowResult& result, const NarrowRow& row, Narrow
     summary.median = median(all), summary.mean = mean(all);
     summary.mean_colliding = mean(colliding), summary.mean_separate = mean(separate);
     summary.poses = all.size(), summary.colliding = colliding.size();
+    std::vector<double> loops;
+    for (const NarrowPose& pose : result.workload.poses)
+        if (group == every_group || pose.group == group) loops.push_back(own.loop_us[pose.group]);
+    summary.in_loop = mean(loops);
     return summary;
 }
 
@@ -146,7 +151,7 @@ void write_narrow_csv(OutputFile& file, const NarrowResult& result)
     CsvWriter csv(file,
                   "mesh_a,triangles_a,mesh_b,triangles_b,seed,ask,distance,poses,colliding,contender,library,promise,"
                   "median_us,mean_us,mean_colliding_us,mean_separate_us,ratio_median,ratio_mean,missed,extra,error,"
-                  "hash,build_ms,warm_up_ms,bytes");
+                  "hash,build_ms,warm_up_ms,bytes,loop_us,ratio_loop");
     for (std::size_t group = 0; group < result.workload.groups.size(); ++group)
         for (NarrowQuery query : result.queries)
             for (const NarrowRow& row : result.rows) {
@@ -160,7 +165,8 @@ void write_narrow_csv(OutputFile& file, const NarrowResult& result)
                         short_of(ratio(result, s, query, group, &NarrowSummary::median)),
                         short_of(ratio(result, s, query, group, &NarrowSummary::mean)), s.missed, s.extra,
                         Digits{s.error, 3}, Hex{s.hash}, short_of(row.build_ms), short_of(row.warm_up_ms),
-                        std::uint64_t(row.bytes));
+                        std::uint64_t(row.bytes), short_of(s.in_loop),
+                        short_of(ratio(result, s, query, group, &NarrowSummary::in_loop)));
             }
 }
 
