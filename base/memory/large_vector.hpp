@@ -44,17 +44,23 @@ private:
     static bool large(std::size_t count) { return count * sizeof(T) >= 2 * huge_page; }
 };
 
+/// The same for the huge pages that lie wholly in this memory.
+inline void advise_huge_pages_in(void* memory, std::size_t bytes)
+{
+    constexpr std::size_t huge_page = LargeAllocator<std::byte>::huge_page;
+    const std::size_t begin = reinterpret_cast<std::uintptr_t>(memory);
+    const std::size_t first = (begin + huge_page - 1) / huge_page * huge_page,
+                      last = (begin + bytes) / huge_page * huge_page;
+    if (first < last) advise_huge_pages(reinterpret_cast<void*>(first), last - first);
+}
+
 /// Reserves room for `count` elements in a vector with another allocator; large blocks use huge pages, which reduces
 /// page faults.
 template <class T>
 void reserve_large(std::vector<T>& vector, std::size_t count)
 {
     vector.reserve(count);
-    constexpr std::size_t huge_page = LargeAllocator<T>::huge_page;
-    const std::size_t begin = reinterpret_cast<std::uintptr_t>(vector.data());
-    const std::size_t first = (begin + huge_page - 1) / huge_page * huge_page,
-                      last = (begin + count * sizeof(T)) / huge_page * huge_page;
-    if (first < last) advise_huge_pages(reinterpret_cast<void*>(first), last - first);
+    advise_huge_pages_in(vector.data(), count * sizeof(T));
 }
 
 /// push_back() that grows with reserve_large(), for vectors of unknown final size.

@@ -7,6 +7,8 @@
 
 #include <Eigen/Geometry>
 
+#include <oncollide/base/memory/large_vector.hpp>
+
 namespace oncollide {
 
 namespace {
@@ -38,7 +40,9 @@ void BoxTriangles::start(const std::array<std::uint32_t, 8>& counts)
 {
     std::ranges::copy(counts, counts_);
     number_ = std::ranges::max(counts);
-    if (rows_.size() < number_) rows_.resize(number_);
+    if (room_ >= number_) return;
+    rows_ = std::make_unique_for_overwrite<EightTriangles[]>(room_ = number_);
+    advise_huge_pages_in(rows_.get(), room_ * sizeof(EightTriangles));
 }
 
 void BoxTriangles::put_alone(unsigned k, TrianglePoints triangle)

@@ -1,7 +1,8 @@
 #pragma once
 #include <array>
 #include <cstddef>
-#include <vector>
+#include <cstdint>
+#include <memory>
 
 #include <oncollide/base/aabb.hpp>
 #include <oncollide/base/simd/cpu_features.hpp>
@@ -36,7 +37,7 @@ public:
     StoredBoxes fit(const StoredFrame& frame) const
     {
         StoredBoxes boxes;
-        box_fit_kernel().fit(rows_.data(), counts_, frame, boxes);
+        box_fit_kernel().fit(rows_.get(), counts_, frame, boxes);
         return boxes;
     }
 
@@ -49,9 +50,9 @@ private:
             for (int axis = 0; axis < 3; ++axis) rows_[row].corners[c][axis][k] = triangle[c][axis];
     }
 
-    std::vector<EightTriangles> rows_; ///< the first number_ are in use
+    std::unique_ptr<EightTriangles[]> rows_; ///< not initialised, which would take longer than to fill them
     std::uint32_t counts_[8];
-    std::uint32_t number_ = 0;
+    std::uint32_t number_ = 0, room_ = 0; ///< rows in use, and made
 };
 
 /// Axes of the box around one triangle, the columns of a rotation: along its longest side or, with a right angle, a
