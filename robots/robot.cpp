@@ -180,7 +180,7 @@ void Robot::Impl::find_sound_poses()
     add(base);
     for (const RobotJoint& joint : description.joints) {
         add(joint.origin);
-        size += (1e9 * std::abs(joint.multiplier) + std::abs(joint.offset)) * 3;
+        size += (most_number * std::abs(joint.multiplier) + std::abs(joint.offset)) * 3;
     }
     for (const Part& part : parts) add(part.pose);
     has_sound_poses = skew <= 0.9e-6 && size <= 1e14;

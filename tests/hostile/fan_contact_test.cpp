@@ -72,12 +72,14 @@ void expect_quick(const Mesh& a, const Mesh& b, ContactKind kind, double most_ms
     const Outcome outcome = check(a, b), swapped = check(b, a);
     EXPECT_EQ(outcome.kind, kind);
     EXPECT_EQ(swapped.kind, kind);
-    EXPECT_LT(std::min(outcome.ms, swapped.ms), most_ms);
+    double least = std::min(outcome.ms, swapped.ms);
+    for (int more = 0; more < 4 && least >= most_ms; ++more) least = std::min(least, check(a, b).ms);
+    EXPECT_LT(least, most_ms);
 }
 
 TEST(FanContact, StackedCylindersTakeMilliseconds)
 {
-    expect_quick(drum(segments, lower), drum(segments, upper), ContactKind::touching, 300);
+    expect_quick(drum(segments, lower), drum(segments, upper), ContactKind::touching, 100);
     for (const double radius : {0.1, 1.0}) { // walls of slender drums touch first
         Drum a = lower, b = upper;
         a.radius = b.radius = radius;
@@ -85,7 +87,7 @@ TEST(FanContact, StackedCylindersTakeMilliseconds)
             for (const Vector3d& centre : {Vector3d(0, 0, 0), Vector3d(0.3 * radius, 0.11 * radius, 0)}) {
                 SCOPED_TRACE(testing::Message() << radius << ' ' << phase << ' ' << centre.x());
                 b.phase = phase, b.centre = centre;
-                expect_quick(drum(segments, a), drum(segments, b), ContactKind::touching, 300);
+                expect_quick(drum(segments, a), drum(segments, b), ContactKind::touching, 100);
             }
     }
 }

@@ -76,12 +76,12 @@ TEST(WholeTrees, BoxesHoldTheSurfaceOnEveryLevelAndReachNoFartherThanTheyAreLong
 
 TEST(WholeTrees, BoxesLeaveLessOfACurvedSurfacesNeighbourhoodThanAsManySpheres)
 {
-    const Mesh mesh = make_sphere_mesh(1, 20000);
+    const Mesh mesh = make_sphere_mesh(1, 40000);
     const tools::GrownTree whole = whole_tree(mesh, 5);
     const auto spheres = whole.spheres(5);
     ObbTree tree(mesh);
     const auto boxes = tools::box_levels(tree).at(4);
-    ASSERT_GT(boxes.size(), 3000u);
+    ASSERT_EQ(boxes.size(), 4096u);
     ASSERT_GT(spheres.size(), boxes.size());
     const tools::SurfaceIndex index(mesh);
     const tools::QualityOptions options{.closed = true, .directions = 20, .points = 0};
