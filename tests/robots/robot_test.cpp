@@ -29,6 +29,11 @@ protected:
         poses[4] = poses[5] = poses[2] * Translation3d(-2 * slide + 0.01, 0, 0.5);
         return poses;
     }
+    struct TwoChecks {
+        std::vector<RobotFinding> found, certain;
+    };
+    /// The same configurations among posts, in a World with these settings and in an exact one.
+    TwoChecks bounded_and_certain(const Settings& settings) const;
 
     SmallRobot files;
     RobotDescription description;
@@ -144,18 +149,24 @@ TEST_F(RobotTest, BatchesFindWhatFramesFind)
     }
 }
 
-/// A bound takes longer than the exact decision.
-TEST_F(RobotTest, ACheckWithinAnErrorIsExactWhereThatIsFaster)
+RobotTest::TwoChecks RobotTest::bounded_and_certain(const Settings& settings) const
 {
-    World world({.max_error = 0.02}), exact;
+    World world(settings), exact;
     add_posts(world), add_posts(exact);
     const Robot robot(world, description), truth(exact, description);
     constexpr std::size_t count = 1000;
     const std::vector<double> numbers = random_numbers(count);
-    std::vector<RobotFinding> found(count), certain(count);
-    robot.check(world, numbers, found);
-    truth.check(exact, numbers, certain);
-    for (std::size_t i = 0; i < count; ++i) {
+    TwoChecks checks{std::vector<RobotFinding>(count), std::vector<RobotFinding>(count)};
+    robot.check(world, numbers, checks.found);
+    truth.check(exact, numbers, checks.certain);
+    return checks;
+}
+
+/// A bound takes longer than the exact decision.
+TEST_F(RobotTest, ACheckWithinAnErrorIsExactWhereThatIsFaster)
+{
+    const auto [found, certain] = bounded_and_certain({.max_error = 0.02});
+    for (std::size_t i = 0; i < found.size(); ++i) {
         EXPECT_EQ(found[i].verdict, certain[i].verdict) << i;
         EXPECT_EQ(found[i].link, certain[i].link) << i;
         EXPECT_EQ(found[i].other, certain[i].other) << i;
@@ -164,16 +175,10 @@ TEST_F(RobotTest, ACheckWithinAnErrorIsExactWhereThatIsFaster)
 
 TEST_F(RobotTest, BoundsHoldWithinAnError)
 {
-    World world({.max_error = 0.02, .exact = ExactLevel::off, .bounding_volume = BoundingVolume::sphere}), exact;
-    add_posts(world), add_posts(exact);
-    const Robot robot(world, description), truth(exact, description);
-    constexpr std::size_t count = 1000;
-    const std::vector<double> numbers = random_numbers(count);
-    std::vector<RobotFinding> found(count), certain(count);
-    robot.check(world, numbers, found);
-    truth.check(exact, numbers, certain);
+    const auto [found, certain] =
+        bounded_and_certain({.max_error = 0.02, .exact = ExactLevel::off, .bounding_volume = BoundingVolume::sphere});
     std::size_t refused = 0;
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < found.size(); ++i) {
         if (certain[i].verdict == Verdict::colliding) {
             EXPECT_NE(found[i].verdict, Verdict::separate) << i;
         } else {
