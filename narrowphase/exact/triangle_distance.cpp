@@ -45,23 +45,20 @@ double triangle_distance(const TrianglePoints& a, const TrianglePoints& b)
     return nearest_points(a, b).distance;
 }
 
-double squared_distance(const Vector3d& point, const TrianglePoints& t)
+OnTriangle nearest_on(const TrianglePoints& t, const Vector3d& p)
 {
-    const Vector3d u = t[1] - t[0], v = t[2] - t[0], w = t[2] - t[1];
-    const Vector3d from0 = point - t[0], from1 = point - t[1], from2 = point - t[2];
-    const double u0 = u.dot(from0), v0 = v.dot(from0), u1 = u.dot(from1), v1 = v.dot(from1), u2 = u.dot(from2),
-                 v2 = v.dot(from2);
-    if (u0 <= 0 && v0 <= 0) return from0.squaredNorm();
-    if (u1 >= 0 && v1 <= u1) return from1.squaredNorm();
-    if (v2 >= 0 && u2 <= v2) return from2.squaredNorm();
-    if (u0 >= 0 && u1 < 0 && u0 * v1 <= u1 * v0) return (from0 - u0 / (u0 - u1) * u).squaredNorm();
-    if (v0 >= 0 && v2 < 0 && u2 * v0 <= u0 * v2) return (from0 - v0 / (v0 - v2) * v).squaredNorm();
-    const double w1 = v1 - u1, w2 = u2 - v2; // along w, from its two ends
-    if (w1 > 0 && w2 > 0 && u1 * v2 <= u2 * v1) return (from1 - w1 / (w1 + w2) * w).squaredNorm();
-    const Vector3d n = u.cross(v);
-    const double n2 = n.squaredNorm(), height = n.dot(from0);
-    if (n2 > 0x1p-40 * u.squaredNorm() * v.squaredNorm()) return height * height / n2;
-    return std::min(from0.squaredNorm(), std::min(from1.squaredNorm(), from2.squaredNorm()));
+    const Vector3d ab = t[1] - t[0], ac = t[2] - t[0], ap = p - t[0], bp = p - t[1], cp = p - t[2];
+    const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
+    if (d1 <= 0 && d2 <= 0) return {t[0], 1};
+    if (d3 >= 0 && d4 <= d3) return {t[1], 2};
+    if (d6 >= 0 && d5 <= d6) return {t[2], 4};
+    const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+    if (vc <= 0 && d1 >= 0 && d3 <= 0) return {t[0] + d1 / (d1 - d3) * ab, 3};
+    if (vb <= 0 && d2 >= 0 && d6 <= 0) return {t[0] + d2 / (d2 - d6) * ac, 5};
+    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return {t[1] + (d4 - d3) / (d4 - d3 + (d5 - d6)) * (t[2] - t[1]), 6};
+    const double sum = va + vb + vc;
+    if (!(sum > 0)) return {t[0], 1}; // no area, to rounding: still a point of the triangle
+    return {t[0] + vb / sum * ab + vc / sum * ac, 7};
 }
 
 double corner_distance(const TrianglePoints& a, const TrianglePoints& b)

@@ -1,6 +1,7 @@
 #pragma once
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include <oncollide/narrowphase/exact/kernels/triangle_distance_kernel.hpp>
@@ -34,9 +35,14 @@ NearestPoints nearest_points(std::span<const TrianglePoints> a, const TrianglePo
 /// "Real-Time Collision Detection", 2004, 5.1.5 and 5.1.9.
 double triangle_distance(const TrianglePoints& a, const TrianglePoints& b);
 
-/// The squared distance of a point from a triangle, except for rounding. A sliver counts by its corners. Cost: 20 ns.
+/// A point of a triangle, and the corners of the feature that it is on: bits 0 to 2; all of them for the face.
+struct OnTriangle {
+    Eigen::Vector3d at;
+    std::uint8_t corners;
+};
+/// The nearest point of a triangle; of a triangle without area, a point that need not be the nearest. Cost: 20 ns.
 /// Source: Ericson, "Real-Time Collision Detection", 2004, 5.1.5.
-double squared_distance(const Eigen::Vector3d& point, const TrianglePoints& triangle);
+OnTriangle nearest_on(const TrianglePoints& triangle, const Eigen::Vector3d& point);
 
 /// Least distance of a corner of one to a corner of the other: an upper bound of the triangles' distance. Cost: 5 ns.
 double corner_distance(const TrianglePoints& a, const TrianglePoints& b);

@@ -106,11 +106,12 @@ public:
     /// The squared distance of a point of A's frame from a triangle, without an error bound.
     double from_a(std::uint32_t triangle, const Eigen::Vector3d& point) const
     {
-        return squared_distance(point, a_.points(triangle));
+        return (nearest_on(a_.points(triangle), point).at - point).squaredNorm();
     }
     double from_b(std::uint32_t triangle, const Eigen::Vector3d& point) const
     {
-        return squared_distance(b_to_a_->rotation.transpose() * (point - b_to_a_->translation), b_.points(triangle));
+        const Eigen::Vector3d in_b = b_to_a_->rotation.transpose() * (point - b_to_a_->translation);
+        return (nearest_on(b_.points(triangle), in_b).at - in_b).squaredNorm();
     }
     NearestPoints nearest(TrianglePair pair);
     /// Calls take(pair, points) for each pair.

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include <oncollide/narrowphase/exact/triangle_distance.hpp>
+
 namespace oncollide {
 
 using Eigen::Vector3d;
@@ -26,29 +28,6 @@ std::array<Corners, 2> halves_of(const Corners& t)
     const auto k = static_cast<std::size_t>(std::ranges::max_element(edges) - edges);
     const Vector3d &a = t[k], &b = t[(k + 1) % 3], &c = t[(k + 2) % 3], middle = (a + b) / 2;
     return {Corners{a, middle, c}, Corners{middle, b, c}};
-}
-
-/// Ericson, "Real-Time Collision Detection", 5.1.5.
-Vector3d nearest_on(const Corners& t, const Vector3d& p)
-{
-    const Vector3d ab = t[1] - t[0], ac = t[2] - t[0], ap = p - t[0];
-    const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-    if (d1 <= 0 && d2 <= 0) return t[0];
-    const Vector3d bp = p - t[1];
-    const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-    if (d3 >= 0 && d4 <= d3) return t[1];
-    const double vc = d1 * d4 - d3 * d2;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) return t[0] + d1 / (d1 - d3) * ab;
-    const Vector3d cp = p - t[2];
-    const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-    if (d6 >= 0 && d5 <= d6) return t[2];
-    const double vb = d5 * d2 - d1 * d6;
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) return t[0] + d2 / (d2 - d6) * ac;
-    const double va = d3 * d6 - d5 * d4;
-    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return t[1] + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (t[2] - t[1]);
-    const double whole = va + vb + vc;
-    if (!(whole > 0)) return t[0]; // no area, to rounding: still a point of the triangle
-    return t[0] + vb / whole * ab + vc / whole * ac;
 }
 
 namespace {
@@ -100,7 +79,7 @@ double LinkSurface::distance_squared(const Vector3d& point, std::size_t first, s
     for (std::size_t i = first; i < end; ++i) {
         const double to_sphere = (around_[i].centre - point).norm() - around_[i].radius;
         if (to_sphere > 0 && to_sphere * to_sphere >= least) continue;
-        const Vector3d at = nearest_on(triangles_[i], point);
+        const Vector3d at = nearest_on(triangles_[i], point).at;
         if (const double square = (at - point).squaredNorm(); square < least) {
             least = square;
             if (nearest) *nearest = at;

@@ -52,6 +52,5 @@ double area_of(const LinkSurface::Corners& triangle);
 /// Halves a triangle across its longest edge.
 std::array<LinkSurface::Corners, 2> halves_of(const LinkSurface::Corners& triangle);
 double longest_edge(const LinkSurface::Corners& triangle);
-Eigen::Vector3d nearest_on(const LinkSurface::Corners& triangle, const Eigen::Vector3d& point);
 
 } // namespace oncollide

@@ -5,6 +5,8 @@
 #include <limits>
 #include <queue>
 
+#include <oncollide/narrowphase/exact/triangle_distance.hpp>
+
 namespace oncollide {
 
 namespace {
@@ -30,7 +32,7 @@ bool contains(const CoverSphere& sphere, const Corners& triangle)
 
 bool meets(const CoverSphere& sphere, const Corners& triangle)
 {
-    return (nearest_on(triangle, sphere.centre) - sphere.centre).norm() <= sphere.radius * (1 + 1e-12) + 1e-15;
+    return (nearest_on(triangle, sphere.centre).at - sphere.centre).norm() <= sphere.radius * (1 + 1e-12) + 1e-15;
 }
 
 class CoverJudge {

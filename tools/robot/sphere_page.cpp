@@ -10,6 +10,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/text/svg.hpp>
+#include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/gl/picture.hpp>
 
 #include "cli/system.hpp"
@@ -29,7 +30,7 @@ constexpr Colour covered_colour{170, 185, 200}, uncovered_colour{240, 130, 30}, 
 
 bool meets(const CoverSphere& sphere, const Corners& triangle)
 {
-    return (nearest_on(triangle, sphere.centre) - sphere.centre).norm() <= sphere.radius;
+    return (nearest_on(triangle, sphere.centre).at - sphere.centre).norm() <= sphere.radius;
 }
 
 bool holds(const CoverSphere& sphere, const Eigen::Vector3d& point)

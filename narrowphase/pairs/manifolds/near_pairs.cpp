@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
+#include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/pairs/manifold_tests.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/region_draft.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
@@ -17,27 +18,6 @@ namespace oncollide {
 using Eigen::Vector3d;
 
 namespace {
-
-struct OnTriangle {
-    Vector3d at;
-    std::uint8_t corners;
-};
-
-/// The nearest point of a triangle. Source: Ericson, "Real-Time Collision Detection", 2004, 5.1.5.
-OnTriangle nearest_on(const TrianglePoints& t, const Vector3d& p)
-{
-    const Vector3d ab = t[1] - t[0], ac = t[2] - t[0], ap = p - t[0], bp = p - t[1], cp = p - t[2];
-    const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
-    if (d1 <= 0 && d2 <= 0) return {t[0], 1};
-    if (d3 >= 0 && d4 <= d3) return {t[1], 2};
-    if (d6 >= 0 && d5 <= d6) return {t[2], 4};
-    const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) return {t[0] + d1 / (d1 - d3) * ab, 3};
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) return {t[0] + d2 / (d2 - d6) * ac, 5};
-    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return {t[1] + (d4 - d3) / (d4 - d3 + (d5 - d6)) * (t[2] - t[1]), 6};
-    const double sum = va + vb + vc;
-    return {t[0] + vb / sum * ab + vc / sum * ac, 7};
-}
 
 FeatureBits feature(const PlacedSurface& surface, std::uint32_t triangle, std::uint8_t corners)
 {

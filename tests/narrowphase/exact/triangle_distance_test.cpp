@@ -58,7 +58,7 @@ TEST(TriangleDistance, OfAPointIsThatOfATriangleShrunkToThePoint)
         if (seed % 8 == 1) t[1] = t[2] = t[0];              // a point
         if (seed % 8 == 2) t[1] = 0.5 * (t[0] + t[2]);      // its corners are on one line
         const Vector3d p(3 * u01(seed, 22, 0) - 1, 3 * u01(seed, 22, 1) - 1, 3 * u01(seed, 22, 2) - 1);
-        const double distance = std::sqrt(squared_distance(p, t)), expected = triangle_distance({p, p, p}, t);
+        const double distance = (nearest_on(t, p).at - p).norm(), expected = triangle_distance({p, p, p}, t);
         EXPECT_GE(distance, expected - 1e-7) << seed;
         EXPECT_LE(distance, (seed % 8 == 2 ? corner_distance({p, p, p}, t) : expected) + 1e-7) << seed;
     }

@@ -18,6 +18,11 @@ namespace {
 
 constexpr BoxPlacement at_home{{0, 0, 0}, false, {}, {}};
 
+double squared_distance(const Vector3d& point, const TrianglePoints& triangle)
+{
+    return (nearest_on(triangle, point).at - point).squaredNorm();
+}
+
 /// Distance of a point of the tree's coordinates from the triangles of one leaf.
 double to_leaf(const ObbTree& tree, const OpenNodes<ObbTree>& nodes, OpenBox leaf, const Vector3d& point)
 {
