@@ -9,6 +9,7 @@
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/base/text/near_word.hpp>
 #include <oncollide/base/text/printable.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 
 namespace oncollide {
 
@@ -189,10 +190,7 @@ void Robot::Impl::find_sound_poses()
 void Robot::Impl::check_poses(const Eigen::Isometry3d* links, std::size_t configuration) const
 {
     for (const Part& part : parts) {
-        const Eigen::Isometry3d pose = pose_of(part, links);
-        std::string why = why_not_rigid(pose);
-        if (why.empty() && !(pose.translation().cwiseAbs().maxCoeff() <= 1e15)) why = "the pose is beyond 1e15 m";
-        if (!why.empty())
+        if (const std::string why = WorldAccess::why_refused(pose_of(part, links)); !why.empty())
             refuse(fmt::format("robot '{}': configuration {}: link '{}'", printable(description.name), configuration,
                                printable(description.links[part.link].name)),
                    why);

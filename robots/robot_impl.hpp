@@ -108,12 +108,9 @@ public:
     SphereCull(const Robot::Impl& robot, double clearance);
     /// Places the spheres at a configuration.
     void place(const Eigen::Isometry3d* links);
-    /// False: the groups are certainly farther apart than the clearance and `reach`.
-    bool groups_near(std::uint32_t a, std::uint32_t b, double reach = 0) const
-    {
-        return meet(groups_[a], groups_[b], reach);
-    }
-    /// The same of two parts.
+    /// False: the groups are certainly farther apart than the clearance.
+    bool groups_near(std::uint32_t a, std::uint32_t b) const { return meet(groups_[a], groups_[b], 0); }
+    /// The same of two parts, for the clearance and `reach`.
     bool near(std::uint32_t a, std::uint32_t b, double reach = 0);
 
 private:

@@ -8,6 +8,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/pipeline/world/query_worker.hpp> // for the destructor of Impl
+#include <oncollide/pipeline/world/world_access.hpp>
 
 namespace oncollide {
 
@@ -107,25 +108,22 @@ Model& World::Impl::check_model(ModelId id)
     return model;
 }
 
-namespace {
-
-std::string why_refused(const Eigen::Isometry3d& pose)
+std::string WorldAccess::why_refused(const Eigen::Isometry3d& pose)
 {
     std::string why = why_not_rigid(pose);
     if (why.empty() && !(pose.translation().cwiseAbs().maxCoeff() <= 1e15)) why = "the pose is beyond 1e15 m";
     return why;
 }
 
-} // namespace
-
 void World::Impl::check_pose(const char* whose, const Eigen::Isometry3d& pose)
 {
-    if (const std::string why = why_refused(pose); !why.empty()) throw Error(ErrorKind::bad_data, whose + why);
+    if (const std::string why = WorldAccess::why_refused(pose); !why.empty())
+        throw Error(ErrorKind::bad_data, whose + why);
 }
 
 void World::Impl::check_pose(std::uint32_t slot, const Eigen::Isometry3d& pose)
 {
-    if (const std::string why = why_refused(pose); !why.empty())
+    if (const std::string why = WorldAccess::why_refused(pose); !why.empty())
         throw Error(ErrorKind::bad_data, fmt::format("{}: {}", label(slot), why));
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <string>
 
 #include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
 #include <oncollide/narrowphase/spheres/ocst.hpp>
@@ -29,6 +30,8 @@ struct WorldAccess {
     static void parts_by_poses(World& world);
     /// The sphere-tree of a model as it is now. Null until a test reaches it. Valid until the next step.
     static const Ocst* tree(const World& world, ModelId model);
+    /// Why Worlds refuse a pose; empty: they accept it.
+    static std::string why_refused(const Eigen::Isometry3d& pose);
 };
 
 } // namespace oncollide
