@@ -24,7 +24,7 @@ PLOTS = {
     "gpu": ("Grey cells on a GPU", "grey-cells-on-a-gpu"),
     "reading": ("Reading files", "reading-files"),
 }
-DATA = {"study": "study/many.csv", "gpu": "gpu/llvmpipe.json"}  # of plots that several files are behind: the first
+DATA = {"study": "study/many.csv", "gpu": "gpu/h200.json"}  # of plots that several files are behind: the first
 DOXYFILE = """
 PROJECT_NAME = oncollide
 INPUT = {inputs}

@@ -231,15 +231,8 @@ private:
         grow(cursors_, 4 * words::cursors * count, 0, most_, "rows");
         grow(tiles_, 4 * words::tile * std::max<std::size_t>(4 * count, 1024), 0, most_, "tiles");
         grow(out_, out_bytes(), 0, most_, "results");
-        if (readback_.bytes() < out_bytes()) make_readback_buffer();
-
-        clock_.start();
-        glNamedBufferSubData(rows_.name(), 0, static_cast<GLsizeiptr>(count * sizeof(GpuRow)), gpu_rows_.data());
-        const std::uint32_t header[words::header] = {0, static_cast<std::uint32_t>(lists_.entries()), 0, 0};
-        glClearNamedBufferSubData(out_.name(), GL_R32UI, 0, static_cast<GLsizeiptr>(out_bytes()), GL_RED_INTEGER,
-                                  GL_UNSIGNED_INT, nullptr);
-        glNamedBufferSubData(out_.name(), 0, sizeof header, header);
-
+        readback_.make_room(out_bytes(), "gl-compute, results");
+        upload(count * sizeof(GpuRow));
         lists_.bind();
         const auto bind = [](unsigned where, const Buffer& buffer) {
             glBindBufferBase(GL_SHADER_STORAGE_BUFFER, where, buffer.name());
@@ -260,7 +253,25 @@ private:
         if (fence_) glDeleteSync(fence_);
         fence_ = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
         glFlush();
-        work_.bytes += count * sizeof(GpuRow) + sizeof header + out_bytes();
+        work_.bytes += count * sizeof(GpuRow) + 2 * out_bytes();
+    }
+
+    /// Copies the rows and the initial results to the GPU, and starts the clock. The same call writes all of the
+    /// results' buffer: NVIDIA's driver (580) lets a small write from the CPU overtake a clear that was queued before
+    /// it.
+    void upload(std::size_t row_bytes)
+    {
+        upload_.make_room(row_bytes + out_bytes(), "gl-compute, rows");
+        const std::uint32_t header[words::header] = {0, static_cast<std::uint32_t>(lists_.entries()), 0, 0};
+        std::memcpy(upload_.data(), gpu_rows_.data(), row_bytes);
+        std::memcpy(upload_.data() + row_bytes, header, sizeof header);
+        std::memset(upload_.data() + row_bytes + sizeof header, 0, out_bytes() - sizeof header);
+        clock_.start();
+        const auto copy = [&](const Buffer& to, std::size_t from, std::size_t bytes) {
+            glCopyNamedBufferSubData(upload_.name(), to.name(), static_cast<GLintptr>(from), 0,
+                                     static_cast<GLsizeiptr>(bytes));
+        };
+        copy(rows_, 0, row_bytes), copy(out_, row_bytes, out_bytes());
     }
 
     void run(const Program& program, GLuint groups)
@@ -273,16 +284,6 @@ private:
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     }
 
-    void make_readback_buffer()
-    {
-        constexpr GLbitfield flags = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
-        readback_ = Buffer(std::bit_ceil(out_bytes()), flags);
-        readback_data_ = static_cast<const std::byte*>(
-            glMapNamedBufferRange(readback_.name(), 0, static_cast<GLsizeiptr>(readback_.bytes()), flags));
-        if (!readback_data_)
-            context_.check("the mapping of results"), throw GpuLost("gl-compute: results cannot be mapped");
-    }
-
     /// Waits for the batch. False: a buffer was too small, and has been enlarged.
     bool finished()
     {
@@ -290,7 +291,7 @@ private:
         context_.check("a batch of octant tests");
         work_.gpu_ms += clock_.ms();
         std::uint32_t header[words::header];
-        std::memcpy(header, readback_data_, sizeof header);
+        std::memcpy(header, readback_.data(), sizeof header);
         const std::size_t tiles = header[0], entries = header[1], tile_bytes = 4 * words::tile;
         if (tiles > tiles_.bytes() / tile_bytes) {
             grow(tiles_, tiles * tile_bytes, 0, most_, "tiles");
@@ -301,7 +302,7 @@ private:
             return false;
         }
         lists_.commit(entries);
-        masks_ = reinterpret_cast<const std::uint8_t*>(readback_data_) + sizeof header;
+        masks_ = reinterpret_cast<const std::uint8_t*>(readback_.data()) + sizeof header;
         return true;
     }
 
@@ -310,8 +311,8 @@ private:
     PrimitiveStore primitives_;
     ListStore lists_;
     Program plan_, test_, scatter_;
-    Buffer rows_, cursors_, tiles_, out_, readback_;
-    const std::byte* readback_data_ = nullptr; ///< permanent mapping of readback_
+    Buffer rows_, cursors_, tiles_, out_;
+    MappedBuffer upload_{GL_MAP_WRITE_BIT}, readback_{GL_MAP_READ_BIT};
     GLsync fence_ = nullptr;
     BatchClock clock_;
 

@@ -20,21 +20,20 @@ std::uint32_t number(ListId list)
 
 } // namespace
 
-void grow(Buffer& buffer, std::size_t bytes, std::size_t kept, std::size_t most, const char* what)
+void grow(Buffer& buffer, std::size_t bytes, std::size_t kept, std::size_t most, const char* what, GLbitfield flags)
 {
     if (buffer.bytes() >= bytes) return;
     if (bytes > most)
         throw GpuLost(fmt::format("{} need {:.1f} MB, but a buffer may hold {:.1f} MB", what, double(bytes) / 1e6,
                                   double(most) / 1e6));
-    Buffer larger(std::min(std::bit_ceil(bytes), most), GL_DYNAMIC_STORAGE_BIT);
+    Buffer larger(std::min(std::bit_ceil(bytes), most), flags);
     if (kept) glCopyNamedBufferSubData(buffer.name(), larger.name(), 0, 0, static_cast<GLsizeiptr>(kept));
     buffer = std::move(larger);
 }
 
 ListStore::ListStore(std::size_t most_bytes, std::size_t first_entries)
-    : most_(most_bytes), entries_(4 * std::max<std::size_t>(first_entries, 64), GL_DYNAMIC_STORAGE_BIT),
-      lists_(4 * words::list * 1024, GL_DYNAMIC_STORAGE_BIT), counters_(16, GL_DYNAMIC_STORAGE_BIT),
-      pack_("packing of lists", {{GL_COMPUTE_SHADER, OctantShaders::pack()}}),
+    : most_(most_bytes), entries_(4 * std::max<std::size_t>(first_entries, 64), 0), lists_(4 * words::list * 1024, 0),
+      counters_(16, GL_DYNAMIC_STORAGE_BIT), pack_("packing of lists", {{GL_COMPUTE_SHADER, OctantShaders::pack()}}),
       read_("reading of lists", {{GL_COMPUTE_SHADER, OctantShaders::read()}})
 {
 }
@@ -72,7 +71,7 @@ void ListStore::bind() const
 /// One group per job of two words. Leaves the number of entries in counters_[1].
 void ListStore::run_jobs(const Program& program, std::span<const std::uint32_t> jobs, const Buffer& target)
 {
-    grow(jobs_, jobs.size_bytes(), 0, most_, "lists to copy");
+    grow(jobs_, jobs.size_bytes(), 0, most_, "lists to copy", GL_DYNAMIC_STORAGE_BIT);
     glNamedBufferSubData(jobs_.name(), 0, static_cast<GLsizeiptr>(jobs.size_bytes()), jobs.data());
     const std::uint32_t zero[4]{};
     glNamedBufferSubData(counters_.name(), 0, sizeof zero, zero);
@@ -96,7 +95,7 @@ void ListStore::pack()
     for (ListId list : fresh_) whole[number(list)] = false;
     for (std::uint32_t list = 0; list < whole.size(); ++list)
         if (whole[list]) jobs.insert(jobs.end(), {list, 0});
-    Buffer packed(entries_.bytes(), GL_DYNAMIC_STORAGE_BIT);
+    Buffer packed(entries_.bytes(), 0);
     run_jobs(pack_, jobs, packed);
     std::uint32_t counters[4];
     glGetNamedBufferSubData(counters_.name(), 0, sizeof counters, counters);

@@ -9,8 +9,9 @@
 namespace oncollide::gl {
 
 /// Makes `buffer` at least `bytes` large, keeping its first `kept` bytes. Throws GpuLost if that is over `most`; `what`
-/// names the content.
-void grow(Buffer& buffer, std::size_t bytes, std::size_t kept, std::size_t most, const char* what);
+/// names the content. Without flags only the GPU can write to it, so it stays in the GPU's own memory.
+void grow(Buffer& buffer, std::size_t bytes, std::size_t kept, std::size_t most, const char* what,
+          GLbitfield flags = 0);
 
 /// Triangle lists on the GPU: entries (4 bytes per triangle and octant), and where each list's octants begin (36 bytes
 /// per list). The CPU knows which lists exist, but not their lengths. Released lists leave holes, which packing

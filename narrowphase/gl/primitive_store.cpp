@@ -27,9 +27,11 @@ std::size_t PrimitiveStore::add(std::span<const Primitive> primitives)
     free_.erase(range);
     if (length > count) free_.emplace(first + count, length - count);
     used_ += count;
-    if (!primitives.empty())
-        glNamedBufferSubData(buffer_.name(), static_cast<GLintptr>(first * sizeof(Primitive)),
-                             static_cast<GLsizeiptr>(primitives.size_bytes()), primitives.data());
+    if (!primitives.empty()) {
+        const Buffer uploaded(primitives.size_bytes(), 0, primitives.data());
+        glCopyNamedBufferSubData(uploaded.name(), buffer_.name(), 0, static_cast<GLintptr>(first * sizeof(Primitive)),
+                                 static_cast<GLsizeiptr>(primitives.size_bytes()));
+    }
     return first;
 }
 

@@ -1,5 +1,7 @@
 #include <oncollide/narrowphase/gl/resources.hpp>
 
+#include <bit>
+
 #include <fmt/format.h>
 
 #include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
@@ -16,6 +18,15 @@ std::string log_of(GLuint name, bool program)
 }
 
 } // namespace
+
+void MappedBuffer::make_room(std::size_t bytes, const char* what)
+{
+    if (buffer_.bytes() >= bytes) return;
+    buffer_ = Buffer(std::bit_ceil(bytes), flags_);
+    data_ = static_cast<std::byte*>(
+        glMapNamedBufferRange(buffer_.name(), 0, static_cast<GLsizeiptr>(buffer_.bytes()), flags_));
+    if (!data_) throw GpuLost(fmt::format("{}: {} bytes cannot be mapped", what, buffer_.bytes()));
+}
 
 Program::Program(const char* what, std::initializer_list<Shader> shaders) : name_(glCreateProgram())
 {

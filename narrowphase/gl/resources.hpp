@@ -33,6 +33,22 @@ private:
     std::size_t bytes_ = 0;
 };
 
+/// A buffer that the CPU reads or writes in place while the GPU copies from or to it.
+class MappedBuffer {
+public:
+    /// @param access  GL_MAP_READ_BIT or GL_MAP_WRITE_BIT
+    explicit MappedBuffer(GLbitfield access) : flags_(access | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT) {}
+    /// Makes the buffer at least `bytes` large; its content is lost. Throws GpuLost, which names `what`.
+    void make_room(std::size_t bytes, const char* what);
+    GLuint name() const { return buffer_.name(); }
+    std::byte* data() const { return data_; }
+
+private:
+    GLbitfield flags_;
+    Buffer buffer_;
+    std::byte* data_ = nullptr;
+};
+
 /// A linked program of one or more shaders.
 class Program {
 public:

@@ -43,11 +43,14 @@ constexpr unsigned octant_at(CellKey cell, int level)
 /// The cell's centre along each axis, in half-extents of the cell, from the root's centre: odd integers.
 constexpr std::array<std::int32_t, 3> centre_of(CellKey cell)
 {
-    std::array<std::int32_t, 3> centre{};
-    for (int level = 0, depth = level_of(cell); level < depth; ++level)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            centre[axis] = 2 * centre[axis] + (octant_at(cell, level) >> axis & 1 ? 1 : -1);
-    return centre;
+    const int depth = level_of(cell);
+    const auto centre = [&](int axis) {
+        CellKey x = (cell ^ CellKey{1} << 3 * depth) >> axis & 0x1249249249249; // every third bit, moved together
+        x = (x | x >> 2) & 0x10c30c30c30c3, x = (x | x >> 4) & 0x100f00f00f00f;
+        x = (x | x >> 8) & 0x1f0000ff0000ff, x = (x | x >> 16) & 0xffff;
+        return 2 * static_cast<std::int32_t>(x) + 1 - (1 << depth);
+    };
+    return {centre(0), centre(1), centre(2)};
 }
 
 } // namespace oncollide

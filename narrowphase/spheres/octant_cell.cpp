@@ -8,9 +8,10 @@ namespace oncollide {
 OctantCell octant_cell(const RootCell& root, CellKey key)
 {
     const auto position = centre_of(key);
+    const float scale = 1 / static_cast<float>(1u << level_of(key));
     OctantCell cell;
     for (int axis = 0; axis < 3; ++axis) {
-        cell.half[axis] = std::ldexp(root.half[axis], -level_of(key));
+        cell.half[axis] = root.half[axis] * scale;
         cell.centre[axis] = static_cast<float>(position[axis]) * cell.half[axis];
     }
     cell.slack = static_cast<float>(root.slack());

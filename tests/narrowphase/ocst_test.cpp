@@ -24,6 +24,22 @@ TEST(CellKey, NamesLevelOctantAndPlace)
     EXPECT_EQ(centre_of(cell), (std::array<std::int32_t, 3>{3, -5, 3}));
 }
 
+TEST(CellKey, ItsCentreIsTheSumOfItsSteps)
+{
+    std::mt19937 random(7);
+    for (int depth = 0; depth <= deepest_level; ++depth)
+        for (int i = 0; i < 50; ++i) {
+            CellKey cell = root_cell;
+            std::array<std::int32_t, 3> at{};
+            for (int level = 0; level < depth; ++level) {
+                const unsigned octant = i == 0 ? 0 : i == 1 ? 7 : random() % 8;
+                cell = child_cell(cell, octant);
+                for (std::size_t axis = 0; axis < 3; ++axis) at[axis] = 2 * at[axis] + (octant >> axis & 1 ? 1 : -1);
+            }
+            EXPECT_EQ(centre_of(cell), at) << cell;
+        }
+}
+
 class OcstTest : public ::testing::Test {
 protected:
     OcstTest() : geometry_{"knot", make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 800), {}}
