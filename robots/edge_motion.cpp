@@ -1,18 +1,28 @@
 #include <oncollide/robots/edge_motion.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace oncollide {
 
+namespace {
+
+constexpr int grid = 128;
+constexpr std::size_t most_others = 8;
+
+} // namespace
+
 EdgeMotion::EdgeMotion(const Robot::Impl& robot)
-    : robot_(robot),
-      numbers_(robot.tree.width()), middle_{-1, {robot.description.links.size(), Eigen::Isometry3d::Identity()}}
+    : robot_(robot), numbers_(robot.tree.width()), grid_(grid + 1), others_(most_others)
 {
 }
 
 void EdgeMotion::start(const double* from, const double* to)
 {
-    from_ = from, to_ = to, middle_.share = -1;
+    from_ = from, to_ = to;
+    for (auto* all : {&grid_, &others_})
+        for (Placed& placed : *all) placed.share = -1;
+    own_.share = -1;
     place(0.5);
     robot_.tree.rigid_links(from, to, highest_);
     rigid_.clear(), rigid_of_.clear();
@@ -25,10 +35,10 @@ void EdgeMotion::start(const double* from, const double* to)
     }
     for (RigidParts& rigid : rigid_) {
         balls_.clear();
-        const Eigen::Isometry3d into = middle_.links[rigid.link].inverse(Eigen::Isometry);
+        const Eigen::Isometry3d into = middle_->links[rigid.link].inverse(Eigen::Isometry);
         for (const std::uint32_t i : rigid.parts) {
             const CoverSphere& own = robot_.parts[i].cover.whole;
-            const Eigen::Vector3d centre = into * (middle_.links[robot_.parts[i].link] * own.centre);
+            const Eigen::Vector3d centre = into * (middle_->links[robot_.parts[i].link] * own.centre);
             const double arm = centre.norm(); // poses that are not quite rigid move the centre, too
             balls_.push_back({centre, (arm + own.radius) * robot_.stretch() - arm});
         }
@@ -36,20 +46,48 @@ void EdgeMotion::start(const double* from, const double* to)
     }
 }
 
-const Eigen::Isometry3d* EdgeMotion::place(Placed& placed, double share)
+bool EdgeMotion::is_on_grid(double share) const
 {
-    if (share != placed.share) {
-        placed.links.resize(middle_.links.size(), Eigen::Isometry3d::Identity());
-        robot_.tree.between(from_, to_, share, numbers_.data());
-        robot_.tree.link_poses(numbers_.data(), robot_.base, placed.links.data());
-        placed.share = share;
+    return grid * share == std::floor(grid * share);
+}
+
+const EdgeMotion::Placed& EdgeMotion::at(double share)
+{
+    if (is_on_grid(share)) {
+        Placed& placed = grid_[static_cast<std::size_t>(grid * share)];
+        place(placed, share);
+        return placed;
     }
-    return placed.links.data();
+    const auto known = std::ranges::find(others_, share, &Placed::share);
+    Placed& placed = known != others_.end() ? *known : others_[next_];
+    if (&placed == &others_[next_]) next_ = (next_ + 1) % most_others;
+    place(placed, share);
+    return placed;
+}
+
+const Eigen::Isometry3d* EdgeMotion::place(double share)
+{
+    if (is_on_grid(share)) {
+        middle_ = &at(share);
+    } else {
+        place(own_, share);
+        middle_ = &own_;
+    }
+    return middle_->links.data();
+}
+
+void EdgeMotion::place(Placed& placed, double share)
+{
+    if (share == placed.share) return;
+    placed.links.resize(robot_.description.links.size(), Eigen::Isometry3d::Identity());
+    robot_.tree.between(from_, to_, share, numbers_.data());
+    robot_.tree.link_poses(numbers_.data(), robot_.base, placed.links.data());
+    placed.share = share;
 }
 
 BallTravel EdgeMotion::travel(const EdgeItem& item, const CoverSphere& ball, std::uint32_t link) const
 {
-    return robot_.tree.travel(from_, to_, 0.5 * (item.end - item.begin), middle_.links.data(), ball, link,
+    return robot_.tree.travel(from_, to_, 0.5 * (item.end - item.begin), middle_->links.data(), ball, link,
                               item.seen_from);
 }
 

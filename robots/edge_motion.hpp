@@ -12,6 +12,7 @@ struct EdgeItem {
     std::uint32_t a, b; ///< parts; b of a body: no_part
     BodyId body;
     std::uint32_t seen_from; ///< the link from which motions are bounded
+    std::uint32_t box = 0;   ///< of the body: number in EdgeCull
     double middle() const { return 0.5 * (begin + end); }
 };
 constexpr std::uint32_t no_part = 0xffffffffu;
@@ -43,13 +44,18 @@ public:
     /// The numbers stay the caller's. Finds the rigid parts.
     void start(const double* from, const double* to);
 
+    const double* from() const { return from_; }
+    const double* to() const { return to_; }
     const std::vector<RigidParts>& rigid() const { return rigid_; }
     std::uint32_t rigid_of(std::uint32_t part) const { return rigid_of_[part]; } ///< index in rigid()
 
-    const Eigen::Isometry3d* place(Placed& placed, double share);
-    /// The links at middle(), which the calls below take for the middle of the item's window.
-    const Eigen::Isometry3d* place(double share) { return place(middle_, share); }
-    const Placed& middle() const { return middle_; }
+    /// The links at a share. Valid until start() if the share is a multiple of 1 / 128, else until the call after the
+    /// next.
+    const Placed& at(double share);
+    /// The links at middle(), which the calls below take for the middle of the item's window. Valid until the next
+    /// call.
+    const Eigen::Isometry3d* place(double share);
+    const Placed& middle() const { return *middle_; }
 
     EdgeWays ways_of(const EdgeItem& item) const;
     /// The motion of a ball in the frame of a link, seen from the item's link.
@@ -57,9 +63,15 @@ public:
     double reach(const EdgeWays& ways) const { return (ways.a.moved + ways.b.moved) * robot_.stretch(); }
 
 private:
+    bool is_on_grid(double share) const;
+    void place(Placed& placed, double share);
+
     const Robot::Impl& robot_;
     std::vector<double> numbers_;
-    Placed middle_;
+    std::vector<Placed> grid_, others_; ///< at multiples of 1 / 128; the last other ones
+    std::size_t next_ = 0;              ///< of others_: the one that a new share replaces
+    Placed own_;                        ///< of middle_, if that is not on the grid
+    const Placed* middle_ = nullptr;
     const double *from_ = nullptr, *to_ = nullptr;
     std::vector<std::uint32_t> highest_, rigid_of_;
     std::vector<RigidParts> rigid_;

@@ -8,6 +8,7 @@ namespace {
 
 constexpr std::uint32_t most_windows = 64; // of a pair, to begin with
 constexpr double first_turn = 1.2;         // rad, in a window of two parts to begin with
+constexpr double window_turn = 0.4;        // rad, in a window of a part and bodies
 
 /// Calls take(item) for windows in which about as much is done as in `whole` divided by `excess`.
 template <class Take>
@@ -26,17 +27,16 @@ void each_window(const EdgeItem& whole, double excess, Take take)
 } // namespace
 
 EdgeSearch::EdgeSearch(const Robot::Impl& robot, const World& world, const RobotCheck& what, EdgeMotion& motion,
-                       const std::vector<std::uint32_t>& own)
-    : robot_(robot), world_(world), what_(what), motion_(motion), own_(own)
+                       EdgeCull& cull, const std::vector<std::uint32_t>& own)
+    : robot_(robot), world_(world), what_(what), motion_(motion), cull_(cull),
+      cells_(robot.joint_cells(world.settings().clearance)), own_(own)
 {
 }
 
-std::size_t EdgeSearch::run(std::vector<EdgeItem>& items)
+void EdgeSearch::run(std::vector<EdgeItem>& items)
 {
-    tests_ = 0;
     if (what_.self) search_self(items);
     if (what_.environment && world_.size() > own_.size()) search_environment(items);
-    return tests_;
 }
 
 void EdgeSearch::search_self(std::vector<EdgeItem>& items)
@@ -45,8 +45,17 @@ void EdgeSearch::search_self(std::vector<EdgeItem>& items)
     bundles_.resize(std::max(bundles_.size(), count * count));
     for (auto& bundle : bundles_) bundle.clear();
     for (std::uint32_t p = 0; p < robot_.pairs.size(); ++p) {
-        const std::uint32_t a = motion_.rigid_of(robot_.pairs[p].a), b = motion_.rigid_of(robot_.pairs[p].b);
-        if (a != b) bundles_[a * count + b].push_back(p); // else both ends are tested
+        const Robot::Impl::PartPair& pair = robot_.pairs[p];
+        const std::uint32_t a = motion_.rigid_of(pair.a), b = motion_.rigid_of(pair.b);
+        if (a == b) continue; // both ends are tested
+        if (!cells_->covers(p)) {
+            bundles_[a * count + b].push_back(p);
+            continue;
+        }
+        cells_->each_open(world_, p, motion_.from(), motion_.to(), scratch_, [&](double begin, double end) {
+            motion_.place(0.5 * (begin + end));
+            search_pair({begin, end, pair.a, pair.b, {}, pair.seen_from}, items);
+        });
     }
     const auto ways_of = [&](const EdgeItem& item) {
         const RigidParts &a = motion_.rigid()[item.a], &b = motion_.rigid()[item.b];
@@ -96,78 +105,65 @@ void EdgeSearch::add_windows(const EdgeItem& whole, const EdgeWays& ways, double
                 [&](const EdgeItem& item) { items.push_back(item); });
 }
 
-/// Queries the World in the windows of items. Coarse windows with bodies are halved.
-/// @param prepare  adds the query of an item in the middle of its window, and its reach; returns whether the window is
-/// coarse
-/// @param take     gets an item whose window is not coarse, and a body
-template <class Prepare, class Take>
-void EdgeSearch::query(std::vector<EdgeItem>& items, Prepare prepare, Take take)
+/// In equal windows, the ball around rigid parts is tested with the boxes of bodies, then the solids of its parts.
+void EdgeSearch::search_environment(std::vector<EdgeItem>& items)
 {
-    while (!items.empty()) {
-        std::ranges::stable_sort(items, {}, &EdgeItem::middle);
-        queries_.clear(), reaches_.clear(), is_coarse_.clear(), halves_.clear();
-        for (const EdgeItem& item : items) is_coarse_.push_back(prepare(item, motion_.place(item.middle())));
-        world_.near(queries_, reaches_, hits_);
-        tests_ += hits_.hits.size();
-        for (std::size_t i = 0; i < items.size(); ++i) {
-            EdgeItem item = items[i];
-            bool halved = false;
-            for (std::size_t h = hits_.offsets[i]; h < hits_.offsets[i + 1] && !halved; ++h) {
-                item.body = hits_.hits[h].body;
-                if (std::ranges::binary_search(own_, item.body.slot)) continue;
-                if (is_coarse_[i]) {
-                    each_window(items[i], 2, [&](const EdgeItem& half) { halves_.push_back(half); });
-                    halved = true;
-                } else
-                    take(item);
-            }
+    const std::uint32_t root = robot_.tree.root();
+    const std::vector<RigidParts>& all = motion_.rigid();
+    motion_.place(0.5);
+    double excess = 0; // windows that the fastest parts need
+    for (const RigidParts& rigid : all) {
+        const BallTravel way = motion_.travel({0, 1, 0, no_part, {}, root}, rigid.ball, rigid.link);
+        excess = std::max({excess, way.turned / window_turn, 0.5 * way.moved / rigid.ball.radius * (way.turned == 0)});
+    }
+    windows_ = 1;
+    while (windows_ < most_windows && windows_ < excess) windows_ *= 2;
+    balls_.resize(all.size() * windows_), queries_.clear();
+    for (std::uint32_t k = 0; k < all.size(); ++k) queries_.push_back(place_balls(k));
+    for (const AabbHit& hit : cull_.around(queries_, what_.filter)) {
+        if (std::ranges::binary_search(own_, hit.body) || balls_[hit.query * windows_].radius < 0) continue;
+        const std::uint32_t number = cull_.box_of(hit.body);
+        const PlacedBox& box = cull_.box(number);
+        const Eigen::Isometry3d to_box = box.pose.inverse(Eigen::Isometry);
+        for (std::uint32_t w = 0; w < windows_; ++w) {
+            const Window& ball = balls_[hit.query * windows_ + w];
+            const Eigen::Vector3d seen = to_box * ball.centre - box.centre;
+            const double within = ball.radius + cull_.rounding() * (seen.norm() + box.half.sum());
+            if ((seen.cwiseAbs() - box.half).cwiseMax(0).squaredNorm() > within * within) continue;
+            const double begin = double(w) / windows_, end = double(w + 1) / windows_;
+            for (const std::uint32_t part : all[hit.query].parts)
+                if (cull_.is_open(part, number, begin, end, ball.bent))
+                    items.push_back({begin, end, part, no_part, cull_.body_at(hit.body), root, number});
         }
-        items.swap(halves_);
     }
 }
 
-void EdgeSearch::search_environment(std::vector<EdgeItem>& items)
+/// Finds balls around the rigid parts in all windows, and the box around all. Negative radius: they do not move, so
+/// both ends are tested.
+Aabb EdgeSearch::place_balls(std::uint32_t number)
 {
-    coarse_.clear(), fine_.clear();
-    motion_.place(0.5);
-    const std::uint32_t root = robot_.tree.root();
-    const std::vector<RigidParts>& all = motion_.rigid();
-    for (std::uint32_t k = 0; k < all.size(); ++k) {
-        const bool one = all[k].parts.size() == 1;
-        const EdgeItem whole{0, 1, one ? all[k].parts[0] : k, no_part, {}, root};
-        const double moved = motion_.travel(whole, all[k].ball, all[k].link).moved;
-        if (moved > 0) // else both ends are tested
-            each_window(whole, 0.5 * moved / all[k].ball.radius,
-                        [&](const EdgeItem& item) { (one ? fine_ : coarse_).push_back(item); });
+    const RigidParts& rigid = motion_.rigid()[number];
+    const std::uint32_t parts = std::min(windows_, 4u), each = windows_ / parts;
+    Window* window = &balls_[number * windows_];
+    Aabb box;
+    for (std::uint32_t part = 0; part < parts; ++part) {
+        const EdgeItem item{double(part) / parts, double(part + 1) / parts, 0, no_part, {}, robot_.tree.root()};
+        motion_.place(item.middle());
+        const BallTravel way = motion_.travel(item, rigid.ball, rigid.link);
+        const double bent = way.sagitta() / (double(each) * each) * robot_.stretch();
+        for (std::uint32_t k = 0; k < each; ++k, ++window) {
+            const double w = part * each + k;
+            const auto centre = [&](double end) -> Eigen::Vector3d {
+                return motion_.at(end / windows_).links[rigid.link] * rigid.ball.centre;
+            };
+            const Eigen::Vector3d begin = centre(w), end = centre(w + 1);
+            const double radius = 0.5 * (end - begin).norm() + bent + rigid.ball.radius + world_.settings().clearance;
+            *window = {0.5 * (begin + end), way.moved == 0 ? -1 : radius, bent};
+            const double reach = radius + 1e-12 * (radius + window->centre.norm());
+            box.add(window->centre.array() - reach), box.add(window->centre.array() + reach);
+        }
     }
-    const auto prepare = [&](ModelId model, const Eigen::Isometry3d& pose, double moved, double radius, double around) {
-        queries_.push_back({model, pose, what_.filter});
-        reaches_.push_back(moved * robot_.stretch() + around);
-        return moved > radius;
-    };
-    query(
-        coarse_,
-        [&](const EdgeItem& item, const Eigen::Isometry3d* links) {
-            const RigidParts& rigid = all[item.a];
-            Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-            pose.translation() = links[rigid.link] * rigid.ball.centre;
-            const double radius = rigid.ball.radius;
-            return prepare(robot_.point, pose, motion_.travel(item, rigid.ball, rigid.link).moved, radius, radius);
-        },
-        [&](const EdgeItem& item) {
-            const std::vector<std::uint32_t>& parts = all[item.a].parts;
-            const bool known = !fine_.empty() && fine_.back().a == parts.back() && fine_.back().begin == item.begin;
-            if (known) return; // another body
-            for (const std::uint32_t part : parts) fine_.push_back({item.begin, item.end, part, no_part, {}, root});
-        });
-    query(
-        fine_,
-        [&](const EdgeItem& item, const Eigen::Isometry3d* links) {
-            const Robot::Impl::Part& part = robot_.parts[item.a];
-            return prepare(part.model, robot_.pose_of(part, links), motion_.ways_of(item).a.moved,
-                           part.cover.whole.radius, 0);
-        },
-        [&](const EdgeItem& item) { items.push_back(item); });
+    return box;
 }
 
 } // namespace oncollide

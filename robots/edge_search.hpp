@@ -2,20 +2,21 @@
 #include <algorithm>
 #include <vector>
 
-#include <oncollide/robots/edge_motion.hpp>
+#include <oncollide/robots/edge_cull.hpp>
+#include <oncollide/robots/joint_cells.hpp>
 
 namespace oncollide {
 
-/// Lists the pairs that may meet on an edge, each in the windows to begin with: bounding spheres and the World's boxes
+/// Lists the pairs that may meet on an edge, each in the windows to begin with: bounding spheres and solids
 /// rule out the others. Rigid parts are ruled out together, then one by one.
 class EdgeSearch {
 public:
     /// @param own  sorted slots of the bodies that are not tested
-    EdgeSearch(const Robot::Impl& robot, const World& world, const RobotCheck& what, EdgeMotion& motion,
+    EdgeSearch(const Robot::Impl& robot, const World& world, const RobotCheck& what, EdgeMotion& motion, EdgeCull& cull,
                const std::vector<std::uint32_t>& own);
 
-    /// Adds to `items`. Returns the number of pairs that the World tested.
-    std::size_t run(std::vector<EdgeItem>& items);
+    /// Adds to `items`.
+    void run(std::vector<EdgeItem>& items);
 
 private:
     void search_self(std::vector<EdgeItem>& items);
@@ -23,21 +24,26 @@ private:
     /// Adds the windows of two sides to begin with, the smaller of which has this radius.
     void add_windows(const EdgeItem& whole, const EdgeWays& ways, double radius, std::vector<EdgeItem>& items) const;
     void search_environment(std::vector<EdgeItem>& items);
-    template <class Prepare, class Take>
-    void query(std::vector<EdgeItem>& items, Prepare prepare, Take take);
+    Aabb place_balls(std::uint32_t rigid);
 
     const Robot::Impl& robot_;
     const World& world_;
     const RobotCheck& what_;
     EdgeMotion& motion_;
+    EdgeCull& cull_;
+    const std::shared_ptr<JointCells> cells_;
+    JointCells::Scratch scratch_;
     const std::vector<std::uint32_t>& own_;
-    std::size_t tests_ = 0;
     std::vector<std::vector<std::uint32_t>> bundles_; ///< pairs of parts, by pairs of rigid parts
-    std::vector<EdgeItem> coarse_, fine_, halves_;    ///< of rigid parts, of parts
-    std::vector<ModelQuery> queries_;
-    std::vector<double> reaches_;
-    std::vector<std::uint8_t> is_coarse_;
-    QueryHits hits_;
+    std::vector<EdgeItem> coarse_;                    ///< of rigid parts
+    /// A ball around rigid parts in a window, with the clearance.
+    struct Window {
+        Eigen::Vector3d centre;
+        double radius, bent; ///< bent: how far points leave the straight lines between their places at both ends
+    };
+    std::uint32_t windows_ = 1;
+    std::vector<Window> balls_; ///< by rigid parts, then by windows
+    std::vector<Aabb> queries_;
 };
 
 } // namespace oncollide

@@ -248,19 +248,34 @@ std::uint32_t Kinematics::common(std::uint32_t a, std::uint32_t b) const
     return a;
 }
 
-std::uint32_t Kinematics::middle(std::uint32_t a, std::uint32_t b, bool more_at_a) const
+bool Kinematics::numbers_between(std::uint32_t a, std::uint32_t b, std::vector<Acting>& numbers) const
+{
+    numbers.clear();
+    const std::uint32_t top = common(a, b);
+    for (std::uint32_t end : {a, b})
+        for (std::uint32_t link = end; link != top; link = parent(link)) {
+            const Step& step = steps_[step_to_[link]];
+            if (step.kind == JointKind::fixed) continue;
+            if (step.kind == JointKind::planar || step.kind == JointKind::floating) return false;
+            const bool turns = step.kind != JointKind::prismatic && std::abs(step.multiplier) == 1;
+            const auto known = std::ranges::find(numbers, step.number, &Acting::number);
+            if (known == numbers.end())
+                numbers.push_back({step.number, turns});
+            else
+                known->turns = known->turns && turns;
+        }
+    std::ranges::sort(numbers, {}, &Acting::number);
+    return true;
+}
+
+std::vector<std::uint32_t> Kinematics::links_between(std::uint32_t a, std::uint32_t b) const
 {
     const std::uint32_t top = common(a, b);
-    const auto moves = [&](std::uint32_t link) { return steps_[step_to_[link]].kind != JointKind::fixed; };
-    const auto moving = [&](std::uint32_t link) {
-        int count = 0;
-        for (; link != top; link = parent(link)) count += moves(link);
-        return count;
-    };
-    const int all_of_a = moving(a), all = all_of_a + moving(b), of_a = (all + more_at_a) / 2;
-    std::uint32_t link = of_a <= all_of_a ? a : b;
-    for (int left = link == a ? of_a : all - of_a; left > 0; link = parent(link)) left -= moves(link);
-    return link;
+    std::vector<std::uint32_t> links;
+    for (; a != top; a = parent(a)) links.push_back(a);
+    for (; b != top; b = parent(b)) links.push_back(b);
+    links.push_back(top);
+    return links;
 }
 
 } // namespace oncollide

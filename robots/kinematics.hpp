@@ -22,6 +22,8 @@ struct BallTravel {
     /// MotionPath::linear.
     /// @param arm  upper bound on their distance from the origin of that motion
     double off(double arm) const;
+    /// How far points leave the straight lines between their places at both ends.
+    double sagitta() const { return 0.125 * bend * (1 + 1e-12); }
 };
 
 /// The joints of a robot in an order in which each follows the joints above it.
@@ -48,8 +50,16 @@ public:
     /// @param poses  of all links, in the middle of the part
     BallTravel travel(const double* from, const double* to, double half, const Eigen::Isometry3d* poses,
                       const CoverSphere& ball, std::uint32_t link, std::uint32_t seen_from) const;
-    /// The link half way between two links: as many joints move on both sides, or one more beside `a` if `more_at_a`.
-    std::uint32_t middle(std::uint32_t a, std::uint32_t b, bool more_at_a) const;
+    /// The links on the way from one to another, both included.
+    std::vector<std::uint32_t> links_between(std::uint32_t a, std::uint32_t b) const;
+
+    /// A number on which the pose of one link, seen from another, depends.
+    struct Acting {
+        std::uint32_t number;
+        bool turns; ///< its joints rotate by the number itself, or against it: a full turn changes nothing
+    };
+    /// Sets the numbers that act between two links, in ascending order. False: a planar or a floating joint is there.
+    bool numbers_between(std::uint32_t a, std::uint32_t b, std::vector<Acting>& numbers) const;
 
     static int numbers_of(const RobotJoint& joint);
 

@@ -51,18 +51,49 @@ bool surely_apart(const PartSolids& a, const Eigen::Isometry3d& pose_a, const Pa
     return found;
 }
 
+namespace {
+
+/// A part's hull, seen from a box.
+struct SeenFromBox {
+    const OuterHull& hull;
+    const PlacedBox& box;
+    RelativePose to_box;
+    Eigen::Vector3d centre;
+    double needed; ///< gap
+
+    SeenFromBox(const PartSolids& a, const Eigen::Isometry3d& pose, const PlacedBox& to, double clearance)
+        : hull(a.hull), box(to), to_box(to.pose, pose), centre(to_box(a.hull.centre()) - to.centre),
+          needed((clearance + a.hull.cover()) * (1 + pose_rounding) + 0x1p-46 * to_box.translation.norm() +
+                 pose_rounding * (a.hull.extent() + centre.cwiseAbs().sum() + box.half.sum() + box.centre.norm()))
+    {
+    }
+    double outside(Eigen::Index axis, double side) const { return side * centre[axis] - box.half[axis]; }
+    bool is_beyond(Eigen::Index axis, double side) const
+    {
+        const double out = outside(axis, side);
+        if (out + hull.extent() <= needed) return false; // no direction could part them by more
+        const Eigen::Vector3d inward = -side * to_box.rotation.row(axis).transpose();
+        return out - inward.dot(hull.farthest(inward.cast<float>())) > needed;
+    }
+};
+
+} // namespace
+
 bool surely_apart(const PartSolids& a, const Eigen::Isometry3d& pose, const PlacedBox& box, double clearance)
 {
-    const RelativePose to_box(box.pose, pose);
-    const Eigen::Vector3d centre = to_box(a.hull.centre()) - box.centre;
-    const double needed =
-        (clearance + a.hull.cover()) * (1 + pose_rounding) + 0x1p-46 * to_box.translation.norm() +
-        pose_rounding * (a.hull.extent() + centre.cwiseAbs().sum() + box.half.sum() + box.centre.norm());
+    const SeenFromBox seen(a, pose, box, clearance);
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+        if (seen.is_beyond(axis, seen.centre[axis] < 0 ? -1 : 1)) return true;
+    return false;
+}
+
+bool surely_apart(const PartSolids& a, const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end,
+                  const PlacedBox& box, double clearance, double bent)
+{
+    const SeenFromBox first(a, begin, box, clearance + bent), last(a, end, box, clearance + bent);
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
-        const double side = centre[axis] < 0 ? -1 : 1, outside = side * centre[axis] - box.half[axis];
-        if (outside + a.hull.extent() <= needed) continue; // no direction could part them by more
-        const Eigen::Vector3d inward = -side * to_box.rotation.row(axis).transpose();
-        if (outside - inward.dot(a.hull.farthest(inward.cast<float>())) > needed) return true;
+        const double side = first.centre[axis] + last.centre[axis] < 0 ? -1 : 1;
+        if (first.is_beyond(axis, side) && last.is_beyond(axis, side)) return true;
     }
     return false;
 }

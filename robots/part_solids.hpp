@@ -39,6 +39,10 @@ bool surely_apart(const PartSolids& a, const Eigen::Isometry3d& pose_a, const Pa
                   const Eigen::Isometry3d& pose_b, double clearance, Parting& parting);
 /// The same of a part and a box, by the box's own axes.
 bool surely_apart(const PartSolids& a, const Eigen::Isometry3d& pose, const PlacedBox& box, double clearance);
+/// The same at two poses, by one axis: so also at all others, if points come nearer to the box by at most `bent` than
+/// on the straight lines between both.
+bool surely_apart(const PartSolids& a, const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end,
+                  const PlacedBox& box, double clearance, double bent);
 /// True if the surface of a part certainly meets a solid body: a vertex is in it; or a ball inside the part meets it,
 /// and the body is too large to be inside the part as a whole.
 bool surely_meet(const PartSolids& a, const Eigen::Isometry3d& pose, const PlacedBody& body);

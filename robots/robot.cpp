@@ -63,6 +63,9 @@ Robot::Impl::Impl(World& world, RobotDescription given, const Eigen::Isometry3d&
         }
         if (first < parts.size()) add_group(first);
     }
+    for (const RobotJoint& joint : description.joints)
+        for (int n = 0; n < Kinematics::numbers_of(joint); ++n)
+            neutral.push_back(joint.kind == JointKind::floating ? n == 6 : limited(joint, 0));
     attached_from = parts.size(), spheres_of_links = spheres.size();
     if (parts.empty()) refuse(fmt::format("robot '{}'", printable(description.name)), "no link has collision geometry");
     any_model = parts.front().model;
@@ -94,7 +97,7 @@ void Robot::Impl::add_group(std::uint32_t first)
 
 void Robot::Impl::take_in_groups()
 {
-    covers.clear(), idle = no_checkers();
+    covers.clear(), idle = no_checkers(), cells.reset();
     for (const Group& group : groups) {
         std::vector<CoverSphere> balls;
         std::vector<std::uint32_t> of;
@@ -118,35 +121,71 @@ void Robot::Impl::find_pairs()
         const std::pair<std::uint32_t, std::uint32_t> links = std::minmax(a.link, b.link);
         return !std::ranges::binary_search(description.excluded, links);
     };
-    const auto between = [&](const Part& a, const Part& b) {
-        return tree.middle(a.link, b.link, a.cover.whole.radius < b.cover.whole.radius);
-    };
     for (std::uint32_t b = 0; b < groups.size(); ++b)
         for (std::uint32_t a = 0; a < b; ++a) {
             const auto first = static_cast<std::uint32_t>(pairs.size());
             for (std::uint32_t i = groups[a].first; i < groups[a].end; ++i)
                 for (std::uint32_t k = groups[b].first; k < groups[b].end; ++k)
-                    if (tested(parts[i], parts[k])) pairs.push_back({i, k, between(parts[i], parts[k])});
+                    if (tested(parts[i], parts[k])) pairs.push_back({i, k, parts[i].link});
             if (pairs.size() > first) group_pairs.push_back({a, b, first, static_cast<std::uint32_t>(pairs.size())});
         }
+    choose_views();
     sort_pairs();
+}
+
+void Robot::Impl::choose_numbers(std::uint64_t k, std::vector<double>& numbers, double share,
+                                 std::vector<double>& steps) const
+{
+    constexpr std::uint64_t seed = 1;
+    numbers.resize(tree.width()), steps.resize(tree.width());
+    for (std::size_t j = 0; j < description.joints.size(); ++j)
+        for (int n = 0; n < Kinematics::numbers_of(description.joints[j]); ++n) {
+            const RobotJoint& joint = description.joints[j];
+            const auto i = static_cast<std::size_t>(tree.first_number(static_cast<std::uint32_t>(j)) + n);
+            const double low = std::max(joint.lower, -4.0), high = std::min(joint.upper, 4.0);
+            const bool floats = joint.kind == JointKind::floating;
+            numbers[i] = floats ? n == 6 : low + (high - low) * u01(seed, k, i);
+            steps[i] = floats ? 0 : share * (high - low);
+        }
+}
+
+/// Chooses the link from which each pair is seen on edges: bounds on the motions of both sides are least from there.
+void Robot::Impl::choose_views()
+{
+    constexpr std::uint64_t samples = 4;
+    std::vector<double> numbers, steps, from, to;
+    std::vector<Eigen::Isometry3d> poses(description.links.size(), Eigen::Isometry3d::Identity());
+    std::vector<std::vector<std::uint32_t>> views;
+    std::vector<std::vector<double>> moved;
+    for (const PartPair& pair : pairs) {
+        views.push_back(tree.links_between(parts[pair.a].link, parts[pair.b].link));
+        moved.emplace_back(views.back().size(), 0.0);
+    }
+    for (std::uint64_t k = 0; k < samples; ++k) {
+        choose_numbers(k, numbers, 0.01, steps);
+        from = to = numbers;
+        for (std::size_t i = 0; i < numbers.size(); ++i) from[i] -= steps[i], to[i] += steps[i];
+        tree.link_poses(numbers.data(), base, poses.data());
+        for (std::size_t p = 0; p < pairs.size(); ++p)
+            for (std::size_t v = 0; v < views[p].size(); ++v)
+                for (const std::uint32_t part : {pairs[p].a, pairs[p].b})
+                    moved[p][v] += tree.travel(from.data(), to.data(), 0.5, poses.data(), parts[part].cover.whole,
+                                               parts[part].link, views[p][v])
+                                       .moved;
+    }
+    for (std::size_t p = 0; p < pairs.size(); ++p)
+        pairs[p].seen_from = views[p][static_cast<std::size_t>(std::ranges::min_element(moved[p]) - moved[p].begin())];
 }
 
 /// Random configurations show which pairs come close. Any order gives the same verdicts.
 void Robot::Impl::sort_pairs()
 {
-    constexpr std::uint64_t samples = 100, seed = 1;
-    std::vector<double> numbers(tree.width());
+    constexpr std::uint64_t samples = 100;
+    std::vector<double> numbers, steps;
     std::vector<Eigen::Isometry3d> poses(description.links.size(), Eigen::Isometry3d::Identity());
     SphereCull cull(*this, 0);
     for (std::uint64_t k = 0; k < samples; ++k) {
-        for (std::size_t j = 0; j < description.joints.size(); ++j)
-            for (int n = 0; n < Kinematics::numbers_of(description.joints[j]); ++n) {
-                const RobotJoint& joint = description.joints[j];
-                const auto i = static_cast<std::size_t>(tree.first_number(static_cast<std::uint32_t>(j)) + n);
-                const double low = std::max(joint.lower, -4.0), high = std::min(joint.upper, 4.0);
-                numbers[i] = joint.kind == JointKind::floating ? n == 6 : low + (high - low) * u01(seed, k, i);
-            }
+        choose_numbers(k, numbers, 0, steps);
         tree.link_poses(numbers.data(), base, poses.data());
         cull.place(poses.data());
         for (GroupPair& pair : group_pairs) {
@@ -258,11 +297,7 @@ void Robot::set_base(const Eigen::Isometry3d& base)
 
 std::vector<double> Robot::neutral() const
 {
-    std::vector<double> numbers;
-    for (const RobotJoint& joint : description().joints)
-        for (int n = 0; n < Kinematics::numbers_of(joint); ++n)
-            numbers.push_back(joint.kind == JointKind::floating ? n == 6 : limited(joint, 0));
-    return numbers;
+    return impl_->neutral;
 }
 
 void Robot::apply_state(std::string_view name, std::string_view group, std::span<double> configuration) const

@@ -24,7 +24,7 @@ class Robot::EdgeChecker {
 public:
     EdgeChecker(const Robot::Impl& robot, const World& world, const RobotEdgeCheck& what)
         : robot_(robot), world_(world), what_(what), cull_(robot, world.settings().clearance), own_(robot.own_slots()),
-          motion_(robot), search_(robot, world, what.pairs, motion_, own_)
+          motion_(robot), solids_(robot, world, motion_), search_(robot, world, what.pairs, motion_, solids_, own_)
     {
     }
 
@@ -33,8 +33,9 @@ public:
     {
         found_ = &found, open_.clear(), items_.clear();
         motion_.start(from, to);
-        begin_.share = end_.share = -1;
-        tests_ = search_.run(items_);
+        solids_.start();
+        search_.run(items_);
+        tests_ = items_.size(), is_searched_ = true;
         while (!items_.empty() && !is_done()) {
             if (tests_ > what_.most_tests) break;
             test();
@@ -59,7 +60,7 @@ private:
         test_places();
         test_motions();
         test_begins();
-        items_.clear();
+        items_.clear(), is_searched_ = false;
         for (EdgeItem item : tested_) {
             item.end = std::min(item.end, found_->contact_by);
             if (item.end <= item.begin) continue;
@@ -91,10 +92,11 @@ private:
             last = item;
             const double reach = motion_.reach(ways);
             if (item.b == no_part) {
+                if (!is_searched_ && !solids_.is_open(item, ways)) continue;
                 pairs_.push_back({placed(item.a), {world_.model(item.body), world_.pose(item.body)}});
             } else {
                 if (motion_.middle().share != culled_at) cull_.place(links), culled_at = motion_.middle().share;
-                if (!cull_.near(item.a, item.b, reach)) continue;
+                if (!cull_.near(item.a, item.b, reach) || !solids_.is_open(item, ways)) continue;
                 pairs_.push_back({placed(item.a), placed(item.b)});
             }
             reaches_.push_back(reach), tested_.push_back(item), ways_.push_back(ways);
@@ -151,14 +153,13 @@ private:
             const EdgeItem& item = tested_[i];
             if (ways_[i].turned() > most_turn) continue;
             asked_.push_back(i);
-            if (item.begin == end_.share) std::swap(begin_, end_);
-            motion_.place(begin_, item.begin), motion_.place(end_, item.end);
+            const EdgeMotion::Placed &begin = motion_.at(item.begin), &end = motion_.at(item.end);
             const std::uint32_t from = item.seen_from;
-            const double size = begin_.links[robot_.parts[item.a].link].translation().norm();
+            const double size = begin.links[robot_.parts[item.a].link].translation().norm();
             double off = 0;
             const auto moving = [&](std::uint32_t part, const BallTravel& way) -> MovingModel {
                 const Robot::Impl::Part& of = robot_.parts[part];
-                const Eigen::Isometry3d first = seen(begin_, of, from), last = seen(end_, of, from);
+                const Eigen::Isometry3d first = seen(begin, of, from), last = seen(end, of, from);
                 const double arm = (of.cover.whole.centre - of.pose.translation()).norm() + of.cover.whole.radius;
                 off += way.off(arm);
                 if (way.moved == 0) return {of.model, RigidMotion(first)};
@@ -227,8 +228,9 @@ private:
     SphereCull cull_;
     std::vector<std::uint32_t> own_; ///< slots of the robot's bodies
     EdgeMotion motion_;
+    EdgeCull solids_;
     EdgeSearch search_;
-    EdgeMotion::Placed begin_, end_; ///< of a window
+    bool is_searched_ = false; ///< items_ come from search_
     RobotEdgeFinding* found_ = nullptr;
     std::size_t tests_ = 0;
     std::vector<EdgeItem> items_, tested_, open_; ///< to test, not separate, too small to be halved

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,8 @@
 #include <oncollide/robots/robot.hpp>
 
 namespace oncollide {
+
+class JointCells;
 
 /// The bounding spheres of a part, to rule out pairs: the first contains the part, as do the others together.
 struct PartSpheres {
@@ -56,6 +59,9 @@ struct Robot::Impl {
     /// To be called when groups have changed: makes their covers, and lists the pairs of parts that are tested.
     void take_in_groups();
     void find_pairs();
+    /// Chooses random numbers within the limits of all joints. Steps are a share of the distance between the limits.
+    void choose_numbers(std::uint64_t k, std::vector<double>& numbers, double share, std::vector<double>& steps) const;
+    void choose_views();
     void sort_pairs();
     /// Throws Error{usage} if the World is not this robot's.
     void check_world(const World& world) const;
@@ -83,8 +89,15 @@ struct Robot::Impl {
     /// pose each count as rigid up to 1e-6 (why_not_rigid()).
     double stretch() const { return 1 + 2e-6 * static_cast<double>(description.joints.size() + 2); }
 
+    /// Share of lengths by which links that are not quite rigid, and rounding to float, change distances at most.
+    double rounding() const { return 4 * (stretch() - 1) + 0x1p-17; }
+
+    /// The grids of pairs between which few joints act, for a clearance.
+    std::shared_ptr<JointCells> joint_cells(double clearance) const;
+
     RobotDescription description;
     Kinematics tree;
+    std::vector<double> neutral; ///< Robot::neutral()
     Eigen::Isometry3d base;
     std::vector<Part> parts;          ///< by links, then attached objects
     std::vector<CoverSphere> spheres; ///< of all parts, in the frames of their links
@@ -95,6 +108,8 @@ struct Robot::Impl {
     /// A World accepts the poses of all parts in every configuration: they are rigid and not too far away.
     bool has_sound_poses = false;
     std::shared_ptr<IdleCheckers> idle; ///< of check(), for the parts as they are
+    mutable std::mutex cells_mutex;
+    mutable std::shared_ptr<JointCells> cells; ///< of check_edges(), for the parts as they are; null: none yet
     std::vector<PartPair> pairs;
     std::vector<GroupPair> group_pairs; ///< those most often near each other first
     std::vector<BodyId> bodies;

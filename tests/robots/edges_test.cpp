@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <random>
 
 #include "robots/small_robot.hpp"
 #include <oncollide/robots/kinematics.hpp>
@@ -103,6 +104,138 @@ TEST_F(RobotEdges, TheFirstContactIsBracketed)
     EXPECT_LE(cut.clear_until, found.clear_until);
 }
 
+/// A ball on an arm of two turning joints and one sliding joint, among small balls that stand around its base.
+RobotDescription arm_among_balls()
+{
+    RobotDescription robot;
+    robot.name = "among balls";
+    const auto ball = [](double radius, double x, double y, double z) {
+        return LinkGeometry{std::make_shared<const Geometry>(Geometry{"ball", Shape{Sphere{radius}}, {}}),
+                            Isometry3d(Translation3d(x, y, z))};
+    };
+    robot.links = {{"base", {}}, {"turn", {}}, {"arm", {}}, {"tip", {ball(0.01, 0.1, 0, 0)}}};
+    std::mt19937 random(4);
+    const auto any = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+    for (int i = 0; i < 80; ++i) { // where the tip goes
+        const double pan = any(-4, 4), lift = any(-4, 4), reach = any(0.3, 0.6), out = 0.5 + reach * std::cos(lift);
+        robot.links[0].collision.push_back(
+            ball(0.02, out * std::cos(pan), out * std::sin(pan), -reach * std::sin(lift)));
+    }
+    const auto joint = [&](const char* name, JointKind kind, std::uint32_t parent, double x, const Vector3d& axis,
+                           double lower, double upper) {
+        RobotJoint made;
+        made.name = name, made.kind = kind, made.parent = parent, made.child = parent + 1;
+        made.origin = Translation3d(x, 0, 0), made.axis = axis, made.lower = lower, made.upper = upper;
+        robot.joints.push_back(made);
+    };
+    joint("pan", JointKind::continuous, 0, 0, Vector3d::UnitZ(), -INFINITY, INFINITY);
+    joint("lift", JointKind::revolute, 1, 0.5, Vector3d::UnitY(), -6, 6);
+    joint("slide", JointKind::prismatic, 2, 0.2, Vector3d::UnitX(), 0, 0.3);
+    return robot;
+}
+
+TEST_F(RobotEdges, WhatCellsOfJointsHideIsNoContact)
+{
+    constexpr std::size_t count = 150, samples = 4000;
+    std::mt19937 random(11);
+    const auto any = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+    std::vector<double> from, to;
+    for (std::size_t i = 0; i < count; ++i) {
+        const double length = i % 3 == 0 ? 4 : 0.6;
+        for (const double limit : {9.0, 6.0}) // turns more than once, and out of the limits
+            from.push_back(any(-limit, limit)), to.push_back(from.back() + any(-length, length));
+        from.push_back(any(-0.05, 0.35)), to.push_back(i % 5 == 0 ? from.back() : any(-0.05, 0.35));
+    }
+    std::vector<RobotEdgeFinding> found(count), again(count);
+    std::vector<RobotFinding> at(samples + 1);
+    const RobotEdgeCheck what{.pairs = {.environment = false}, .tolerance = 1e-4};
+    for (const double clearance : {0.0, 0.015}) {
+        World world({.clearance = clearance, .threads = 1});
+        Robot robot(world, arm_among_balls());
+        for (const bool holds : {false, true}) {
+            if (holds) // cells that are known without the object do not count
+                robot.attach(world, 3, world.add(Sphere{0.03}), Isometry3d(Translation3d(0.2, 0.1, 0)));
+            robot.check_edges(world, from, to, found, what);
+            std::size_t separate = 0, later = 0;
+            for (std::size_t i = 0; i < count; ++i) {
+                const auto a = std::span(from).subspan(3 * i, 3), b = std::span(to).subspan(3 * i, 3);
+                std::vector<double> numbers;
+                for (std::size_t k = 0; k <= samples; ++k) {
+                    const auto sample = between(a, b, static_cast<double>(k) / samples);
+                    numbers.insert(numbers.end(), sample.begin(), sample.end());
+                }
+                robot.check(world, numbers, at, what.pairs);
+                const auto first = std::ranges::find_if(at, [](auto& f) { return f.verdict != Verdict::separate; });
+                if (first == at.end()) {
+                    separate += found[i].verdict == Verdict::separate;
+                    continue;
+                }
+                const double share = static_cast<double>(first - at.begin()) / samples;
+                ASSERT_NE(found[i].verdict, Verdict::separate) << "edge " << i << " touches at " << share;
+                ASSERT_LE(found[i].clear_until, share) << "edge " << i;
+                later += share > 0;
+            }
+            EXPECT_GT(separate, count / 10);
+            EXPECT_GT(later, count / 10);
+            robot.check_edges(world, from, to, again, what); // all cells are known now
+            for (std::size_t i = 0; i < count; ++i) {
+                EXPECT_EQ(again[i].clear_until, found[i].clear_until) << i;
+                EXPECT_EQ(again[i].contact_by, found[i].contact_by) << i;
+            }
+        }
+    }
+}
+
+/// A speck at the end of an arm that turns around one axis passes another speck, far smaller than any window. Whatever
+/// rules out windows must keep the window of the contact.
+TEST_F(RobotEdges, ASpeckOnTheWayIsNeverLost)
+{
+    constexpr double arm = 0.6;
+    std::mt19937 random(5);
+    const auto any = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+    const auto speck = [](bool mesh) {
+        return mesh ? std::make_shared<const Geometry>(Geometry{"box", make_box_mesh(Vector3d::Constant(2e-5)), {}})
+                    : std::make_shared<const Geometry>(Geometry{"ball", Shape{Sphere{2e-5}}, {}});
+    };
+    for (int trial = 0; trial < 96; ++trial) {
+        const bool mesh = trial % 2, self = trial / 2 % 2, many = trial / 4 % 2;
+        const int beside = trial / 8 % 3; // 1: above the way, 2: outside, within the clearance
+        World world({.clearance = beside ? 0.0101 : 0.0, .threads = 1});
+        const double angle = any(-3, 3);
+        const double out = arm + (beside == 2 ? 0.01 : 0);
+        const Isometry3d there(Translation3d(out * std::cos(angle), out * std::sin(angle), beside == 1 ? 0.01 : 0));
+        RobotDescription made;
+        made.name = "arm", made.links = {{"base", {}}};
+        const std::uint32_t joints = many ? 4 : 1; // a grid over joints covers at most three
+        for (std::uint32_t i = 0; i < joints; ++i) {
+            RobotJoint joint;
+            joint.name = "turn " + std::to_string(i), joint.kind = JointKind::continuous;
+            joint.parent = i, joint.child = i + 1, joint.axis = Vector3d::UnitZ();
+            made.joints.push_back(joint), made.links.push_back({"link " + std::to_string(i), {}});
+        }
+        made.links.back().collision = {{speck(mesh), Isometry3d(Translation3d(arm, 0, 0))}};
+        if (self)
+            made.links[0].collision = {{speck(mesh), there}};
+        else
+            world.add_body({.model = world.add(speck(mesh)), .pose = there});
+        const Robot robot(world, made);
+        std::vector<double> from, to;
+        constexpr std::size_t count = 100;
+        for (std::size_t i = 0; i < count; ++i) {
+            const double longest = i % 2 ? 0.5 : 0.05;
+            double before = any(-longest, 0), after = any(0, longest);
+            if (i % 4 < 2) std::swap(before, after);
+            for (std::uint32_t j = 0; j < joints; ++j) { // the angles of all joints are added
+                from.push_back((angle + before) / joints), to.push_back((angle + after) / joints);
+            }
+        }
+        std::vector<RobotEdgeFinding> found(count);
+        robot.check_edges(world, from, to, found, {.tolerance = 1e-5});
+        for (std::size_t i = 0; i < count; ++i)
+            ASSERT_NE(found[i].verdict, Verdict::separate) << "trial " << trial << ", edge " << i;
+    }
+}
+
 TEST_F(RobotEdges, AWireBetweenSamplesIsFound)
 {
     World world;
@@ -194,7 +327,7 @@ TEST_F(RobotEdges, BoundsOfTravelHoldForAllKindsOfJoints)
     chain.joints[1].kind = JointKind::floating; // upper to lower
     std::mt19937 random(9);
     const auto any = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
-    double largest = 0, farthest = 0;
+    double largest = 0, farthest = 0, most_bent = 0;
     int helices = 0;
     for (int trial = 0; trial < 4000; ++trial) {
         const Kinematics tree(trial % 2 ? chain : arm);
@@ -227,6 +360,11 @@ TEST_F(RobotEdges, BoundsOfTravelHoldForAllKindsOfJoints)
                 const Vector3d x =
                     ball.centre + ball.radius * Vector3d(any(-1, 1), any(-1, 1), any(-1, 1)).normalized();
                 const double moved = (there * x - seen(middle) * x).norm(), left = (there * x - guess * x).norm();
+                const Vector3d chord = (1 - share) * (seen(begin) * x) + share * (seen(end) * x);
+                const double bent = (there * x - chord).norm();
+                ASSERT_LE(bent, bound.sagitta() * (1 + 1e-9) + 1e-13)
+                    << "trial " << trial << ", link " << link << " from " << from_link;
+                if (bound.bend > 0) most_bent = std::max(most_bent, bent / bound.sagitta());
                 ASSERT_LE(moved, bound.moved * (1 + 1e-9) + 1e-14)
                     << "trial " << trial << ", link " << link << " from " << from_link;
                 ASSERT_LE(left, off * (1 + 1e-9) + 1e-13)
@@ -238,6 +376,7 @@ TEST_F(RobotEdges, BoundsOfTravelHoldForAllKindsOfJoints)
     }
     EXPECT_GT(largest, 0.8); // the bounds are no gross ones
     EXPECT_GT(farthest, 0.3);
+    EXPECT_GT(most_bent, 0.7);
     EXPECT_GT(helices, 100);
 }
 

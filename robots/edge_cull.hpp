@@ -1,0 +1,47 @@
+#pragma once
+#include <unordered_map>
+#include <vector>
+
+#include <oncollide/pipeline/world/placed_tests.hpp>
+#include <oncollide/robots/edge_motion.hpp>
+
+namespace oncollide {
+
+/// Rules out pairs in whole windows of an edge, by solids around the parts. A point leaves the straight line between
+/// its places at both ends of a window by at most BallTravel::sagitta(), so a plane that is farther than that from both
+/// sides at both ends separates them in the whole window.
+class EdgeCull {
+public:
+    EdgeCull(const Robot::Impl& robot, const World& world, EdgeMotion& motion);
+
+    /// Forgets the directions of the last edge: findings must not depend on them.
+    void start();
+    /// False: the pair of an item is certainly apart in its window, in the middle of which motion.place() put the
+    /// links.
+    bool is_open(const EdgeItem& item, const EdgeWays& ways);
+    /// The same of a part and a box, with a bound on the way of the part.
+    bool is_open(std::uint32_t part, std::uint32_t box, double begin, double end, double bent);
+
+    /// Bodies that come into the boxes; sorted by boxes.
+    std::span<const AabbHit> around(std::span<const Aabb> boxes, const QueryFilter& filter)
+    {
+        return tests_.around(boxes, filter);
+    }
+    BodyId body_at(std::uint32_t slot) const { return tests_.body_at(slot); }
+    /// The number of a body's box.
+    std::uint32_t box_of(std::uint32_t slot);
+    const PlacedBox& box(std::uint32_t number) const { return boxes_[number].box; }
+    double rounding() const { return rounding_; } ///< of lengths, as a share: poses are not quite rigid
+
+private:
+    const Robot::Impl& robot_;
+    const double clearance_;
+    const double rounding_;
+    EdgeMotion& motion_;
+    WorldAccess::PlacedTests tests_;
+    std::vector<PlacedBody> boxes_;
+    std::unordered_map<std::uint32_t, std::uint32_t> numbers_; ///< in boxes_, by slot
+    std::vector<Eigen::Vector3d> across_; ///< by pair of parts: the direction that was found last, seen from the link
+};
+
+} // namespace oncollide
