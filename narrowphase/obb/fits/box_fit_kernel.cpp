@@ -178,7 +178,6 @@ inline void join_lanes(F64& first, F64& second, auto join)
 constexpr auto least_of = [](F64 u, F64 v) { return min(u, v); };
 constexpr auto most_of = [](F64 u, F64 v) { return max(u, v); };
 constexpr auto sum_of = [](F64 u, F64 v) { return u + v; };
-
 inline void join_lanes(Extent (&halves)[2])
 {
     for (int i = 0; i < 3; ++i) {
@@ -327,9 +326,8 @@ inline void spread_of_rows(const Rows (&halves)[2], const Extent (&straight)[2],
             for (int i = 0; i < 6; ++i) of.of[i] = single ? alone.of[i] : of.of[i];
         }
         const F64 trace = of.of[0] + of.of[1] + of.of[2], by = 1 / (trace > F64{} ? trace : splat64(1));
-        for (int i = 0; i < 6; ++i)
-            for (int lane = 0; lane < 4; ++lane)
-                spread[i][4 * half + lane] = static_cast<float>(of.of[i][lane] * by[lane]);
+        for (int k = 0; k < 24; ++k)
+            spread[k / 4][4 * half + k % 4] = static_cast<float>(of.of[k / 4][k % 4] * by[k % 4]);
     }
 }
 
@@ -338,14 +336,10 @@ void fit(const EightTriangles* rows, const std::uint32_t (&counts)[8], const Sto
 {
     std::uint32_t number = 0;
     for (const std::uint32_t count : counts) number = count > number ? count : number;
-    Rows boxes[2];
-    Extent straight[2], along[2];
-    for (int half = 0; half < 2; ++half) {
-        Rows& four = boxes[half];
-        four.rows = rows, four.number = number, four.first = 4 * half;
-        for (int lane = 0; lane < 4; ++lane) four.counts[lane] = counts[4 * half + lane];
-        straight[half] = extent(four, [](const Vec& p) { return p; });
-    }
+    Rows boxes[2] = {{rows, number, 0, {}}, {rows, number, 4, {}}};
+    for (int k = 0; k < 8; ++k) boxes[k / 4].counts[k % 4] = counts[k];
+    const auto itself = [](const Vec& p) { return p; };
+    Extent straight[2] = {extent(boxes[0], itself), extent(boxes[1], itself)}, along[2];
     if constexpr (one_box) join_lanes(straight);
     float spread[6][8];
     spread_of_rows<one_box>(boxes, straight, spread);
