@@ -1,6 +1,7 @@
 #include <oncollide/narrowphase/exact/plane_sides.hpp>
 
 #include <algorithm>
+#include <span>
 
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 
@@ -64,6 +65,51 @@ bool PlaneSides::part_all(std::uint64_t& looked)
             side = s ? s : side;
         }
     return true;
+}
+
+void PartingPlanes::start(const Mesh& a, const Mesh& b, const RelativePose& b_to_a)
+{
+    a_ = &a, b_ = &b, b_to_a_ = &b_to_a;
+    added_ = 0, looked_ = 0, most_ = 8 * (a.vertices.size() + b.vertices.size()), part_all_ = false;
+    tried_a_.clear(), tried_b_.clear();
+}
+
+bool PartingPlanes::part(std::uint32_t of_a, std::uint32_t of_b)
+{
+    return std::ranges::any_of(std::span(planes_).first(std::min(added_, planes_.size())),
+                               [&](PlaneSides& plane) { return plane.part(a_->triangles[of_a], b_->triangles[of_b]); });
+}
+
+void PartingPlanes::add_new(std::uint32_t of_a, std::uint32_t of_b)
+{
+    if (looked_ >= most_) return;
+    tried_a_.resize(a_->triangles.size()), tried_b_.resize(b_->triangles.size());
+    const bool new_a = !tried_a_[of_a], new_b = !tried_b_[of_b];
+    tried_a_[of_a] = tried_b_[of_b] = true;
+    add(of_a, of_b, new_a, new_b);
+}
+
+void PartingPlanes::add(std::uint32_t of_a, std::uint32_t of_b, bool try_a, bool try_b)
+{
+    const auto corners = [](const Mesh& mesh, std::uint32_t triangle) -> TrianglePoints {
+        const Triangle& t = mesh.triangles[triangle];
+        return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+    };
+    if (try_a) try_plane(corners(*a_, of_a), of_a, of_b);
+    if (!try_b || part_all_) return;
+    TrianglePoints face = corners(*b_, of_b);
+    for (Eigen::Vector3d& p : face) p = (*b_to_a_)(p);
+    try_plane(face, of_a, of_b);
+}
+
+void PartingPlanes::try_plane(const TrianglePoints& face, std::uint32_t of_a, std::uint32_t of_b)
+{
+    if (collinear(face[0], face[1], face[2])) return;
+    PlaneSides& plane = planes_[added_ % planes_.size()];
+    plane.start(face, *a_, *b_, *b_to_a_);
+    if (!plane.part(a_->triangles[of_a], b_->triangles[of_b])) return;
+    ++added_;
+    part_all_ = looked_ < most_ && plane.part_all(looked_);
 }
 
 } // namespace oncollide

@@ -15,7 +15,7 @@ namespace {
 
 /// Boxes of at most this many triangles are fitted. Boxes of more triangles use the mesh's axes: fitting costs ten
 /// times as much as computing bounds, and would delay the first result of a large mesh.
-constexpr std::size_t most_fitted = BoxTriangles::most;
+constexpr std::size_t most_fitted = BoxFit::most;
 /// Each thread keeps working memory for at most this many triangles between nodes.
 constexpr std::size_t most_kept = 4096;
 
@@ -36,7 +36,7 @@ unsigned parts_of(std::uint32_t count, unsigned most)
 
 struct ObbTree::Growing {
     TriangleParts parts; ///< triangles of the box that is split
-    BoxTriangles fitted;
+    BoxFit fit;
 };
 
 ObbTree::Growing& ObbTree::growing()
@@ -276,10 +276,10 @@ void ObbTree::fit_lanes(Growing& g, BoxNode& node)
     std::array<std::uint32_t, most_lanes> counts{};
     for (unsigned k = 0; k < node.lanes; ++k)
         if (size(k) <= most_fitted) counts[k] = static_cast<std::uint32_t>(size(k));
-    g.fitted.assign(counts, [&](unsigned k, std::uint32_t i) -> const TrianglePoints& {
+    const auto corners = [&](unsigned k, std::uint32_t i) -> const TrianglePoints& {
         return g.parts.corners(g.parts.end(k) - counts[k] + i);
-    });
-    fit_boxes(node, g.fitted);
+    };
+    set_boxes(node, g.fit.fit(counts, frame_of(node), corners));
     for (unsigned k = 0; k < node.lanes; ++k) {
         if (counts[k] > 0) continue;
         Aabb box;

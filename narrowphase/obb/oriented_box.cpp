@@ -81,9 +81,13 @@ TriangleRow row_of(std::span<const TrianglePoints> triangles, const Vector3d& fr
     return row;
 }
 
-void fit_boxes(BoxNode& node, const BoxTriangles& triangles)
+StoredFrame frame_of(const BoxNode& node)
 {
-    const StoredBoxes boxes = triangles.fit({{node.origin[0], node.origin[1], node.origin[2]}, node.unit});
+    return {{node.origin[0], node.origin[1], node.origin[2]}, node.unit};
+}
+
+void set_boxes(BoxNode& node, const StoredBoxes& boxes)
+{
     const auto store = [](auto(&to)[8], const auto(&from)[8]) { std::ranges::copy(from, to); };
     store(node.x, boxes.place[0]), store(node.y, boxes.place[1]), store(node.z, boxes.place[2]);
     store(node.qw, boxes.turn[0]), store(node.qx, boxes.turn[1]), store(node.qy, boxes.turn[2]);

@@ -3,7 +3,8 @@
 
 #include <oncollide/base/aabb.hpp>
 #include <oncollide/base/simd/cpu_features.hpp>
-#include <oncollide/narrowphase/obb/fits/box_fit.hpp>
+#include <oncollide/narrowphase/exact/triangle_test.hpp>
+#include <oncollide/narrowphase/obb/fits/box_fit_kernel.hpp>
 #include <oncollide/narrowphase/obb/oriented_box_kernel.hpp>
 
 namespace oncollide {
@@ -29,8 +30,10 @@ bool holds(const BoxNode& node, unsigned k, const Eigen::Vector3d& point);
 /// @param from  origin of the packed coordinates
 TriangleRow row_of(std::span<const TrianglePoints> triangles, const Eigen::Vector3d& from);
 
-/// Fits the node's boxes around their triangles. Requires that its frame and its lanes are set.
-void fit_boxes(BoxNode& node, const BoxTriangles& triangles);
+/// The node's frame, for fits.
+StoredFrame frame_of(const BoxNode& node);
+/// Sets the node's boxes.
+void set_boxes(BoxNode& node, const StoredBoxes& boxes);
 /// Stores a box along the frame's axes as box k.
 void set_box(BoxNode& node, unsigned k, const Aabb& box);
 

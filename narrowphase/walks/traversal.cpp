@@ -1,7 +1,6 @@
 #include <oncollide/narrowphase/walks/traversal.hpp>
 
 #include <algorithm>
-#include <span>
 
 #include <oncollide/narrowphase/exact/common_corner.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
@@ -67,43 +66,26 @@ TraversalOf<A, B>::contact(A& a, B& b, const RelativePose& b_to_a, std::optional
         return contact;
     } else {
         // Two fans of n triangles that touch in one plane or in a point give n^2 pairs: one plane decides all of them.
-        std::size_t planes = 0;
-        std::uint64_t looked = 0;
-        const std::uint64_t most_looks = 8 * (a.mesh().vertices.size() + b.mesh().vertices.size());
-        const auto parted = [&](TrianglePair pair) {
-            return std::ranges::any_of(
-                std::span(planes_).first(std::min(planes, planes_.size())),
-                [&](PlaneSides& plane) { return plane.part(a.mesh().triangles[pair.a], b.mesh().triangles[pair.b]); });
-        };
-        const auto add_plane = [&](TrianglePair pair) {
-            for (const TrianglePoints& face : {triangles.points_a(pair.a), triangles.points_b(pair.b)}) {
-                if (collinear(face[0], face[1], face[2])) continue;
-                PlaneSides& plane = planes_[planes % planes_.size()];
-                plane.start(face, a.mesh(), b.mesh(), b_to_a);
-                if (!plane.part(a.mesh().triangles[pair.a], b.mesh().triangles[pair.b])) continue;
-                ++planes;
-                contact.parted = looked < most_looks && plane.part_all(looked);
-                return;
-            }
-        };
+        planes_.start(a.mesh(), b.mesh(), b_to_a);
         int tried = 0;
         constexpr int most_tried = 4;
         const auto found = [&](TrianglePair pair) {
-            if (take(pair) == TriangleContact::touching && !parted(pair)) {
-                add_plane(pair);
-                if (!contact.parted && tried++ < most_tried && overlap(pair)) contact.kind = TriangleContact::crossing;
+            if (take(pair) == TriangleContact::touching && !planes_.part(pair.a, pair.b)) {
+                planes_.add(pair.a, pair.b);
+                if (!planes_.part_all() && tried++ < most_tried && overlap(pair))
+                    contact.kind = TriangleContact::crossing;
             }
-            return contact.kind != TriangleContact::crossing && !contact.parted;
+            return contact.kind != TriangleContact::crossing && !planes_.part_all();
         };
-        int corners = 0; // pairs whose common corner may be in a plane between the meshes
-        constexpr int most_corners = 256;
         const auto touch_at_most = [&](TrianglePair pair) {
-            if (parted(pair)) return true;
+            if (planes_.part_all()) return false; // the test of this pair ends the traversal
+            if (planes_.part(pair.a, pair.b)) return true;
             if (!corners_touch_at_most(pair)) return false;
-            if (corners++ < most_corners) add_plane(pair);
-            return !contact.parted; // otherwise the test of the pair ends the traversal
+            planes_.add_new(pair.a, pair.b);
+            return !planes_.part_all();
         };
         contact.bound = walk_.meetings(a, b, b_to_a, hint, found, touch_at_most, place);
+        contact.parted = planes_.part_all();
         return contact;
     }
 }

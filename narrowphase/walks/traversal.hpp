@@ -1,5 +1,4 @@
 #pragma once
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -102,7 +101,7 @@ private:
 
     using Tests = TriangleTestsOf<A, B>;
     TriangleWalk<A, B> walk_;
-    std::array<PlaneSides, 4> planes_; ///< planes of triangles that touch, with the meshes on their two sides
+    PartingPlanes planes_;
 };
 using Traversal = TraversalOf<ObbTree, ObbTree>;
 

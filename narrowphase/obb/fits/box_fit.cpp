@@ -7,8 +7,6 @@
 
 #include <Eigen/Geometry>
 
-#include <oncollide/base/memory/large_vector.hpp>
-
 namespace oncollide {
 
 namespace {
@@ -36,19 +34,27 @@ void sort_corners(TrianglePoints& t)
 
 } // namespace
 
-void BoxTriangles::start(const std::array<std::uint32_t, 8>& counts)
+void BoxFit::start(std::uint32_t rows)
 {
-    std::ranges::copy(counts, counts_);
-    number_ = std::ranges::max(counts);
-    if (room_ >= number_) return;
-    rows_ = std::make_unique_for_overwrite<EightTriangles[]>(room_ = number_);
-    advise_huge_pages_in(rows_.get(), room_ * sizeof(EightTriangles));
+    number_ = rows;
+    if (room_ < rows) rows_ = std::make_unique_for_overwrite<EightTriangles[]>(room_ = rows);
 }
 
-void BoxTriangles::put_alone(unsigned k, TrianglePoints triangle)
+void BoxFit::put_alone(unsigned k, TrianglePoints triangle)
 {
     sort_corners(triangle);
     for (std::uint32_t row = 0; row < number_; ++row) put(k, row, triangle);
+}
+
+void BoxFit::fit_one(unsigned k, std::uint32_t count, const StoredFrame& frame, StoredBoxes& boxes) const
+{
+    std::uint32_t counts[8];
+    for (std::uint32_t lane = 0; lane < 8; ++lane) counts[lane] = (count + 7 - lane) / 8;
+    StoredBoxes alike;
+    box_fit_kernel().fit_one(rows_.get(), counts, frame, alike);
+    for (int axis = 0; axis < 3; ++axis)
+        boxes.place[axis][k] = alike.place[axis][0], boxes.half[axis][k] = alike.half[axis][0];
+    for (int part = 0; part < 4; ++part) boxes.turn[part][k] = alike.turn[part][0];
 }
 
 Matrix3d axes_of_triangle(TrianglePoints t)

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -18,31 +19,43 @@ inline const BoxFitKernel& box_fit_kernel()
     return kernel;
 }
 
-/// The triangles of up to eight boxes that are fitted together. Working memory.
-class BoxTriangles {
+/// Fits up to eight boxes, each around triangles of its own. Working memory.
+class BoxFit {
 public:
-    static constexpr std::size_t most = 1 << 14; ///< triangles of a box
+    static constexpr std::uint32_t most = 1 << 14; ///< triangles of a box
+    /// Boxes of more triangles are fitted one by one: in a cache, and without the rows that a smaller box leaves empty.
+    static constexpr std::uint32_t most_together = 256;
 
     /// @param counts   triangles of each box; 0: no box
     /// @param corners  corners(k, i) returns the corners of triangle i of box k
-    void assign(const std::array<std::uint32_t, 8>& counts, auto corners)
+    StoredBoxes fit(const std::array<std::uint32_t, 8>& counts, const StoredFrame& frame, auto corners)
     {
-        start(counts);
+        std::uint32_t together[8];
+        for (unsigned k = 0; k < 8; ++k) together[k] = counts[k] <= most_together ? counts[k] : 0;
+        pack(together, corners);
+        StoredBoxes boxes;
+        box_fit_kernel().fit(rows_.get(), together, frame, boxes);
+        for (unsigned k = 0; k < 8; ++k)
+            if (counts[k] > most_together) {
+                start((counts[k] + 7) / 8);
+                for (std::uint32_t i = 0; i < 8 * number_; ++i) put(i % 8, i / 8, corners(k, i < counts[k] ? i : 0));
+                fit_one(k, counts[k], frame, boxes);
+            }
+        return boxes;
+    }
+
+private:
+    void pack(const std::uint32_t (&counts)[8], auto corners)
+    {
+        start(*std::ranges::max_element(counts));
         for (std::uint32_t row = 0; row < number_; ++row)
             for (unsigned k = 0; k < 8; ++k)
                 if (counts[k] > 1) put(k, row, corners(k, row < counts[k] ? row : 0));
         for (unsigned k = 0; k < 8; ++k)
             if (counts[k] == 1) put_alone(k, corners(k, 0u));
     }
-    StoredBoxes fit(const StoredFrame& frame) const
-    {
-        StoredBoxes boxes;
-        box_fit_kernel().fit(rows_.get(), counts_, frame, boxes);
-        return boxes;
-    }
-
-private:
-    void start(const std::array<std::uint32_t, 8>& counts);
+    void start(std::uint32_t rows);
+    void fit_one(unsigned k, std::uint32_t count, const StoredFrame& frame, StoredBoxes& boxes) const;
     void put_alone(unsigned k, TrianglePoints triangle);
     void put(unsigned k, std::uint32_t row, const TrianglePoints& triangle)
     {
@@ -51,8 +64,7 @@ private:
     }
 
     std::unique_ptr<EightTriangles[]> rows_; ///< not initialised, which would take longer than to fill them
-    std::uint32_t counts_[8];
-    std::uint32_t number_ = 0, room_ = 0; ///< rows in use, and made
+    std::uint32_t number_ = 0, room_ = 0;    ///< rows in use, and made
 };
 
 /// Axes of the box around one triangle, the columns of a rotation: along its longest side or, with a right angle, a

@@ -6,7 +6,7 @@
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {
 
-// A lane is a box: four boxes at a time in double, all eight in float.
+// A lane is a box, or an eighth of the triangles of one large box: four lanes at a time in double, all eight in float.
 using F64 = F64x4;
 using I64 = I64x4;
 
@@ -48,12 +48,12 @@ inline F64 whole(F64 v)
     return (v + shift) - shift;
 }
 
-/// The rows of four of the boxes.
+/// Four lanes of the rows.
 struct Rows {
     const EightTriangles* rows;
     std::uint32_t number;
-    int first;  ///< box
-    I64 counts; ///< of triangles, by box
+    int first;  ///< lane
+    I64 counts; ///< of triangles, by lane
 
     Vec corner(std::uint32_t row, int c) const
     {
@@ -113,14 +113,25 @@ struct OnGrid {
     }
 };
 
-/// Second moments of the surfaces; of a surface without area, of its corners. All sums are of integers and below 2^53,
-/// so they are exact: the result does not depend on the order of triangles and corners, even if the surface spreads
-/// equally in all directions.
-inline Spread spread_of_surface(const Rows& boxes, const Extent& extent, F64 scale)
+/// The largest area2() of a triangle. Rows that repeat a triangle change nothing.
+inline F64 largest_area2(const Rows& boxes, const Extent& extent, F64 scale)
 {
     F64 largest{};
     for (std::uint32_t row = 0; row < boxes.number; ++row)
-        largest = max(largest, OnGrid(boxes, row, extent, scale).area2()); // rows that repeat a triangle change nothing
+        largest = max(largest, OnGrid(boxes, row, extent, scale).area2());
+    return largest;
+}
+
+/// Weighted sums over triangles: six squares, three coordinates, and the weights. They are of integers and below 2^53,
+/// so they are exact: the result does not depend on the order of triangles and corners, even if the surface spreads
+/// equally in all directions.
+struct Sums {
+    F64 of[10];
+};
+
+/// Weights are areas; of a surface without area, all are 1.
+inline Sums sums_of_surface(const Rows& boxes, const Extent& extent, F64 scale, F64 largest)
+{
     // A square is below 12 * 2^26, and its weight at most 256. There are at most 2^14, so their sum is below 2^52.
     constexpr double heaviest = 256;
     const I64 flat = largest == F64{};
@@ -142,13 +153,37 @@ inline Spread spread_of_surface(const Rows& boxes, const Extent& extent, F64 sca
         squares[4] += weight * square(&Vec::x, &Vec::z), squares[5] += weight * square(&Vec::y, &Vec::z);
         sum = sum + s * weight, weights += weight;
     }
-    weights = max(weights, splat64(1));
-    const Vec mean{sum.x / (3 * weights), sum.y / (3 * weights), sum.z / (3 * weights)};
+    return {{squares[0], squares[1], squares[2], squares[3], squares[4], squares[5], sum.x, sum.y, sum.z, weights}};
+}
+
+/// Second moments of the surface; of a surface without area, of its corners.
+inline Spread spread_of(const Sums& sums)
+{
+    const F64 weights = max(sums.of[9], splat64(1));
+    const Vec mean{sums.of[6] / (3 * weights), sums.of[7] / (3 * weights), sums.of[8] / (3 * weights)};
     const F64 products[6] = {mean.x * mean.x, mean.y * mean.y, mean.z * mean.z,
                              mean.x * mean.y, mean.x * mean.z, mean.y * mean.z};
     Spread spread;
-    for (int i = 0; i < 6; ++i) spread.of[i] = squares[i] / (12 * weights) - products[i];
+    for (int i = 0; i < 6; ++i) spread.of[i] = sums.of[i] / (12 * weights) - products[i];
     return spread;
+}
+
+/// Joins the lanes of both halves: all become `join` of the eight.
+inline void join_lanes(F64& first, F64& second, auto join)
+{
+    F64 all = join(first, second);
+    all = join(all, F64{all[2], all[3], all[0], all[1]});
+    first = second = join(all, F64{all[1], all[0], all[3], all[2]});
+}
+constexpr auto least_of = [](F64 u, F64 v) { return min(u, v); };
+constexpr auto most_of = [](F64 u, F64 v) { return max(u, v); };
+constexpr auto sum_of = [](F64 u, F64 v) { return u + v; };
+inline void join_lanes(Extent (&halves)[2])
+{
+    for (int i = 0; i < 3; ++i) {
+        join_lanes(halves[0].low[i], halves[1].low[i], least_of);
+        join_lanes(halves[0].high[i], halves[1].high[i], most_of);
+    }
 }
 
 /// A matrix with the axes of one triangle: its normal, and its longest side or, with a right angle, a leg.
@@ -265,55 +300,75 @@ inline void put(const Extent& along, const Vec (&axes)[3], const StoredFrame& fr
     }
 }
 
+/// The spread of each lane's surface, or of all lanes' together, divided by its trace.
+template <bool one_box>
+inline void spread_of_rows(const Rows (&halves)[2], const Extent (&straight)[2], float (&spread)[6][8])
+{
+    F64 scale[2], largest[2];
+    Sums sums[2];
+    for (int half = 0; half < 2; ++half) {
+        const Extent& all = straight[half];
+        const F64 size = max(all.half(0), max(all.half(1), all.half(2)));
+        const I64 tiny = size < splat64(1e-290);
+        scale[half] = tiny ? F64{} : 0x1p13 / (tiny ? splat64(1) : size);
+        largest[half] = largest_area2(halves[half], all, scale[half]);
+    }
+    if constexpr (one_box) join_lanes(largest[0], largest[1], most_of);
+    for (int half = 0; half < 2; ++half)
+        sums[half] = sums_of_surface(halves[half], straight[half], scale[half], largest[half]);
+    if constexpr (one_box)
+        for (int i = 0; i < 10; ++i) join_lanes(sums[0].of[i], sums[1].of[i], sum_of);
+    for (int half = 0; half < 2; ++half) {
+        Spread of = spread_of(sums[half]);
+        const I64 single = halves[half].counts == 1;
+        if (!one_box && (single[0] | single[1] | single[2] | single[3])) {
+            const Spread alone = spread_of_triangle(halves[half], scale[half]);
+            for (int i = 0; i < 6; ++i) of.of[i] = single ? alone.of[i] : of.of[i];
+        }
+        const F64 trace = of.of[0] + of.of[1] + of.of[2], by = 1 / (trace > F64{} ? trace : splat64(1));
+        for (int k = 0; k < 24; ++k)
+            spread[k / 4][4 * half + k % 4] = static_cast<float>(of.of[k / 4][k % 4] * by[k % 4]);
+    }
+}
+
+template <bool one_box>
 void fit(const EightTriangles* rows, const std::uint32_t (&counts)[8], const StoredFrame& frame, StoredBoxes& out)
 {
     std::uint32_t number = 0;
     for (const std::uint32_t count : counts) number = count > number ? count : number;
-    Rows boxes[2];
-    Extent straight[2];
+    Rows boxes[2] = {{rows, number, 0, {}}, {rows, number, 4, {}}};
+    for (int k = 0; k < 8; ++k) boxes[k / 4].counts[k % 4] = counts[k];
+    const auto itself = [](const Vec& p) { return p; };
+    Extent straight[2] = {extent(boxes[0], itself), extent(boxes[1], itself)}, along[2];
+    if constexpr (one_box) join_lanes(straight);
     float spread[6][8];
-    for (int half = 0; half < 2; ++half) {
-        Rows& four = boxes[half];
-        four.rows = rows, four.number = number, four.first = 4 * half;
-        for (int lane = 0; lane < 4; ++lane) four.counts[lane] = counts[4 * half + lane];
-        const Extent all = straight[half] = extent(four, [](const Vec& p) { return p; });
-        const F64 size = max(all.half(0), max(all.half(1), all.half(2)));
-        const I64 tiny = size < splat64(1e-290);
-        const F64 scale = tiny ? F64{} : 0x1p13 / (tiny ? splat64(1) : size);
-        Spread of = spread_of_surface(four, all, scale);
-        const I64 single = four.counts == 1;
-        if (single[0] | single[1] | single[2] | single[3]) {
-            const Spread alone = spread_of_triangle(four, scale);
-            for (int i = 0; i < 6; ++i) of.of[i] = single ? alone.of[i] : of.of[i];
-        }
-        const F64 trace = of.of[0] + of.of[1] + of.of[2], by = 1 / (trace > F64{} ? trace : splat64(1));
-        for (int i = 0; i < 6; ++i)
-            for (int lane = 0; lane < 4; ++lane)
-                spread[i][4 * half + lane] = static_cast<float>(of.of[i][lane] * by[lane]);
-    }
+    spread_of_rows<one_box>(boxes, straight, spread);
     Turns turn = principal_turns(spread);
     float fitted_axes[3][3][8];
     read_axes(turn, fitted_axes);
+    Vec axes[2][3];
+    for (int half = 0; half < 2; ++half) {
+        for (int axis = 0; axis < 3; ++axis)
+            axes[half][axis] = {widened(fitted_axes[axis][0], 4 * half), widened(fitted_axes[axis][1], 4 * half),
+                                widened(fitted_axes[axis][2], 4 * half)};
+        along[half] = extent(boxes[half], [&](const Vec& p) {
+            return Vec{dot(axes[half][0], p), dot(axes[half][1], p), dot(axes[half][2], p)};
+        });
+    }
+    if constexpr (one_box) join_lanes(along);
     alignas(32) std::int32_t turned[8];
     for (int half = 0; half < 2; ++half) {
-        Vec axes[3];
-        for (int axis = 0; axis < 3; ++axis)
-            axes[axis] = {widened(fitted_axes[axis][0], 4 * half), widened(fitted_axes[axis][1], 4 * half),
-                          widened(fitted_axes[axis][2], 4 * half)};
-        Extent along = extent(boxes[half], [&](const Vec& p) {
-            return Vec{dot(axes[0], p), dot(axes[1], p), dot(axes[2], p)};
-        });
         // These fit better where geometry is built along the axes; but a thicker box bounds a curved surface worse.
-        const Extent& all = straight[half];
-        const I64 along_frame = (all.area() < 0.95 * along.area()) & (all.least() <= 1.25 * along.least());
+        const Extent &all = straight[half], &fitted = along[half];
+        const I64 along_frame = (all.area() < 0.95 * fitted.area()) & (all.least() <= 1.25 * fitted.least());
         for (int i = 0; i < 3; ++i) {
-            along.low[i] = along_frame ? all.low[i] : along.low[i];
-            along.high[i] = along_frame ? all.high[i] : along.high[i];
-            axes[i] = choose(along_frame, {splat64(i == 0), splat64(i == 1), splat64(i == 2)}, axes[i]);
+            along[half].low[i] = along_frame ? all.low[i] : along[half].low[i];
+            along[half].high[i] = along_frame ? all.high[i] : along[half].high[i];
+            axes[half][i] = choose(along_frame, {splat64(i == 0), splat64(i == 1), splat64(i == 2)}, axes[half][i]);
         }
         for (int lane = 0; lane < 4; ++lane)
             turned[4 * half + lane] = boxes[half].counts[lane] == 0 ? 0 : along_frame[lane] ? 1 : -1;
-        put(along, axes, frame, boxes[half], out);
+        put(along[half], axes[half], frame, boxes[half], out);
     }
     for (int part = 0; part < 4; ++part) {
         float steps[8];
@@ -339,7 +394,7 @@ void count_less(const float* numbers, std::size_t size, std::int32_t* less)
 
 BoxFitKernel box_fit_kernel()
 {
-    return {fit, count_less};
+    return {fit<false>, fit<true>, count_less};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

@@ -5,7 +5,7 @@
 
 namespace oncollide {
 
-/// One triangle of each of eight boxes, indexed by corner, axis and box.
+/// One triangle of each of eight boxes, or eight of one box, indexed by corner, axis and lane.
 struct alignas(32) EightTriangles {
     double corners[3][3][8];
 };
@@ -31,6 +31,10 @@ struct BoxFitKernel {
     /// @param counts  at most 2^14; 0: no box, and everything stored is 0
     void (*fit)(const EightTriangles* rows, const std::uint32_t (&counts)[8], const StoredFrame& frame,
                 StoredBoxes& out);
+    /// The same for one box of at least eight triangles: triangle i is in lane i % 8 of row i / 8. All eight boxes that
+    /// it stores are that box.
+    void (*fit_one)(const EightTriangles* rows, const std::uint32_t (&counts)[8], const StoredFrame& frame,
+                    StoredBoxes& out);
     /// For each number, counts the numbers that are less. Both arrays must be accessible up to a multiple of 8
     /// elements.
     void (*count_less)(const float* numbers, std::size_t size, std::int32_t* less);

@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include <oncollide/base/numbers/random.hpp>
+#include <oncollide/narrowphase/obb/fits/box_fit.hpp>
 #include <oncollide/narrowphase/obb/oriented_box.hpp>
 
 namespace oncollide {
@@ -55,18 +56,10 @@ std::vector<EightBoxes> cases()
         boxes[4] = {{p, q, p + 1e-9 * random_point(i, 202)}, {p, p, p}};
         boxes[5] = {{p, q, 0.5 * (p + q)}};
         if (i % 2 == 0) boxes[6] = {{p, p, p}};
+        if (i % 10 == 0) boxes[7] = patch(i + 200, 13, 0.01); // fitted alone
         all.push_back(boxes);
     }
     return all;
-}
-
-BoxTriangles packed(const EightBoxes& boxes)
-{
-    std::array<std::uint32_t, 8> counts;
-    std::ranges::transform(boxes, counts.begin(), [](const Triangles& t) { return std::uint32_t(t.size()); });
-    BoxTriangles out;
-    out.assign(counts, [&](unsigned k, std::uint32_t i) { return boxes[k][i]; });
-    return out;
 }
 
 BoxNode fitted(const EightBoxes& boxes, double radius = 1)
@@ -74,7 +67,10 @@ BoxNode fitted(const EightBoxes& boxes, double radius = 1)
     BoxNode node{};
     set_frame(node, Vector3d(0.1, 0.2, -0.1), 2 * radius);
     node.lanes = 8;
-    fit_boxes(node, packed(boxes));
+    std::array<std::uint32_t, 8> counts;
+    std::ranges::transform(boxes, counts.begin(), [](const Triangles& t) { return std::uint32_t(t.size()); });
+    BoxFit fit;
+    set_boxes(node, fit.fit(counts, frame_of(node), [&](unsigned k, std::uint32_t i) { return boxes[k][i]; }));
     return node;
 }
 
@@ -136,6 +132,42 @@ TEST(FittedBoxes, DoNotDependOnTheOrderOfTrianglesAndCorners)
     }
 }
 
+EightTriangles random_row(std::uint64_t seed)
+{
+    EightTriangles row;
+    for (std::uint64_t k = 0; k < 8; ++k)
+        for (std::uint64_t c = 0; c < 3; ++c)
+            for (std::uint64_t axis = 0; axis < 3; ++axis) row.corners[c][axis][k] = u01(seed, k, 3 * c + axis);
+    return row;
+}
+
+TEST(FittedBoxes, AreTheSameOverOneLaneAndOverEight)
+{
+    constexpr StoredFrame frame{{0.1f, 0, 0.2f}, 1e-4f};
+    for (std::uint32_t count = 8; count < 300; count += count < 40 ? 1 : 37) {
+        std::vector<EightTriangles> eight((count + 7) / 8), one(count);
+        std::uint32_t of_eight[8] = {}, of_one[8] = {};
+        for (std::uint32_t i = 0; i < 8 * eight.size(); ++i) {
+            const EightTriangles from = random_row(i < count ? i : 0);
+            for (int c = 0; c < 3; ++c)
+                for (int axis = 0; axis < 3; ++axis) {
+                    const double at = axis == 2 && count % 3 == 0 ? 0 : from.corners[c][axis][0] * (axis + 1);
+                    eight[i / 8].corners[c][axis][i % 8] = at;
+                    for (int k = 0; k < 8 && i < count; ++k) one[i].corners[c][axis][k] = at;
+                }
+            if (i < count) ++of_eight[i % 8], ++of_one[5];
+        }
+        StoredBoxes alone, together;
+        box_fit_kernel().fit_one(eight.data(), of_eight, frame, alone);
+        box_fit_kernel().fit(one.data(), of_one, frame, together);
+        for (int k = 0; k < 8; ++k) {
+            for (int i = 0; i < 3; ++i) ASSERT_EQ(alone.place[i][k], together.place[i][5]) << count;
+            for (int i = 0; i < 3; ++i) ASSERT_EQ(alone.half[i][k], together.half[i][5]) << count;
+            for (int i = 0; i < 4; ++i) ASSERT_EQ(alone.turn[i][k], together.turn[i][5]) << count;
+        }
+    }
+}
+
 TEST(FittedBoxes, AreAlikeOnEveryInstructionSet)
 {
     if (instruction_set() < InstructionSet::avx2) GTEST_SKIP() << "only one instruction set";
@@ -153,6 +185,10 @@ TEST(FittedBoxes, AreAlikeOnEveryInstructionSet)
         StoredBoxes expected, found;
         baseline::box_fit_kernel().fit(rows.data(), counts, frame, expected);
         avx2::box_fit_kernel().fit(rows.data(), counts, frame, found);
+        ASSERT_EQ(std::memcmp(&expected, &found, sizeof found), 0) << "case " << i;
+        std::ranges::fill(counts, static_cast<std::uint32_t>(rows.size()));
+        baseline::box_fit_kernel().fit_one(rows.data(), counts, frame, expected);
+        avx2::box_fit_kernel().fit_one(rows.data(), counts, frame, found);
         ASSERT_EQ(std::memcmp(&expected, &found, sizeof found), 0) << "case " << i;
     }
 }
