@@ -7,11 +7,14 @@
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {
 
-/// @param line  null unless `far`
-template <bool far>
+enum class Kind { near, likely, far };
+
+/// @param line  null unless far
+template <Kind kind>
 inline unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxLine* line, float cutoff,
                         float (&gaps)[8], float (&nearest)[8])
 {
+    constexpr bool far = kind == Kind::far;
     const Vec d{load(boxes.c[0]) - other.c[0][k], load(boxes.c[1]) - other.c[1][k], load(boxes.c[2]) - other.c[2][k]};
     const F32x8 h[3] = {load(boxes.h[0]), load(boxes.h[1]), load(boxes.h[2])};
     const float oh[3] = {other.h[0][k], other.h[1][k], other.h[2][k]};
@@ -69,7 +72,7 @@ inline unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned
     gap = gap - margin;
     const I32x8 near = gap <= splat(cutoff);
     const F32x8 before = load(nearest);
-    store(gaps, gap);
+    store(gaps, kind == Kind::likely ? gap + 2 * sqrt(dot(d, d)) : gap);
     store(nearest, near ? before : min(before, gap));
     return bits(near);
 }
@@ -77,13 +80,19 @@ inline unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned
 unsigned compare_near(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float cutoff, float (&gaps)[8],
                       float (&nearest)[8])
 {
-    return compare<false>(boxes, other, k, nullptr, cutoff, gaps, nearest);
+    return compare<Kind::near>(boxes, other, k, nullptr, cutoff, gaps, nearest);
+}
+
+unsigned compare_likely(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float cutoff, float (&order)[8],
+                        float (&nearest)[8])
+{
+    return compare<Kind::likely>(boxes, other, k, nullptr, cutoff, order, nearest);
 }
 
 unsigned compare_far(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxLine& line, float cutoff,
                      float (&gaps)[8], float (&nearest)[8])
 {
-    return compare<true>(boxes, other, k, &line, cutoff, gaps, nearest);
+    return compare<Kind::far>(boxes, other, k, &line, cutoff, gaps, nearest);
 }
 
 float reach(const OpenBoxes& boxes, const float (&direction)[3])
@@ -250,7 +259,7 @@ unsigned node_on_segment(const BoxNode& node, const SegmentLine& s, float (&entr
 
 OrientedBoxKernel oriented_box_kernel()
 {
-    return {open,  open_triangles, open_octants, compare_near, compare_far,
+    return {open,  open_triangles, open_octants, compare_near, compare_likely, compare_far,
             reach, from_point,     meet_in_time, on_segment,   node_on_segment};
 }
 

@@ -43,6 +43,9 @@ struct OrientedBoxKernel {
     using Compare = unsigned(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float cutoff, float (&gaps)[8],
                              float (&nearest)[8]);
     Compare* compare;
+    /// The same, but `gaps` gets an order instead: the gap plus twice the distance of the centres. The contents of the
+    /// box with the least of it are the likeliest to meet the other box's.
+    Compare* compare_likely;
     /// The same with two more axes, the line of centres and `line`: for boxes far apart the gaps are then much closer
     /// to the distances, above all along the line that joins the nearest points.
     using CompareFar = unsigned(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxLine& line,

@@ -1,6 +1,7 @@
-// Traversal of two hierarchies of oriented boxes: the larger box first, the deepest overlap first. All queries on boxes
-// are built from these steps. Code that instantiates it, or calls a query with a visitor, includes the header that
-// defines the query: box_walk_queries.hpp, box_walk_distance.hpp, box_walk_entry.hpp or box_walk_all.hpp.
+// Traversal of two hierarchies of oriented boxes: the larger box is opened, and of its parts the one
+// that most likely holds a meeting is followed first. All queries on boxes are built from these steps. Code that
+// instantiates it, or calls a query with a visitor, includes the header that defines the query: box_walk_queries.hpp,
+// box_walk_distance.hpp, box_walk_entry.hpp or box_walk_all.hpp.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -72,7 +73,7 @@ private:
     /// a load that spans several recent stores stalls the processor.
     struct Entry {
         std::uint64_t boxes = 0; ///< 8 * slot + lane; B's in the upper half
-        float gap = 0;
+        float gap = 0;           ///< from Gaps::likely: the order
 
         Entry() = default;
         Entry(std::uint32_t slot_a, std::uint32_t lane_a, std::uint32_t slot_b, std::uint32_t lane_b)
@@ -230,7 +231,7 @@ private:
                 a_[e.slot_a()].size(e.lane_a()) >= b_[e.slot_b()].size(e.lane_b()));
     }
     bool each_pair(Entry e, auto visit) const;
-    enum class Gaps : std::uint8_t { near, far, in_time }; ///< the kernel's functions
+    enum class Gaps : std::uint8_t { near, likely, far, in_time }; ///< the kernel's functions
     template <Gaps gaps>
     unsigned open(Entry e, float cutoff);
     template <Gaps gaps>
@@ -321,10 +322,12 @@ private:
             first[k] = e;
         }
     }
+    template <Gaps gaps = Gaps::likely>
     void walk(float cutoff, auto take_leaves, auto ends);
+    template <Gaps gaps = Gaps::likely>
     void walk(float cutoff, auto take_leaves)
     {
-        walk(cutoff, take_leaves, [](Entry) { return false; });
+        walk<gaps>(cutoff, take_leaves, [](Entry) { return false; });
     }
     void walk_all(float cutoff, auto take_leaves);
     bool test_waiting(auto found)

@@ -20,14 +20,14 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
     origin_ = frame.origin;
     start(a, b, b_to_a, frame);
     DistanceBounds<Pair> best{infinity, infinity, {}};
-    // A meeting is found early, where boxes overlap most.
+    // A meeting is found early. The deepest overlaps first: their triangles are the first nearest pairs.
     const std::uint64_t rows_before = box_rows;
     std::size_t batch = first_batch;
     const auto take_meeting = [&](Pair pair) {
         best = {0, 0, pair};
         return false;
     };
-    walk(frame.gap_within(0), [&](Entry e) {
+    walk<Gaps::near>(frame.gap_within(0), [&](Entry e) {
         wait(e, [](const Pair&) { return false; });
         return test_if_enough(batch, take_meeting);
     });

@@ -30,8 +30,8 @@ unsigned BoxWalk<A, B, Leaves>::open(Entry e, float cutoff)
                          cutoff);
 }
 
-/// Pushes the boxes of the node in the slot, of A or of B, that are within `cutoff` of the other box, the nearest last;
-/// in time, boxes that may meet it by then, and the first last. Returns how many.
+/// Pushes the boxes of the node in the slot, of A or of B, that are within `cutoff` of the other box, the nearest or
+/// likeliest last; in time, boxes that may meet it by then, and the first last. Returns how many.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 template <typename BoxWalk<A, B, Leaves>::Gaps how>
 unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot, float cutoff)
@@ -54,6 +54,8 @@ unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot
         near = kernel_.meet_in_time(boxes, other, k, motion, cutoff, gaps);
     } else if constexpr (how == Gaps::far)
         near = kernel_.compare_far(boxes, other, k, line, cutoff, gaps, nearest_);
+    else if constexpr (how == Gaps::likely)
+        near = kernel_.compare_likely(boxes, other, k, cutoff, gaps, nearest_);
     else
         near = kernel_.compare(boxes, other, k, cutoff, gaps, nearest_);
     if (!near) return 0;
@@ -85,13 +87,14 @@ unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot
 /// Depth first: calls take_leaves(entry) for pairs of leaves within `cutoff`, while it returns true and ends(entry),
 /// which is called for all pairs of boxes, returns false.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
+template <typename BoxWalk<A, B, Leaves>::Gaps gaps>
 void BoxWalk<A, B, Leaves>::walk(float cutoff, auto take_leaves, auto ends)
 {
     while (top_) {
         const Entry e = stack_[--top_];
         if (ends(e)) return;
         if (!both_leaves(e))
-            open<Gaps::near>(e, cutoff);
+            open<gaps>(e, cutoff);
         else if (!take_leaves(e))
             return;
     }

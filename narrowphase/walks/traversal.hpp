@@ -21,7 +21,7 @@ extern template class BoxWalk<TerrainTree, ObbTree, TriangleTestsOf<TerrainTree,
 extern template class BoxWalk<ObbTree, TerrainTree, TriangleTestsOf<ObbTree, TerrainTree>>;
 extern template class BoxWalk<TerrainTree, TerrainTree, TriangleTestsOf<TerrainTree, TerrainTree>>;
 
-/// Queries of two meshes or terrains, by traversing their hierarchies: the larger box first, the deepest overlap first.
+/// Queries of two meshes or terrains, by traversing their hierarchies.
 /// Exact predicates decide triangles on the file's own coordinates: B's are moved into A's frame in double, and for the
 /// coordinates so rounded "meet" is exact. Touching counts.
 ///

@@ -164,6 +164,17 @@ TEST(OrientedBoxKernel, NeverShowsAGapLargerThanTheDistance)
                         EXPECT_LE(gaps[lane], distance + 1e-5) << kernel.name;
                     }
                 }
+                if (!far) { // the order: the same boxes, and the distance of their centres
+                    float order[8], again[8];
+                    std::fill(std::begin(again), std::end(again), std::numeric_limits<float>::infinity());
+                    EXPECT_EQ(compare.compare_likely(boxes, other, k, 1e-5f, order, again), near) << kernel.name;
+                    EXPECT_TRUE(std::equal(std::begin(again), std::end(again), nearest)) << kernel.name;
+                    for (unsigned lane = 0; lane < 8; ++lane) {
+                        const float x = boxes.c[0][lane] - other.c[0][k], y = boxes.c[1][lane] - other.c[1][k],
+                                    z = boxes.c[2][lane] - other.c[2][k];
+                        EXPECT_EQ(order[lane], gaps[lane] + 2 * std::sqrt(x * x + y * y + z * z)) << kernel.name;
+                    }
+                }
                 if (kernel.name == "baseline") std::copy(std::begin(gaps), std::end(gaps), first_gaps);
                 EXPECT_TRUE(std::equal(std::begin(gaps), std::end(gaps), first_gaps)) << kernel.name << ": other bits";
             }

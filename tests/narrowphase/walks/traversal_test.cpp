@@ -154,6 +154,21 @@ TEST(Traversal, FindsFarDistancesInFewRows)
     EXPECT_LE(rows(ball), 265) << "a ball";
 }
 
+/// In the order of the gaps alone, 116 rows.
+TEST(Traversal, FindsDeepMeetingsInFewRows)
+{
+    const Mesh needles = make_needles_mesh(3000, 1, 1e3, 2, 5), soup = make_soup_mesh(3000, 0.5, 0.2, 6);
+    ObbTree a(needles), b(soup);
+    Traversal walk;
+    std::uint64_t meet = 0, rows = 0;
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+        walk.reset_counts();
+        if (walk.first_meeting(a, b, at(random_pose(seed, 1))).pair) ++meet, rows += walk.counts().box_rows;
+    }
+    EXPECT_GT(meet, 100u);
+    EXPECT_LE(double(rows), 14 * double(meet));
+}
+
 TEST(Traversal, CallsMeshesNearThatAreWithinTheClearanceAndNoneBeyondTheTolerance)
 {
     Traversal walk;
