@@ -21,7 +21,7 @@ public:
     double clearance() const { return clearance_; }
     bool covers(std::uint32_t pair) const { return !grids_[pair].axes.empty(); }
 
-    /// For the tests of cells; one per thread.
+    /// Memory for the tests of cells; each thread needs its own.
     struct Scratch {
         std::vector<double> from, middle, to;
         std::vector<Eigen::Isometry3d> links;

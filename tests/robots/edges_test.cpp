@@ -186,8 +186,8 @@ TEST_F(RobotEdges, WhatCellsOfJointsHideIsNoContact)
     }
 }
 
-/// A speck at the end of an arm that turns around one axis passes another speck, far smaller than any window. Whatever
-/// rules out windows must keep the window of the contact.
+/// A speck at the end of an arm that turns around one axis passes another speck, far smaller than any window. No test
+/// of windows may lose the window of the contact.
 TEST_F(RobotEdges, ASpeckOnTheWayIsNeverLost)
 {
     constexpr double arm = 0.6;
