@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include <oncollide/narrowphase/obb/fits/box_fit.hpp>
 #include <oncollide/narrowphase/obb/oriented_box.hpp>
 #include <oncollide/narrowphase/obb/solid_gap_kernel.hpp>
 
