@@ -69,7 +69,6 @@ Robot::Impl::Impl(World& world, RobotDescription given, const Eigen::Isometry3d&
     attached_from = parts.size(), spheres_of_links = spheres.size();
     if (parts.empty()) refuse(fmt::format("robot '{}'", printable(description.name)), "no link has collision geometry");
     any_model = parts.front().model;
-    point = world.add(Sphere{1e-6});
     take_in_groups();
 }
 
@@ -133,11 +132,10 @@ void Robot::Impl::find_pairs()
     sort_pairs();
 }
 
-void Robot::Impl::choose_numbers(std::uint64_t k, std::vector<double>& numbers, double share,
-                                 std::vector<double>& steps) const
+void Robot::Impl::choose_numbers(std::uint64_t k, std::vector<double>& numbers, std::vector<double>& spans) const
 {
     constexpr std::uint64_t seed = 1;
-    numbers.resize(tree.width()), steps.resize(tree.width());
+    numbers.resize(tree.width()), spans.resize(tree.width());
     for (std::size_t j = 0; j < description.joints.size(); ++j)
         for (int n = 0; n < Kinematics::numbers_of(description.joints[j]); ++n) {
             const RobotJoint& joint = description.joints[j];
@@ -145,7 +143,7 @@ void Robot::Impl::choose_numbers(std::uint64_t k, std::vector<double>& numbers, 
             const double low = std::max(joint.lower, -4.0), high = std::min(joint.upper, 4.0);
             const bool floats = joint.kind == JointKind::floating;
             numbers[i] = floats ? n == 6 : low + (high - low) * u01(seed, k, i);
-            steps[i] = floats ? 0 : share * (high - low);
+            spans[i] = floats ? 0 : high - low;
         }
 }
 
@@ -153,7 +151,7 @@ void Robot::Impl::choose_numbers(std::uint64_t k, std::vector<double>& numbers, 
 void Robot::Impl::choose_views()
 {
     constexpr std::uint64_t samples = 4;
-    std::vector<double> numbers, steps, from, to;
+    std::vector<double> numbers, spans, from, to;
     std::vector<Eigen::Isometry3d> poses(description.links.size(), Eigen::Isometry3d::Identity());
     std::vector<std::vector<std::uint32_t>> views;
     std::vector<std::vector<double>> moved;
@@ -162,9 +160,9 @@ void Robot::Impl::choose_views()
         moved.emplace_back(views.back().size(), 0.0);
     }
     for (std::uint64_t k = 0; k < samples; ++k) {
-        choose_numbers(k, numbers, 0.01, steps);
+        choose_numbers(k, numbers, spans);
         from = to = numbers;
-        for (std::size_t i = 0; i < numbers.size(); ++i) from[i] -= steps[i], to[i] += steps[i];
+        for (std::size_t i = 0; i < numbers.size(); ++i) from[i] -= 0.01 * spans[i], to[i] += 0.01 * spans[i];
         tree.link_poses(numbers.data(), base, poses.data());
         for (std::size_t p = 0; p < pairs.size(); ++p)
             for (std::size_t v = 0; v < views[p].size(); ++v)
@@ -181,11 +179,11 @@ void Robot::Impl::choose_views()
 void Robot::Impl::sort_pairs()
 {
     constexpr std::uint64_t samples = 100;
-    std::vector<double> numbers, steps;
+    std::vector<double> numbers, spans;
     std::vector<Eigen::Isometry3d> poses(description.links.size(), Eigen::Isometry3d::Identity());
     SphereCull cull(*this, 0);
     for (std::uint64_t k = 0; k < samples; ++k) {
-        choose_numbers(k, numbers, 0, steps);
+        choose_numbers(k, numbers, spans);
         tree.link_poses(numbers.data(), base, poses.data());
         cull.place(poses.data());
         for (GroupPair& pair : group_pairs) {

@@ -59,8 +59,8 @@ struct Robot::Impl {
     /// To be called when groups have changed: makes their covers, and lists the pairs of parts that are tested.
     void take_in_groups();
     void find_pairs();
-    /// Chooses random numbers within the limits of all joints. Steps are a share of the distance between the limits.
-    void choose_numbers(std::uint64_t k, std::vector<double>& numbers, double share, std::vector<double>& steps) const;
+    /// Chooses random numbers within the limits of all joints. Spans are the distances between the limits.
+    void choose_numbers(std::uint64_t k, std::vector<double>& numbers, std::vector<double>& spans) const;
     void choose_views();
     void sort_pairs();
     /// Throws Error{usage} if the World is not this robot's.
@@ -114,7 +114,6 @@ struct Robot::Impl {
     std::vector<GroupPair> group_pairs; ///< those most often near each other first
     std::vector<BodyId> bodies;
     ModelId any_model{}; ///< identifies the World
-    ModelId point{};     ///< a small sphere, to query the surroundings of balls
 };
 
 /// Whether bounding spheres of two parts come closer than the clearance.

@@ -34,7 +34,7 @@ bool Surroundings::is_own(std::uint32_t slot) const
     return std::ranges::binary_search(own_, slot);
 }
 
-std::uint32_t Surroundings::number_of(std::uint32_t slot)
+std::uint32_t PlacedBodies::number_of(std::uint32_t slot)
 {
     const auto [at, is_new] = numbers_.try_emplace(slot, static_cast<std::uint32_t>(bodies_.size()));
     if (is_new) {
@@ -48,7 +48,7 @@ std::uint32_t Surroundings::number_of(std::uint32_t slot)
 void Surroundings::prepare(const GroupCentres& centres, const NearParts& near)
 {
     centres_ = &centres, parts_ = &near;
-    queries_.clear(), bodies_.clear(), numbers_.clear();
+    queries_.clear(), bodies_.clear();
     around_.resize(groups_.size());
     for (auto& list : around_) list.clear();
     for (std::size_t g = 0; g < around_.size(); ++g) {
@@ -57,7 +57,7 @@ void Surroundings::prepare(const GroupCentres& centres, const NearParts& near)
     }
     for (const AabbHit& hit : tests_.around(queries_, filter_))
         if (around_[hit.query].size() <= most_together && !is_own(hit.body))
-            around_[hit.query].push_back(number_of(hit.body));
+            around_[hit.query].push_back(bodies_.number_of(hit.body));
 }
 
 std::span<const Surroundings::Near> Surroundings::find(std::uint32_t group, std::span<const std::uint8_t> open)
@@ -105,7 +105,7 @@ void Surroundings::find_one_by_one(std::uint32_t group, std::span<const std::uin
         queries_.push_back({middle.array() - radius, middle.array() + radius}), of_.push_back(i);
     });
     for (const AabbHit& hit : tests_.around(queries_, filter_))
-        if (!is_own(hit.body)) near_.push_back({of_[hit.query], number_of(hit.body)});
+        if (!is_own(hit.body)) near_.push_back({of_[hit.query], bodies_.number_of(hit.body)});
 }
 
 } // namespace oncollide

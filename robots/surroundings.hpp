@@ -34,6 +34,21 @@ void each_bit(std::span<const std::uint8_t> bits, Visit visit)
         for (unsigned b = bits[k]; b; b &= b - 1) visit(8 * k + static_cast<std::uint32_t>(std::countr_zero(b)));
 }
 
+/// Bodies of a World, numbered in the order in which they were needed first.
+class PlacedBodies {
+public:
+    explicit PlacedBodies(const WorldAccess::PlacedTests& tests) : tests_(tests) {}
+
+    void clear() { bodies_.clear(), numbers_.clear(); }
+    std::uint32_t number_of(std::uint32_t slot);
+    const PlacedBody& operator[](std::uint32_t number) const { return bodies_[number]; }
+
+private:
+    const WorldAccess::PlacedTests& tests_;
+    std::vector<PlacedBody> bodies_;
+    std::unordered_map<std::uint32_t, std::uint32_t> numbers_; ///< by slot
+};
+
 /// Finds the bodies of a World that are near groups of a robot.
 class Surroundings {
 public:
@@ -41,7 +56,8 @@ public:
         std::uint32_t configuration, body; ///< index of body()
     };
 
-    Surroundings(std::span<const GroupCover> groups, WorldAccess::PlacedTests& tests) : groups_(groups), tests_(tests)
+    Surroundings(std::span<const GroupCover> groups, WorldAccess::PlacedTests& tests)
+        : groups_(groups), tests_(tests), bodies_(tests)
     {
     }
 
@@ -55,7 +71,6 @@ public:
     const PlacedBody& body(std::uint32_t i) const { return bodies_[i]; }
 
 private:
-    std::uint32_t number_of(std::uint32_t slot);
     bool is_own(std::uint32_t slot) const;
     void find_together(std::uint32_t group, std::span<const std::uint8_t> open);
     void find_one_by_one(std::uint32_t group, std::span<const std::uint8_t> open);
@@ -66,9 +81,8 @@ private:
     std::vector<std::uint32_t> own_;
     const GroupCentres* centres_ = nullptr;
     const NearParts* parts_ = nullptr;
-    std::vector<PlacedBody> bodies_;
-    std::unordered_map<std::uint32_t, std::uint32_t> numbers_; ///< in bodies_, by slot
-    std::vector<std::vector<std::uint32_t>> around_;           ///< by group: of all configurations
+    PlacedBodies bodies_;
+    std::vector<std::vector<std::uint32_t>> around_; ///< by group: of all configurations
     std::vector<Aabb> queries_;
     std::vector<std::uint32_t> of_; ///< configurations of queries_
     std::vector<Near> near_;

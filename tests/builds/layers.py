@@ -37,6 +37,7 @@ LAYERS = {
     "pipeline/models": [""],
     "pipeline/refine": ["", "models"],
     "robots": [],
+    "robots/edges": [""],
     "robots/files": [""],
     "robots/spheres": [""],
     "runs": [],

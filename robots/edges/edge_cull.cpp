@@ -1,4 +1,4 @@
-#include <oncollide/robots/edge_cull.hpp>
+#include <oncollide/robots/edges/edge_cull.hpp>
 
 #include <algorithm>
 
@@ -6,16 +6,16 @@ namespace oncollide {
 
 namespace {
 
-template <class Part>
-double hull_size(const Part& part)
+double size_of(const OuterHull& hull)
 {
-    return part.solids->hull.centre().norm() + part.solids->hull.extent();
+    return hull.centre().norm() + hull.extent();
 }
 
 } // namespace
 
 EdgeCull::EdgeCull(const Robot::Impl& robot, const World& world, EdgeMotion& motion)
-    : robot_(robot), clearance_(world.settings().clearance), rounding_(robot.rounding()), motion_(motion), tests_(world)
+    : robot_(robot), clearance_(world.settings().clearance), rounding_(robot.rounding()), motion_(motion),
+      tests_(world), bodies_(tests_)
 {
     tests_.begin();
 }
@@ -25,21 +25,10 @@ void EdgeCull::start()
     across_.assign(robot_.parts.size() * robot_.parts.size(), Eigen::Vector3d::Zero());
 }
 
-std::uint32_t EdgeCull::box_of(std::uint32_t slot)
-{
-    const auto [at, is_new] = numbers_.try_emplace(slot, static_cast<std::uint32_t>(boxes_.size()));
-    if (is_new) {
-        const Model& model = tests_.model_at(slot);
-        boxes_.emplace_back(slot, model.geometry(), model.bounds().box(Eigen::Isometry3d::Identity()),
-                            tests_.pose_at(slot));
-    }
-    return at->second;
-}
-
 bool EdgeCull::is_open(std::uint32_t part, std::uint32_t number, double begin, double end, double bent)
 {
     const Robot::Impl::Part& of = robot_.parts[part];
-    const PlacedBox& box = boxes_[number].box;
+    const PlacedBox& box = bodies_[number].box;
     const Eigen::Isometry3d *const first = motion_.at(begin).links.data(), *const last = motion_.at(end).links.data();
     // The middle of the part's ball moves along a chord.
     const CoverSphere& ball = of.cover.whole;
@@ -71,7 +60,8 @@ bool EdgeCull::is_open(const EdgeItem& item, const EdgeWays& ways)
         return Seen{RelativePose(of_a, robot_.pose_of(b, at)), of_a.linear().transpose() * at[item.seen_from].linear()};
     };
     const Seen begin = seen(first), end = seen(last);
-    const double size = begin.b_to_a.translation.norm() + end.b_to_a.translation.norm() + hull_size(a) + hull_size(b);
+    const double size = begin.b_to_a.translation.norm() + end.b_to_a.translation.norm() + size_of(a.solids->hull) +
+                        size_of(b.solids->hull);
     const double needed = clearance_ + rounding_ * (size + clearance_);
     const auto parts = [&](const Eigen::Vector3d& across) {
         return gap_along(a.solids->hull, b.solids->hull, begin.b_to_a, begin.direction * across) > needed + bent &&

@@ -1,4 +1,4 @@
-#include <oncollide/robots/joint_cells.hpp>
+#include <oncollide/robots/edges/joint_cells.hpp>
 
 #include <cmath>
 #include <limits>

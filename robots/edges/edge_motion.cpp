@@ -1,4 +1,4 @@
-#include <oncollide/robots/edge_motion.hpp>
+#include <oncollide/robots/edges/edge_motion.hpp>
 
 #include <algorithm>
 #include <cmath>

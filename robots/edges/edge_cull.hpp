@@ -1,9 +1,9 @@
 #pragma once
-#include <unordered_map>
 #include <vector>
 
 #include <oncollide/pipeline/world/placed_tests.hpp>
-#include <oncollide/robots/edge_motion.hpp>
+#include <oncollide/robots/edges/edge_motion.hpp>
+#include <oncollide/robots/surroundings.hpp>
 
 namespace oncollide {
 
@@ -29,8 +29,8 @@ public:
     }
     BodyId body_at(std::uint32_t slot) const { return tests_.body_at(slot); }
     /// The number of a body's box.
-    std::uint32_t box_of(std::uint32_t slot);
-    const PlacedBox& box(std::uint32_t number) const { return boxes_[number].box; }
+    std::uint32_t box_of(std::uint32_t slot) { return bodies_.number_of(slot); }
+    const PlacedBox& box(std::uint32_t number) const { return bodies_[number].box; }
     double rounding() const { return rounding_; } ///< of lengths, as a share: poses are not quite rigid
 
 private:
@@ -39,8 +39,7 @@ private:
     const double rounding_;
     EdgeMotion& motion_;
     WorldAccess::PlacedTests tests_;
-    std::vector<PlacedBody> boxes_;
-    std::unordered_map<std::uint32_t, std::uint32_t> numbers_; ///< in boxes_, by slot
+    PlacedBodies bodies_;
     std::vector<Eigen::Vector3d> across_; ///< by pair of parts: the direction that was found last, seen from the link
 };
 

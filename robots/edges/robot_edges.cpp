@@ -1,6 +1,6 @@
 // Robot::check_edges(): the motion between two configurations, in windows of time that are halved where a pair may
 // meet.
-#include <oncollide/robots/edge_search.hpp>
+#include <oncollide/robots/edges/edge_search.hpp>
 
 #include <algorithm>
 #include <array>

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <vector>
 
-#include <oncollide/robots/edge_cull.hpp>
-#include <oncollide/robots/joint_cells.hpp>
+#include <oncollide/robots/edges/edge_cull.hpp>
+#include <oncollide/robots/edges/joint_cells.hpp>
 
 namespace oncollide {
 

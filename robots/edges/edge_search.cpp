@@ -1,4 +1,4 @@
-#include <oncollide/robots/edge_search.hpp>
+#include <oncollide/robots/edges/edge_search.hpp>
 
 #include <algorithm>
 
