@@ -140,8 +140,9 @@ WideInteger<N> on_grid(double x, const BinaryGrid& grid)
 }
 
 /// Calls f(std::integral_constant<int, N>) with N large enough that differences of numbers on the grid fit in N limbs,
-/// sums of two products of two differences in 2 N, and sums of six products of three differences in 3 N: a difference
-/// is below 2^(bits + 1), a sum of six such products below 2^(3 bits + 6).
+/// sums of two products of two differences in 2 N, sums of six products of three differences in 3 N, sums of
+/// twelve products of four in 4 N, and squares of the sums of six in 6 N: a difference is below 2^(bits + 1), a sum of
+/// six such products below 2^(3 bits + 6).
 template <class F>
 auto with_limbs(const BinaryGrid& grid, F f)
 {

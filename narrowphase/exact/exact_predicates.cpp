@@ -69,7 +69,7 @@ int orient3d_exact(const Vector3d& a, const Vector3d& b, const Vector3d& c, cons
     return with_limbs(grid, [&](auto limbs) {
         constexpr int n = decltype(limbs)::value;
         const auto u = difference<n, 3>(grid, b, a), v = difference<n, 3>(grid, c, a), w = difference<n, 3>(grid, d, a);
-        return dot<n>(cross<n>(u, v), w).sign();
+        return dot(cross<n>(u, v), w).sign();
     });
 }
 
@@ -156,7 +156,7 @@ double crossing_parameter_exact(const Vector3d& a, const Vector3d& b, const Vect
     return with_limbs(grid, [&](auto limbs) {
         constexpr int n = decltype(limbs)::value;
         const auto normal = cross<n>(difference<n, 3>(grid, b, a), difference<n, 3>(grid, c, a));
-        return ratio(dot<n>(normal, difference<n, 3>(grid, p, a)), dot<n>(normal, difference<n, 3>(grid, q, a)));
+        return ratio(dot(normal, difference<n, 3>(grid, p, a)), dot(normal, difference<n, 3>(grid, q, a)));
     });
 }
 

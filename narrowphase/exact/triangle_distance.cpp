@@ -1,24 +1,58 @@
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
 #include <oncollide/base/simd/cpu_features.hpp>
+#include <oncollide/narrowphase/exact/exact_nearest.hpp>
 
 namespace oncollide {
 
 using Eigen::Vector3d;
 
-MeasurePairs* measure_pairs(std::size_t pairs)
+namespace {
+
+TrianglePoints triangle(const double* const (&corners)[3][8], unsigned i)
+{
+    TrianglePoints points;
+    for (std::size_t k = 0; k < 3; ++k) points[k] = Eigen::Map<const Vector3d>(corners[k][i]);
+    return points;
+}
+
+} // namespace
+
+void measure_pairs(const CornersOfPairs& corners, const RelativePose& b_to_a, unsigned pairs, double rounding,
+                   NearestOfPairs& out)
 {
     static MeasurePairs *const many = ONCOLLIDE_CHOOSE(measure_pairs), *const few =
                                                                            ONCOLLIDE_CHOOSE_TO_AVX2(measure_pairs);
-    return pairs > 4 ? many : few;
+    unsigned unsure =
+        (pairs > 4 ? many : few)(corners, b_to_a.rotation.data(), b_to_a.translation.data(), pairs, rounding, out);
+    for (; unsure; unsure &= unsure - 1) {
+        const auto i = static_cast<unsigned>(std::countr_zero(unsure));
+        const TrianglePoints a = triangle(corners.a, i);
+        TrianglePoints b = triangle(corners.b, i);
+        for (Vector3d& p : b) p = b_to_a(p);
+        if (triangles_meet(a, b)) continue; // their nearest points have no meaning
+        const NearestPoints exact = exact_nearest_points(a, b);
+        for (int k = 0; k < 3; ++k) out.a[k][i] = exact.a[k], out.b[k][i] = exact.b[k];
+        out.distance2[i] = exact.distance * exact.distance;
+    }
 }
 
-NearestPoints nearest_points(std::span<const TrianglePoints> a, const TrianglePoints& b)
+double usual_rounding(const TrianglePoints& a, const TrianglePoints& b)
 {
+    Vector3d low = a[0], high = a[0];
+    for (const TrianglePoints* t : {&a, &b})
+        for (const Vector3d& p : *t) low = low.cwiseMin(p), high = high.cwiseMax(p);
+    return 0x1p-40 * (high - low).maxCoeff() + 0x1p-49 * std::max(high.maxCoeff(), -low.minCoeff());
+}
+
+NearestPoints nearest_points(std::span<const TrianglePoints> a, const TrianglePoints& b, double rounding)
+{
+    static const RelativePose here(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
     NearestPoints nearest{{}, {}, std::numeric_limits<double>::infinity()};
     for (; !a.empty(); a = a.subspan(std::min<std::size_t>(8, a.size()))) {
         const auto count = static_cast<unsigned>(std::min<std::size_t>(8, a.size()));
@@ -26,23 +60,22 @@ NearestPoints nearest_points(std::span<const TrianglePoints> a, const TrianglePo
         for (std::size_t k = 0; k < 3; ++k)
             for (std::size_t i = 0; i < 8; ++i)
                 corners.a[k][i] = a[std::min<std::size_t>(i, count - 1)][k].data(), corners.b[k][i] = b[k].data();
-        constexpr double turn[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, shift[3] = {0, 0, 0};
         NearestOfPairs found;
-        measure_pairs(count)(corners, turn, shift, count, found);
+        measure_pairs(corners, here, count, rounding, found);
         for (unsigned i = 0; i < count; ++i)
             if (const NearestPoints points = points_of(found, i); points.distance < nearest.distance) nearest = points;
     }
     return nearest;
 }
 
-NearestPoints nearest_points(const TrianglePoints& a, const TrianglePoints& b)
+NearestPoints nearest_points(const TrianglePoints& a, const TrianglePoints& b, double rounding)
 {
-    return nearest_points(std::span(&a, 1), b);
+    return nearest_points(std::span(&a, 1), b, rounding);
 }
 
 double triangle_distance(const TrianglePoints& a, const TrianglePoints& b)
 {
-    return nearest_points(a, b).distance;
+    return nearest_points(a, b, usual_rounding(a, b)).distance;
 }
 
 OnTriangle nearest_on(const TrianglePoints& t, const Vector3d& p)

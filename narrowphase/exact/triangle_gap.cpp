@@ -20,7 +20,7 @@ struct Gaps {
         WideInteger<3 * N> least;
         int side = 0;
         for (const auto& between : apart) {
-            const WideInteger<3 * N> along = dot<N>(axis, between);
+            const WideInteger<3 * N> along = dot(axis, between);
             const int sign = along.sign();
             if (!sign || sign == -side) return;
             const WideInteger<3 * N> size = along.magnitude();

@@ -36,8 +36,8 @@ WideVector<2 * N, 3> cross(const WideVector<N, 3>& u, const WideVector<N, 3>& v)
     return {minor_of(u[1], u[2], v[1], v[2]), minor_of(u[2], u[0], v[2], v[0]), minor_of(u[0], u[1], v[0], v[1])};
 }
 
-template <int N>
-WideInteger<3 * N> dot(const WideVector<2 * N, 3>& n, const WideVector<N, 3>& v)
+template <int A, int B>
+WideInteger<A + B> dot(const WideVector<A, 3>& n, const WideVector<B, 3>& v)
 {
     return n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
 }

@@ -7,7 +7,7 @@
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
-#include <oncollide/narrowphase/shapes/simplex.hpp>
+#include <oncollide/narrowphase/exact/feature_distance.hpp>
 #include <oncollide/scenes/model/mesh_topology.hpp>
 
 namespace oncollide {
@@ -22,18 +22,16 @@ constexpr std::size_t most_enclosed = 32;
 /// Lower bound of the distance of a point from the nearest triangle.
 double distance_to(const Mesh& mesh, const Vector3d& point)
 {
+    const double rounding = 0x1p-40 * ((mesh.bounds.centre() - point).norm() + mesh.bounds.diagonal());
     double nearest = std::numeric_limits<double>::infinity();
     for (const Triangle& t : mesh.triangles) {
         const Vector3d p = mesh.vertices[t[0]] - point, q = mesh.vertices[t[1]] - point,
                        r = mesh.vertices[t[2]] - point;
         const Vector3d lo = p.cwiseMin(q).cwiseMin(r), hi = p.cwiseMax(q).cwiseMax(r);
         if (lo.cwiseMax(-hi).cwiseMax(0).squaredNorm() >= nearest * nearest) continue;
-        Simplex4 simplex;
-        for (const Vector3d& corner : {p, q, r}) simplex.corner[static_cast<std::size_t>(simplex.count++)].w = corner;
-        simplex.reduce();
-        nearest = std::min(nearest, simplex.nearest().norm());
+        nearest = std::min(nearest, nearest_on({p, q, r}, Vector3d::Zero(), rounding, nearest).at.norm());
     }
-    return nearest * (1 - 0x1p-20);
+    return std::max(nearest - 2 * rounding, 0.0) * (1 - 0x1p-20);
 }
 
 /// True if a ray from the point crosses the surface an odd number of times. As every edge belongs to an even number of
@@ -67,9 +65,9 @@ public:
     {
         // Cells along the longest side: few for a mesh with few vertices, for which a fine grid would take most of the
         // time.
-        const double most_cells = std::clamp(0.8 * std::sqrt(double(mesh.vertices.size())), 16.0, 40.0);
+        const double cells = std::clamp(0.8 * std::sqrt(double(mesh.vertices.size())), 16.0, 40.0);
         const Vector3d size = mesh.bounds.max - mesh.bounds.min;
-        side_ = size.maxCoeff() / most_cells;
+        side_ = size.maxCoeff() / cells;
         origin_ = mesh.bounds.min - Vector3d::Constant(1.5 * side_);
         for (int i = 0; i < 3; ++i) cells_[i] = static_cast<int>(size[i] / side_) + 4;
         depth_.assign(static_cast<std::size_t>(cells_.prod()), unknown);

@@ -72,16 +72,18 @@ concept BoxHierarchy = requires(H& h, const H& same, typename H::Node node, unsi
 /// - `meeting(pairs, found)` calls found(pair) for pairs that meet, touching included, while it returns true, and
 ///   returns whether it always did. Callers pass many pairs at a time; eight fit the kernels.
 /// - `least_gap(rounding)`: a lower bound of the distance of the pairs that meeting() has tested since start() and that
-///   do not meet; > 0 where doubles can express it. Distances by `distance` err by at most `rounding`.
-/// - `meet(pair)` decides exactly. `distance(pair)` is the distance of a pair that does not meet; `most(pair)` is a
-///   cheap upper bound of it. `nearest(pair)` returns the nearest points; tests whose distances may err by more have
-///   `bounds(pair)` instead, as ConvexDistance returns them.
+///   do not meet; > 0 where doubles can express it. `rounding` is at least twice the error of a corner
+///   as placed.
+/// - `meet(pair)` decides exactly. `nearest(pair, rounding)` returns the nearest points of a pair that does not meet:
+/// its
+///   distance is certainly within `rounding` of the one returned; tests that cannot promise this have `bounds(pair)`
+///   instead, as ConvexDistance returns them. `most(pair)` is a cheap upper bound of the distance.
 /// - `high_a(primitive, line)`, `low_b(primitive, line)`: the largest and the smallest projection of the primitive onto
 ///   a direction in its own geometry's frame. Cheap: they bound distances.
 /// - optional, `from_a(primitive, point)`, `from_b`: the squared distance of a primitive from a point of A's frame, for
 ///   a first guess of the distance.
-/// - optional, `nearest(pairs, take)`: calls take(pair, points) for each pair, and costs less than one `nearest(pair)`
-///   each.
+/// - optional, `nearest(pairs, rounding, take)`: calls take(pair, points) for each pair, and costs less than
+///   `nearest(pair, rounding)` for each.
 template <class L, class A, class B>
 concept LeafTests = requires(L& tests, A& a, B& b, const RelativePose& b_to_a, typename L::Pair pair,
                              std::span<const typename L::Pair> pairs, double rounding)
@@ -99,9 +101,6 @@ concept LeafTests = requires(L& tests, A& a, B& b, const RelativePose& b_to_a, t
         tests.meet(pair)
         } -> std::same_as<bool>;
     {
-        tests.distance(pair)
-        } -> std::same_as<double>;
-    {
         tests.most(pair)
         } -> std::same_as<double>;
     {
@@ -111,7 +110,7 @@ concept LeafTests = requires(L& tests, A& a, B& b, const RelativePose& b_to_a, t
         tests.low_b(pair.b, Eigen::Vector3d())
         } -> std::same_as<double>;
     {
-        tests.nearest(pair)
+        tests.nearest(pair, rounding)
         } -> std::same_as<NearestPoints>;
 };
 

@@ -75,7 +75,7 @@ Distance triangle_distance(TraversalOf<A, B>& walk, A& a, const Eigen::Isometry3
     if (d.upper == 0) {
         d.point_a = d.point_b = pose_a * common_segment(of_a, of_b).ends[0];
     } else {
-        const NearestPoints points = nearest_points(of_a, of_b);
+        const NearestPoints points = nearest_points(of_a, of_b, usual_rounding(of_a, of_b));
         d.point_a = pose_a * points.a, d.point_b = pose_a * points.b;
     }
     d.a = source_of(a, found.nearest->a), d.b = source_of(b, found.nearest->b);

@@ -125,7 +125,7 @@ double cell_distance_at_most(const Aabb& cell, const TrianglePoints& t)
     return std::sqrt(least2) * (1 + 0x1p-50);
 }
 
-NearestPoints cell_nearest(const Aabb& cell, const TrianglePoints& t)
+NearestPoints cell_nearest(const Aabb& cell, const TrianglePoints& t, double rounding)
 {
     if (t[1] == t[2]) return segment_nearest(cell, t[0], t[1]);
     NearestPoints nearest{{}, {}, std::numeric_limits<double>::infinity()};
@@ -146,20 +146,15 @@ NearestPoints cell_nearest(const Aabb& cell, const TrianglePoints& t)
             t, [&](const Vector3d& p) { return high ? p[axis] > cell.max[axis] : p[axis] < cell.min[axis]; });
         if (in_front) faces[count++] = face_of(corners, f);
     }
-    const NearestPoints found = nearest_points(std::span(faces).first(count), t);
+    const NearestPoints found = nearest_points(std::span(faces).first(count), t, rounding);
     return found.distance < nearest.distance ? found : nearest;
-}
-
-double cell_distance(const Aabb& cell, const TrianglePoints& t)
-{
-    return cell_nearest(cell, t).distance;
 }
 
 double cell_gap(const Aabb& cell, const TrianglePoints& t, double rounding)
 {
     const double along_axes = gap_along_axes(cell, t) * (1 - 0x1p-50);
     if (along_axes > 0) return along_axes;
-    const double gap = cell_distance(cell, t) - rounding;
+    const double gap = cell_nearest(cell, t, 0.5 * rounding).distance - rounding;
     if (gap > 0) return gap;
     return least_possible_gap({cell.min, cell.max, {cell.min.x(), cell.max.y(), cell.min.z()}}, t);
 }
@@ -177,19 +172,14 @@ bool cells_meet(const Aabb& cell, const CellCorners& other)
     return true;
 }
 
-NearestPoints cells_nearest(const Aabb& cell, const CellCorners& other)
+NearestPoints cells_nearest(const Aabb& cell, const CellCorners& other, double rounding)
 {
     NearestPoints nearest{{}, {}, std::numeric_limits<double>::infinity()};
     for (std::size_t f = 0; f < 12; ++f) {
-        const NearestPoints found = cell_nearest(cell, face_of(other, f));
+        const NearestPoints found = cell_nearest(cell, face_of(other, f), rounding);
         if (found.distance < nearest.distance) nearest = found;
     }
     return nearest;
-}
-
-double cells_distance(const Aabb& cell, const CellCorners& other)
-{
-    return cells_nearest(cell, other).distance;
 }
 
 } // namespace oncollide

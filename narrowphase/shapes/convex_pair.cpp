@@ -50,11 +50,12 @@ ConvexDistance ConvexPair::distance(EnoughDistance enough) const
 {
     enough.above += radius_, enough.below += radius_;
     ConvexDistance d = convex_distance(cores_, enough);
-    // The direction between bodies that almost touch is lost in rounding; a portal's direction is not.
-    if (radius_ == 0 && d.lower < 0x1p-20 * d.upper) {
-        const ConvexMeeting m = convex_meeting(cores_);
-        if (m.sign > 0) d.lower = std::min(std::max(d.lower, m.bound), d.upper);
-        if (m.sign < 0) d.lower = d.upper = 0;
+    // The direction between bodies that almost touch is lost in rounding. A portal's direction is not, and where exact
+    // tests decide whether they meet, the distance must say the same.
+    if (radius_ == 0 ? d.lower < 0x1p-20 * d.upper : exact_ && d.lower <= radius_ && d.upper > radius_) {
+        const ConvexMeeting m = meeting();
+        if (m.sign > 0) d.lower = std::min(std::max(d.lower, radius_ + m.bound), d.upper);
+        if (m.sign < 0) d.lower = std::min(d.lower, radius_), d.upper = std::min(d.upper, radius_);
     }
     // Move the points from the cores to the surfaces of the swept spheres, or to the middle of the spheres' overlap.
     const Eigen::Vector3d v = d.on_b - d.on_a;

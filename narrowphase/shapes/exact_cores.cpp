@@ -156,7 +156,7 @@ private:
     bool plane(const Vector& w, const WideVector<2 * N, 3>& n, const WideInteger<4 * N>& nn) const
     {
         if (nn.sign() == 0) return false; // no area
-        const WideInteger<3 * N> height = dot<N>(n, w);
+        const WideInteger<3 * N> height = dot(n, w);
         return not_above(height * height, radius2_ * nn);
     }
 

@@ -89,7 +89,7 @@ private:
     /// True if measuring several pairs costs little more than measuring one.
     static constexpr bool measures_many = requires(Leaves & leaves, std::span<const Pair> pairs)
     {
-        leaves.nearest(pairs, [](const Pair&, const NearestPoints&) {});
+        leaves.nearest(pairs, 0.0, [](const Pair&, const NearestPoints&) {});
     };
     static constexpr std::size_t measured = measures_many ? 4 : 1, most_seeds = 2 * measured;
     static constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -348,7 +348,7 @@ private:
             const auto found = leaves_.bounds(pair);
             return {found.lower, found.upper, found.on_a, found.on_b};
         } else {
-            const NearestPoints found = leaves_.nearest(pair);
+            const NearestPoints found = leaves_.nearest(pair, 0.5 * frame.leaf_rounding);
             return {found.distance - frame.leaf_rounding, found.distance + frame.leaf_rounding, found.a, found.b};
         }
     }
@@ -356,10 +356,11 @@ private:
     void measure_waiting(const WalkFrame& frame, auto take)
     {
         if constexpr (measures_many) {
-            leaves_.nearest(std::span<const Pair>(waiting_), [&](const Pair& pair, const NearestPoints& found) {
-                take(pair, Nearest{found.distance - frame.leaf_rounding, found.distance + frame.leaf_rounding, found.a,
-                                   found.b});
-            });
+            const double rounding = frame.leaf_rounding;
+            leaves_.nearest(
+                std::span<const Pair>(waiting_), 0.5 * rounding, [&](const Pair& pair, const NearestPoints& found) {
+                    take(pair, Nearest{found.distance - rounding, found.distance + rounding, found.a, found.b});
+                });
         } else {
             for (const Pair& pair : waiting_) take(pair, nearest(pair, frame));
         }
@@ -369,8 +370,8 @@ private:
     /// Lower bound of the distance if no two primitives met, from the rejected boxes and the tested primitives.
     double least_gap(const WalkFrame& frame)
     {
-        const double least = std::min(least_box_gap(frame), leaves_.least_gap(frame.leaf_rounding));
-        return least * (1 - 0x1p-18); // poses may be 2^-20 from rigid
+        return std::min(least_box_gap(frame) * (1 - 0x1p-18),
+                        frame.placed_at_least(leaves_.least_gap(frame.leaf_rounding)));
     }
 
     const OrientedBoxKernel kernel_ = oriented_box_kernel();

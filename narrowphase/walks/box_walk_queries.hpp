@@ -209,17 +209,17 @@ Comparison<typename Leaves::Pair> BoxWalk<A, B, Leaves>::compare(A& a, B& b, con
     if (frame.apart > most) return {1, frame.apart, {}};
     double lower = infinity, upper = infinity;
     std::optional<Pair> witness;
-    const auto at_most = [&](double distance) {
-        upper = std::min(upper, distance + frame.leaf_rounding);
+    const auto at_most = [&](double bound) {
+        upper = std::min(upper, bound);
         return upper + slack <= cutoff;
     };
     const auto take_pair = [&](Pair pair) {
         witness = pair;
-        if (at_most(leaves_.most(pair))) return false;
-        const double distance = leaves_.distance(pair);
-        if (at_most(distance)) return false;
+        if (at_most(leaves_.most(pair) + frame.leaf_rounding)) return false;
+        const Nearest found = nearest(pair, frame);
+        if (at_most(found.upper)) return false;
         if (leaves_.meet(pair)) return upper = 0, false;
-        lower = std::min(lower, distance - frame.leaf_rounding);
+        lower = std::min(lower, found.lower);
         return true;
     };
     if (hint && holds(a, hint->a) && holds(b, hint->b)) {

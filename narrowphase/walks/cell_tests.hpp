@@ -29,8 +29,10 @@ struct PlacedTriangles {
         return least_along(line, b.corners(triangle));
     }
     static bool meet(const Aabb& cell, const Placed& b) { return cell_meets(cell, b); }
-    static double distance(const Aabb& cell, const Placed& b) { return cell_distance(cell, b); }
-    static NearestPoints nearest(const Aabb& cell, const Placed& b) { return cell_nearest(cell, b); }
+    static NearestPoints nearest(const Aabb& cell, const Placed& b, double rounding)
+    {
+        return cell_nearest(cell, b, rounding);
+    }
     static double most(const Aabb& cell, const Placed& b) { return cell_distance_at_most(cell, b); }
     static double gap(const Aabb& cell, const Placed& b, double rounding) { return cell_gap(cell, b, rounding); }
 };
@@ -63,8 +65,10 @@ struct PlacedCells {
         return line.cwiseProduct(box.min).cwiseMin(line.cwiseProduct(box.max)).sum();
     }
     static bool meet(const Aabb& cell, const Placed& b) { return cells_meet(cell, b); }
-    static double distance(const Aabb& cell, const Placed& b) { return cells_distance(cell, b); }
-    static NearestPoints nearest(const Aabb& cell, const Placed& b) { return cells_nearest(cell, b); }
+    static NearestPoints nearest(const Aabb& cell, const Placed& b, double rounding)
+    {
+        return cells_nearest(cell, b, rounding);
+    }
     static double most(const Aabb& cell, const Placed& b) { return cell_distance_at_most(cell, {b[0], b[3], b[7]}); }
     static double gap(const Aabb& cell, const Placed& b, double rounding)
     {
@@ -112,7 +116,6 @@ public:
         ++tested;
         return Placing::meet(cell(pair), placed(pair));
     }
-    double distance(const Pair& pair) const { return Placing::distance(cell(pair), placed(pair)); }
     double most(const Pair& pair) const { return Placing::most(cell(pair), placed(pair)); }
     double high_a(const MapCell& a, const Eigen::Vector3d& line) const
     {
@@ -123,10 +126,10 @@ public:
     {
         return Placing::low(*b_, b, line);
     }
-    NearestPoints nearest(const Pair& pair)
+    NearestPoints nearest(const Pair& pair, double rounding)
     {
         ++tested;
-        return Placing::nearest(cell(pair), placed(pair));
+        return Placing::nearest(cell(pair), placed(pair), rounding);
     }
 
     std::uint64_t tested = 0; ///< pairs

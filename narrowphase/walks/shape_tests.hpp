@@ -124,9 +124,8 @@ public:
         return m.sign < 0 || (m.sign == 0 && open_counts_);
     }
     bool certainly_meet(const Pair& pair) const { return Judge::meeting(pair).sign < 0; }
-    double distance(const Pair& pair) const { return bounds(pair).upper; }
     ConvexDistance bounds(const Pair& pair) const { return Judge::bounds(pair, {}); }
-    NearestPoints nearest(const Pair& pair) const
+    NearestPoints nearest(const Pair& pair, double) const
     {
         const ConvexDistance d = bounds(pair);
         return {d.on_a, d.on_b, d.upper};

@@ -27,7 +27,7 @@ double TriangleTestsOf<A, B>::least_gap(double rounding) const
     int exact_gaps = 0;
     for (const TrianglePair& pair : barely_apart_) {
         const TrianglePoints a = points_a(pair.a), b = points_b(pair.b);
-        const double gap = triangle_distance(a, b) - rounding;
+        const double gap = nearest_points(a, b, 0.5 * rounding).distance - rounding;
         if (gap > 0)
             least = std::min(least, gap);
         else
@@ -45,17 +45,10 @@ unsigned TriangleTestsOf<A, B>::segments(std::span<const TrianglePair> pairs, co
 }
 
 template <class A, class B>
-double TriangleTestsOf<A, B>::distance(TrianglePair pair)
+NearestPoints TriangleTestsOf<A, B>::nearest(TrianglePair pair, double rounding)
 {
     ++counts.tested;
-    return triangle_distance(points_a(pair.a), points_b(pair.b));
-}
-
-template <class A, class B>
-NearestPoints TriangleTestsOf<A, B>::nearest(TrianglePair pair)
-{
-    ++counts.tested;
-    return nearest_points(points_a(pair.a), points_b(pair.b));
+    return nearest_points(points_a(pair.a), points_b(pair.b), rounding);
 }
 
 template <class A, class B>

@@ -93,7 +93,6 @@ public:
     /// Common segments of up to eight pairs that meet; see CommonSegments.
     unsigned segments(std::span<const TrianglePair> pairs, const RigidMap& place, SegmentsOfPairs& out);
     bool meet(TrianglePair pair) const { return triangles_meet(points_a(pair.a), points_b(pair.b)); }
-    double distance(TrianglePair pair);
     double most(TrianglePair pair) const;
     double high_a(std::uint32_t triangle, const Eigen::Vector3d& line) const
     {
@@ -113,10 +112,10 @@ public:
         const Eigen::Vector3d in_b = b_to_a_->rotation.transpose() * (point - b_to_a_->translation);
         return (nearest_on(b_.points(triangle), in_b).at - in_b).squaredNorm();
     }
-    NearestPoints nearest(TrianglePair pair);
+    NearestPoints nearest(TrianglePair pair, double rounding);
     /// Calls take(pair, points) for each pair.
     template <class Take>
-    void nearest(std::span<const TrianglePair> pairs, Take take);
+    void nearest(std::span<const TrianglePair> pairs, double rounding, Take take);
 
     TrianglePoints points_a(std::uint32_t triangle) const { return a_.points(triangle); }
     TrianglePoints points_b(std::uint32_t triangle) const
@@ -171,12 +170,11 @@ bool TriangleTestsOf<A, B>::each_eight(std::span<const TrianglePair> pairs, Take
 
 template <class A, class B>
 template <class Take>
-void TriangleTestsOf<A, B>::nearest(std::span<const TrianglePair> all, Take take)
+void TriangleTestsOf<A, B>::nearest(std::span<const TrianglePair> all, double rounding, Take take)
 {
     each_eight(all, [&](std::span<const TrianglePair> pairs, const CornersOfPairs& corners) {
         NearestOfPairs points;
-        measure_pairs(pairs.size())(corners, b_to_a_->rotation.data(), b_to_a_->translation.data(),
-                                    static_cast<unsigned>(pairs.size()), points);
+        measure_pairs(corners, *b_to_a_, static_cast<unsigned>(pairs.size()), rounding, points);
         for (unsigned i = 0; i < pairs.size(); ++i) take(pairs[i], points_of(points, i));
         return true;
     });

@@ -20,12 +20,15 @@ namespace oncollide {
 /// from a rotation (two poses, each 2^-20), so a box's own axes may not be orthogonal: 256 u s. The boxes are at least
 /// |dx| - s apart. Together, a gap is at most the distance times 1 + 2^-17, plus 420 u s, plus box_rounding; the nodes'
 /// margins are at least 420 u s. RelativePose rounds in double, relative to the files' origins and to the bodies'
-/// distance.
+/// distance: a placed coordinate errs by at most 7 u |p| + 6 u |translation| with u = 2^-53, a placed point by less
+/// than 2^-49 of the sum of both. Half of leaf_rounding covers that; the other half is for the measuring of placed
+/// primitives.
 struct WalkFrame {
     BoxPlacement place_a, place_b;
     Eigen::Vector3d origin; ///< origin of the coordinates, in A's frame
     double box_rounding;    ///< error bound of gaps between boxes
     double leaf_rounding;   ///< error bound of distances between primitives
+    double placement;       ///< error bound of the distance of two points as placed by the relative pose
     double apart;           ///< lower bound of the distance of the spheres around the geometries
 
     /// @param reach  if the spheres are farther apart, only `apart` is set
@@ -42,6 +45,7 @@ struct WalkFrame {
         apart = (length - (1 + 0x1p-18) * both) * (1 - 0x1p-18) - box_rounding;
         if (apart > reach) return;
         const double far = a.centre().norm() + b.centre().norm() + b_to_a.translation.norm();
+        placement = 0x1p-49 * (m + far);
         leaf_rounding = std::max(0x1p-38 * m, 0x1p-48 * far) + 1e-150; // squares of smaller distances underflow
         const bool from_a = a.radius() < b.radius();
         for (int i = 0; i < 3; ++i) { // the points that become the origin
@@ -56,6 +60,14 @@ struct WalkFrame {
             place_b.translation[i] = static_cast<float>(d[i] + moved - from);
             for (int j = 0; j < 3; ++j) place_b.rotation[3 * i + j] = static_cast<float>(r(i, j));
         }
+    }
+    /// The lower bound of the distance of primitives whose distance as placed is at least `gap`. Poses may be 2^-20
+    /// from rigid; that takes more from large gaps than the rounding of the placement does. Below this rounding only
+    /// placed primitives have a distance: the bound is theirs, > 0 unless they touch.
+    double placed_at_least(double gap) const
+    {
+        if (gap < 0x1p18 * placement) gap = std::max(gap - placement, std::min(gap, placement));
+        return gap * (1 - 0x1p-18);
     }
     /// The lower bound of the distance that a gap proves.
     double at_least(double gap) const { return (gap - box_rounding) * (1 - 0x1p-17); }

@@ -135,13 +135,13 @@ public:
         }
         return inside;
     }
-    double distance(const Pair& pair) const { return nearest(pair).distance; }
-    NearestPoints nearest(const Pair& pair) const
+    NearestPoints nearest(const Pair& pair, double rounding) const
     {
         const TrianglePoints t = triangle(pair);
         NearestPoints least{{}, {}, std::numeric_limits<double>::infinity()};
         for (const TrianglePoints& face : faces(pair)) {
-            const NearestPoints points = cubes_first ? nearest_points(face, t) : nearest_points(t, face);
+            const NearestPoints points =
+                cubes_first ? nearest_points(face, t, rounding) : nearest_points(t, face, rounding);
             if (points.distance < least.distance) least = points;
         }
         return least;

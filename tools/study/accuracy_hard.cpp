@@ -20,6 +20,7 @@
 #include "common/text.hpp"
 #include "peers/narrow/fcl_pair.hpp"
 #include "verify/trials/body_trial.hpp"
+#include "verify/trials/bound_trial.hpp"
 #include "verify/trials/crowd_trial.hpp"
 #include "verify/trials/differential.hpp"
 #include "verify/trials/tangent_trial.hpp"
@@ -54,6 +55,7 @@ public:
     Choice(const HardOptions& options, const std::vector<BodyCase>& cases) : chosen_(options.families)
     {
         for (const TriangleFamily& family : triangle_families()) known_.push_back(family.name);
+        for (const NearFamily& family : near_families()) known_.push_back(family.name);
         for (const std::string& name : families_of(cases)) known_.push_back(name);
         for (const char* name : tangent_families) known_.push_back(name);
         for (const char* name : terrain_families) known_.push_back(name);
@@ -159,6 +161,8 @@ std::vector<Tally> try_all(const HardOptions& options, const Choice& chosen, con
         for (bool rotated : {false, true})
             if (chosen(family.name))
                 add(try_triangles(family, std::uint64_t(options.count), rotated, options.threads, fcl_triangles_meet));
+    for (const NearFamily& family : near_families())
+        if (chosen(family.name)) add(try_bounds(family, std::uint64_t(options.count + 9) / 10, options.threads));
     for (const std::string& family : families_of(cases))
         if (chosen(family)) add(try_family(family, cases, options.threads));
     for (const char* family : tangent_families)
@@ -263,7 +267,11 @@ void add_accuracy_hard(Arguments accuracy)
     sub.add_option("--json FILE", options->json, "write the same as JSON");
     sub.footer(
         "Pairs of triangles: the exact test, in both orders, and FCL's test are compared with linear programming in\n"
-        "integers. Spheres, capsules and triangles that touch cells, boxes, hulls, meshes or terrains, or barely miss\n"
+        "integers. Triangles that are near each other, a tenth as many: every bound on their distance, of decide(),\n"
+        "distance(), near_features() and sweeps, is compared with rational arithmetic, and what a World remembers with "
+        "a\n"
+        "new decision after small moves. Spheres, capsules and triangles that touch cells, boxes, hulls, meshes or "
+        "terrains, or barely miss\n"
         "them: the truth is computed from squares of integers. Bodies: with each set of stages skipped, both bounding\n"
         "volumes, each exact level and budgets; as stored, swapped, with triangles and vertices in another order,\n"
         "rotated by quarter turns, and moved with rounding; with clearances below, at and above the distance; as\n"

@@ -11,9 +11,10 @@ struct NearestOfPairs {
 };
 
 /// Measures the first `count` pairs, of triangles that do not meet; B's are moved as RelativePose does. All eight pairs
-/// must be readable. `rotation` is column-major.
-using MeasurePairs = void(const CornersOfPairs& corners, const double* rotation, const double* translation,
-                          unsigned count, NearestOfPairs& out);
+/// must be readable. `rotation` is column-major. Returns bits of the pairs that may be nearer than their distance minus
+/// `rounding`; the others certainly are not.
+using MeasurePairs = unsigned(const CornersOfPairs& corners, const double* rotation, const double* translation,
+                              unsigned count, double rounding, NearestOfPairs& out);
 
 namespace baseline {
 MeasurePairs* measure_pairs();

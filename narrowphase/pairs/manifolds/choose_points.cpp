@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double same = 1e-6; ///< share of a region's size that no point needs to be apart
+constexpr double same_share = 1e-6; ///< share of a region's size that no point needs to be apart
 
 auto key_of(const ManifoldCandidate& c)
 {
@@ -126,14 +126,15 @@ const std::vector<std::uint32_t>& PointChoice::choose(const std::vector<Manifold
     }
     size_ = (high - low).norm(), middle /= double(all.size());
     const auto outermost = [&](std::size_t i) { // of the deepest
-        return all[i].depth >= deepest - same * size_ ? (flat_[i] - middle).norm() : -1;
+        return all[i].depth >= deepest - same_share * size_ ? (flat_[i] - middle).norm() : -1;
     };
-    take(outermost, -unbounded, same * size_);
+    take(outermost, -unbounded, same_share * size_);
     if (most > 1) // the farthest
-        take([&](std::size_t i) { return (flat_[i] - flat_[kept_[0]]).norm(); }, same * size_, same * size_);
+        take([&](std::size_t i) { return (flat_[i] - flat_[kept_[0]]).norm(); }, same_share * size_,
+             same_share * size_);
     if (most > 2 && kept_.size() == 2) { // the largest triangle
         const Vector2d from = flat_[kept_[0]], way = flat_[kept_[1]] - from;
-        const double least = same * size_ * way.norm();
+        const double least = same_share * size_ * way.norm();
         take([&](std::size_t i) { return std::abs(turn(way, flat_[i] - from)); }, least, least);
     }
     while (kept_.size() > 2 && kept_.size() < most) { // the most area added outside an edge
@@ -144,7 +145,7 @@ const std::vector<std::uint32_t>& PointChoice::choose(const std::vector<Manifold
             for (const auto& [from, out] : edges_) area = std::max(area, out.dot(flat_[i] - from));
             return area;
         };
-        take(outside, same * size_ * size_, same * size_ * size_);
+        take(outside, same_share * size_ * size_, same_share * size_ * size_);
         if (kept_.size() == before) break;
     }
     return kept_;

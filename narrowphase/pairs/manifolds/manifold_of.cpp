@@ -57,7 +57,7 @@ void add_enclosed_region(PairWorker& worker, const PlacedSurface& a, const Place
             gap = std::max(found.lower, 0.0);
             const TrianglePoints of_a = a.points(found.nearest->a), of_b = b.points(found.nearest->b);
             const TrianglePoints& wall = inner_is_a ? of_b : of_a;
-            const NearestPoints points = nearest_points(of_a, of_b);
+            const NearestPoints points = nearest_points(of_a, of_b, 0x1p-20 * gap + rounding_of(a, b));
             way = inner_is_a ? Vector3d(points.b - points.a) : Vector3d(points.a - points.b);
             if (gap == 0 || way.norm() <= rounding_of(a, b)) way = (wall[1] - wall[0]).cross(wall[2] - wall[0]);
         });

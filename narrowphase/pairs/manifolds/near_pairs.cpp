@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
-#include <oncollide/narrowphase/exact/triangle_distance.hpp>
+#include <oncollide/narrowphase/exact/feature_distance.hpp>
 #include <oncollide/narrowphase/pairs/manifold_tests.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/region_draft.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
@@ -28,23 +28,6 @@ FeatureBits feature(const PlacedSurface& surface, std::uint32_t triangle, std::u
     for (int k = 0; k < 3; ++k)
         if (corners >> k & 1) of[count++] = v[k];
     return count == 2 ? surface.edge(of[0], of[1]) : surface.vertex(of[0]);
-}
-
-/// Nearest points of two segments, as parameters. Source: Ericson, 5.1.9.
-std::pair<double, double> nearest_of(const Vector3d& p, const Vector3d& d, const Vector3d& q, const Vector3d& e)
-{
-    const Vector3d r = p - q;
-    const double a = d.squaredNorm(), c = e.squaredNorm(), f = e.dot(r);
-    if (a == 0) return {0, c == 0 ? 0 : std::clamp(f / c, 0.0, 1.0)};
-    const double b = d.dot(e), g = d.dot(r), denominator = a * c - b * b;
-    if (c == 0) return {std::clamp(-g / a, 0.0, 1.0), 0};
-    double s = denominator > 0 ? std::clamp((b * f - g * c) / denominator, 0.0, 1.0) : 0;
-    double t = (b * s + f) / c;
-    if (t < 0)
-        t = 0, s = std::clamp(-g / a, 0.0, 1.0);
-    else if (t > 1)
-        t = 1, s = std::clamp((b - g) / a, 0.0, 1.0);
-    return {s, t};
 }
 
 /// The edge, by its first corner, that two corners of a triangle span.
@@ -125,8 +108,8 @@ void sort_once(std::vector<NearPair>& found)
         keys.push_back({p.a, p.b, p.distance, p.triangle_a, p.triangle_b, static_cast<std::uint32_t>(keys.size())});
     std::ranges::sort(keys, {},
                       [](const Key& k) { return std::tuple(k.a, k.b, k.distance, k.triangle_a, k.triangle_b); });
-    const auto same = [](const Key& x, const Key& y) { return x.a == y.a && x.b == y.b; };
-    keys.erase(std::unique(keys.begin(), keys.end(), same), keys.end());
+    const auto same_pair = [](const Key& x, const Key& y) { return x.a == y.a && x.b == y.b; };
+    keys.erase(std::unique(keys.begin(), keys.end(), same_pair), keys.end());
     std::vector<NearPair> sorted;
     sorted.reserve(keys.size());
     for (const Key& k : keys) sorted.push_back(found[k.at]);
@@ -192,13 +175,14 @@ void NearSearch::try_pair(const Face& a, const Face& b)
     if (!near_a.any() || !near_b.any()) return;
     const unsigned corners_a = a.tried_corners & near_a.corners, corners_b = b.tried_corners & near_b.corners,
                    edges_a = a.tried_edges & near_a.edges, edges_b = b.tried_edges & near_b.edges;
+    const double allowed = 0.5 * rounding_; // the rest is for the corners as placed
     for (int k = 0; k < 3; ++k) {
         if (corners_a >> k & 1) {
-            const auto on_b = nearest_on(b.points, a.points[k]);
+            const auto on_b = nearest_on(b.points, a.points[k], allowed, most_);
             add(a, 1 << k, a.points[k], b, on_b.corners, on_b.at);
         }
         if (corners_b >> k & 1) {
-            const auto on_a = nearest_on(a.points, b.points[k]);
+            const auto on_a = nearest_on(a.points, b.points[k], allowed, most_);
             add(a, on_a.corners, on_a.at, b, 1 << k, b.points[k]);
         }
     }
@@ -206,7 +190,9 @@ void NearSearch::try_pair(const Face& a, const Face& b)
         for (unsigned of_b = edges_b; of_b; of_b &= of_b - 1) {
             const int i = std::countr_zero(of_a), k = std::countr_zero(of_b), i2 = (i + 1) % 3, k2 = (k + 1) % 3;
             const Vector3d d = a.points[i2] - a.points[i], e = b.points[k2] - b.points[k];
-            const auto [s, t] = nearest_of(a.points[i], d, b.points[k], e);
+            const auto [s, t, distance] =
+                nearest_of_segments(a.points[i], a.points[i2], b.points[k], b.points[k2], allowed, most_);
+            if (distance > most_ * (1 + 0x1p-40)) continue;
             if (which_ == Which::minima && (s <= 0 || s >= 1 || t <= 0 || t >= 1)) continue; // found at the corner
             const auto spanned = [](int first, int last, double at) {
                 return std::uint8_t(at <= 0 ? 1 << first : at >= 1 ? 1 << last : 1 << first | 1 << last);

@@ -239,7 +239,8 @@ TEST_P(EveryFamilyInEights, HasNearestPointsThatASlabProvesAndTheSameBitsOnEvery
         const unsigned count = 1 + turn % 8;
         std::vector<NearestOfPairs> found;
         for (const Kernel& kernel : kernels()) {
-            kernel.measure(corners, rotated.rotation.data(), rotated.translation.data(), count, found.emplace_back());
+            kernel.measure(corners, rotated.rotation.data(), rotated.translation.data(), count,
+                           std::numeric_limits<double>::infinity(), found.emplace_back());
             for (unsigned i = 0; i < count; ++i) {
                 const NearestPoints here = points_of(found.back(), i), first = points_of(found.front(), i);
                 EXPECT_TRUE(here.a == first.a && here.b == first.b && here.distance == first.distance) << kernel.name;

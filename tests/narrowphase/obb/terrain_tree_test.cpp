@@ -126,7 +126,7 @@ void compare_with_brute_force(A& a, std::uint32_t triangles_a, B& b, std::uint32
             if (truth.meet(pair))
                 pairs.push_back(pair), distance = 0;
             else if (distance > 0)
-                distance = std::min(distance, truth.distance(pair));
+                distance = std::min(distance, truth.nearest(pair, 0x1p-40).distance);
         }
     met += !pairs.empty();
     TraversalOf<A, B> walk;
@@ -205,7 +205,7 @@ void stand_on(Ground& ground, const Terrain& terrain, std::uint64_t seed, bool b
             TrianglePoints moved;
             for (std::size_t k = 0; k < 3; ++k) moved[k] = ball_to_ground(ball.vertices[t[k]]);
             for (const TrianglePoints& below : near)
-                distance = triangles_meet(moved, below) ? 0 : std::min(distance, nearest_points(moved, below).distance);
+                distance = triangles_meet(moved, below) ? 0 : std::min(distance, triangle_distance(moved, below));
         }
         return distance;
     };

@@ -68,7 +68,7 @@ void compare_with_brute_force()
                 if (truth.meet(pair))
                     pairs.push_back(pair), distance = 0;
                 else if (distance > 0)
-                    distance = std::min(distance, truth.distance(pair));
+                    distance = std::min(distance, truth.nearest(pair, 0x1p-40).distance);
             }
         std::sort(pairs.begin(), pairs.end());
         (pairs.empty() ? apart : meeting) += 1;

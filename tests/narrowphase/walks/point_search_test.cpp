@@ -98,7 +98,7 @@ TEST(PointSearch, ApproachesTheNearestPointsOfBalls)
                 const double before = nearest;
                 for (const std::uint32_t i : nodes_a.primitives(of_a.slot, of_a.lane))
                     for (const std::uint32_t j : nodes_b.primitives(of_b.slot, of_b.lane)) {
-                        const NearestPoints points = nearest_points(a.corners(i), moved(j));
+                        const NearestPoints points = nearest_points(a.corners(i), moved(j), 0x1p-40);
                         if (points.distance >= nearest) continue;
                         nearest = points.distance;
                         for (int k = 0; k < 3; ++k) point[k] = float((in_a ? points.a : points.b)[k] - frame.origin[k]);
