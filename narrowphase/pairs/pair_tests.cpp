@@ -118,28 +118,36 @@ constexpr PairTests map_and_polytope()
     return tests;
 }
 
+/// Two shapes are taken in an order that does not depend on which of them is called a: all columns agree on whether
+/// they meet, as rounding in the other frame could give another result.
+template <class Test, bool swapped>
+Test test_of(const PairTask& task)
+{
+    return Test(task, std::same_as<Test, TwoShapes> ? decides_b_first(task) : swapped);
+}
+
 template <class Test, bool swapped>
 constexpr PairTests direct(TreesNeeded trees)
 {
     return {.trees = trees,
             .decide = [](PairWorker&, const PairTask& task, const PairOptions& options,
-                         PairMemory*) { return direct_tests::decide(Test(task, swapped), options.clearance); },
+                         PairMemory*) { return direct_tests::decide(test_of<Test, swapped>(task), options.clearance); },
             .near =
                 [](PairWorker&, const PairTask& task, double clearance, double tolerance, PairMemory*) {
-                    return direct_tests::compare(Test(task, swapped), clearance, {.below = clearance + tolerance},
+                    return direct_tests::compare(test_of<Test, swapped>(task), clearance, {.below = clearance + tolerance},
                                                  ContactKind::unknown);
                 },
             .distance =
                 [](PairWorker&, const PairTask& task, double tolerance, double farthest, bool) {
-                    return direct_tests::distance(Test(task, swapped), {.above = farthest, .tolerance = tolerance});
+                    return direct_tests::distance(test_of<Test, swapped>(task), {.above = farthest, .tolerance = tolerance});
                 },
             .direct_distance =
                 trees == TreesNeeded::always
                     ? nullptr
                     : +[](const PairTask& task,
-                          const EnoughDistance& enough) { return direct_tests::distance(Test(task, swapped), enough); },
+                          const EnoughDistance& enough) { return direct_tests::distance(test_of<Test, swapped>(task), enough); },
             .contacts = [](PairWorker&, const PairTask& task,
-                           Contacts& found) { direct_tests::contacts(Test(task, swapped), found); },
+                           Contacts& found) { direct_tests::contacts(test_of<Test, swapped>(task), found); },
             .penetration = nullptr,
             .advance = sweep_tests::direct<Test, swapped>,
             .manifold = manifold_of,
@@ -159,17 +167,17 @@ constexpr PairTests in_one_order()
     tests.decide = [](PairWorker& worker, const PairTask& task, const PairOptions& options, PairMemory* memory) {
         return row().decide(worker, decides_b_first(task) ? task.swapped() : task, options, memory);
     };
+    tests.distance = [](PairWorker& worker, const PairTask& task, double tolerance, double farthest, bool solid) {
+        const bool b_first = decides_b_first(task);
+        return in_task(row().distance(worker, b_first ? task.swapped() : task, tolerance, farthest, solid), b_first);
+    };
     return tests;
 }
 
 /// Two shapes, of which at most one is a box or a hull.
 constexpr PairTests two_shapes()
 {
-    PairTests tests = direct<TwoShapes, false>(TreesNeeded::never);
-    tests.decide = [](PairWorker&, const PairTask& task, const PairOptions& options, PairMemory*) {
-        return direct_tests::decide(TwoShapes(task, decides_b_first(task)), options.clearance);
-    };
-    return tests;
+    return direct<TwoShapes, false>(TreesNeeded::never);
 }
 
 /// Two boxes or hulls: their triangles decide kinds of contact only.

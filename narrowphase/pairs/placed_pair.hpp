@@ -31,6 +31,13 @@ double rounding_of(const PairTask& task);
 /// @param beyond  the cutoff, up to which it may return another verdict
 double surely_separate(const PairTask& task, double beyond);
 
+/// The distance of the task's a and b. `swapped`: d is of b and a.
+inline Distance in_task(Distance d, bool swapped)
+{
+    if (swapped) std::swap(d.point_a, d.point_b), std::swap(d.a, d.b);
+    return d;
+}
+
 /// A pair in the order in which its test takes it: computations are in the first body's frame.
 struct OrderedPair {
     Model &a, &b;
@@ -44,11 +51,7 @@ struct OrderedPair {
     {
     }
     /// Undoes the swap.
-    Distance in_task(Distance d) const
-    {
-        if (swapped) std::swap(d.point_a, d.point_b), std::swap(d.a, d.b);
-        return d;
-    }
+    Distance in_task(const Distance& d) const { return oncollide::in_task(d, swapped); }
     Contact in_task(Contact c) const
     {
         if (swapped) std::swap(c.a, c.b), std::swap(c.ends[0], c.ends[1]), std::swap(c.normal_a, c.normal_b);

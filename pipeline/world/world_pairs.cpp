@@ -210,7 +210,15 @@ void World::Impl::need_trees(std::span<const PairTask> tasks)
 Distance World::Impl::distance(QueryWorker& worker, const PairTask& task, double tolerance, double cutoff)
 {
     const bool solid = settings.mode == Mode::solid;
-    return models.with_room([&] { return tests_for(task).distance(worker.pairs, task, tolerance, cutoff, solid); });
+    return models.with_room([&] {
+        Distance found = tests_for(task).distance(worker.pairs, task, tolerance, cutoff, solid);
+        // The distance of a box from triangles is computed in another frame than the exact decision. Where rounding
+        // leaves open whether they meet, the decision is the truth.
+        if (found.lower == 0 && found.upper > 0 && found.upper <= rounding_of(task) &&
+            tests_for(task).decide(worker.pairs, task, {}, nullptr).verdict == Verdict::colliding)
+            found.upper = 0, found.point_a = found.point_b = 0.5 * (found.point_a + found.point_b);
+        return found;
+    });
 }
 
 Distance World::distance(PairSide a, PairSide b, double tolerance, double cutoff) const
