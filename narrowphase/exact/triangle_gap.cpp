@@ -13,6 +13,7 @@ struct Gaps {
     const BinaryGrid& grid;
     std::array<WideVector<N, 3>, 9> apart; ///< from each corner of a to each corner of b
     double widest = 0;
+    Eigen::Vector3d widest_axis = Eigen::Vector3d::Zero();
 
     /// Takes the gap along the axis, if all of b is on one side of all of a.
     void add(const WideVector<2 * N, 3>& axis)
@@ -33,15 +34,15 @@ struct Gaps {
         for (int k = 0; k < 3; ++k) scaled[k] = scaled_down(axis[std::size_t(k)], axis_bits);
         const double units = scaled_down(least, bits) / scaled.norm() * (1 - 0x1p-45);
         const double gap = std::ldexp(units, bits - axis_bits + grid.exponent);
-        if (gap >= std::numeric_limits<double>::min())
-            widest = std::max(widest, gap); // a smaller gap might have been
-                                            // rounded up
+        // A smaller gap might have been rounded up.
+        if (gap >= std::numeric_limits<double>::min() && gap > widest)
+            widest = gap, widest_axis = side * scaled.normalized();
     }
 };
 
 } // namespace
 
-double triangle_gap(const TrianglePoints& a, const TrianglePoints& b)
+double triangle_gap(const TrianglePoints& a, const TrianglePoints& b, Eigen::Vector3d* axis)
 {
     const BinaryGrid grid = grid_of_points(a[0], a[1], a[2], b[0], b[1], b[2]);
     return with_limbs(grid, [&](auto limbs) {
@@ -62,6 +63,7 @@ double triangle_gap(const TrianglePoints& a, const TrianglePoints& b)
                 gaps.add(cross<n>(of_a[i], axes[j])), gaps.add(cross<n>(of_b[i], axes[j]));
             }
         }
+        if (axis) *axis = gaps.widest_axis;
         return gaps.widest;
     });
 }

@@ -8,7 +8,8 @@ namespace oncollide {
 /// are normal to a face, to two edges, or to an edge and a coordinate axis; triangles that are apart have a gap along
 /// one of them. Cost: 2 to 10 microseconds, all in integers; triangle_distance() gives the same bound for triangles
 /// whose distance exceeds the rounding errors.
-double triangle_gap(const TrianglePoints& a, const TrianglePoints& b);
+/// @param axis  out, unless null: the unit direction of the gap, from a to b; 0 if there is none
+double triangle_gap(const TrianglePoints& a, const TrianglePoints& b, Eigen::Vector3d* axis = nullptr);
 
 /// The least distance that triangles with such coordinates can have unless they meet: coarser, and 100 times as fast.
 double least_possible_gap(const TrianglePoints& a, const TrianglePoints& b);

@@ -1,14 +1,44 @@
 #include <oncollide/narrowphase/inside/mesh_links.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <tuple>
 
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
+#include <oncollide/narrowphase/exact/wide_vector.hpp>
 
 namespace oncollide {
 
 namespace {
+
+/// The sign of the volume that a closed mesh encloses, exactly.
+int volume_sign(const Mesh& mesh)
+{
+    double volume = 0, magnitude = 0;
+    const Eigen::Vector3d middle = mesh.bounds.centre();
+    for (const Triangle& t : mesh.triangles) {
+        const Eigen::Vector3d a = mesh.vertices[t[0]] - middle, b = mesh.vertices[t[1]] - middle,
+                              c = mesh.vertices[t[2]] - middle;
+        volume += a.dot(b.cross(c)), magnitude += a.norm() * b.norm() * c.norm();
+    }
+    // Each product passes through less than 16 roundings, and the sum adds one per triangle.
+    if (std::abs(volume) > 0x1p-53 * (16 + double(mesh.triangles.size())) * magnitude) return volume < 0 ? -1 : 1;
+    std::vector<double> coordinates;
+    for (const Triangle& t : mesh.triangles)
+        for (const std::uint32_t v : t)
+            coordinates.insert(coordinates.end(), {mesh.vertices[v].x(), mesh.vertices[v].y(), mesh.vertices[v].z()});
+    const BinaryGrid grid = grid_of(coordinates);
+    return with_limbs(grid, [&](auto limbs) {
+        constexpr int n = decltype(limbs)::value;
+        const Eigen::Vector3d& first = mesh.vertices[mesh.triangles[0][0]];
+        const auto from_first = [&](std::uint32_t v) { return difference<n, 3>(grid, mesh.vertices[v], first); };
+        WideInteger<3 * n + 1> sum;
+        for (const auto& [a, b, c] : mesh.triangles)
+            sum = sum + dot(cross<n>(from_first(a), from_first(b)), from_first(c)) * WideInteger<1>{{1}};
+        return sum.sign();
+    });
+}
 
 /// An edge sticks out unless the triangle behind it is in the plane or in front of it.
 void find_ridges(const Mesh& mesh, MeshLinks& links)
@@ -80,14 +110,7 @@ MeshLinks links_of(const Mesh& mesh)
         }
         i = end;
     }
-    double volume = 0;
-    const Eigen::Vector3d middle = mesh.bounds.centre();
-    for (const Triangle& t : mesh.triangles) {
-        const Eigen::Vector3d a = mesh.vertices[t[0]] - middle, b = mesh.vertices[t[1]] - middle,
-                              c = mesh.vertices[t[2]] - middle;
-        volume += a.dot(b.cross(c));
-    }
-    links.reversed = links.closed && volume < 0;
+    links.reversed = links.closed && volume_sign(mesh) < 0;
     find_ridges(mesh, links);
     return links;
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <tuple>
 
@@ -161,6 +162,7 @@ void NearSearch::add(const Face& a, std::uint8_t corners_a, const Vector3d& at_a
     if (distance2 > most_ * most_ * (1 + 0x1p-40)) return;
     const double distance = std::sqrt(distance2);
     if (distance > most_) return;
+    least_ = std::min(least_, distance);
     if (which_ == Which::minima && (!(distance > rounding_) || !a.owns(corners_a) || !b.owns(corners_b) ||
                                     !is_minimum(*a_.surface, a.triangle, corners_a, at_a, at_b) ||
                                     !is_minimum(*b_.surface, b.triangle, corners_b, at_b, at_a)))
@@ -204,7 +206,7 @@ void NearSearch::try_pair(const Face& a, const Face& b)
 void NearSearch::find(const PlacedSurface& a, const PlacedSurface& b, std::span<const TrianglePair> near, double dhat,
                       double rounding, Which which, std::vector<NearPair>& found)
 {
-    which_ = which, rounding_ = rounding, found_ = &found;
+    which_ = which, rounding_ = rounding, found_ = &found, least_ = std::numeric_limits<double>::infinity();
     most_ = dhat + rounding, reach_ = most_ * (1 + 0x1p-20) + rounding;
     found.clear();
     a_.set(a, near, true, which), b_.set(b, near, false, which);

@@ -33,6 +33,8 @@ public:
     /// @param near  all pairs of triangles within dhat + rounding, and perhaps others, in any order
     void find(const PlacedSurface& a, const PlacedSurface& b, std::span<const TrianglePair> near, double dhat,
               double rounding, Which which, std::vector<NearPair>& found);
+    /// The least distance that find() has seen, also of features that are no minima.
+    double least() const { return least_; }
 
 private:
     /// A triangle of some near pairs. A vertex or an edge that several of them share belongs to the first: if it is
@@ -61,7 +63,7 @@ private:
 
     Side a_, b_;
     Which which_;
-    double most_, reach_, rounding_;
+    double most_, reach_, rounding_, least_;
     std::vector<NearPair>* found_;
 };
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <oncollide/narrowphase/exact/triangle_gap.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/near_pairs.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/region_draft.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
@@ -92,6 +93,34 @@ NearGroups groups_of(const std::vector<NearPair>& near, double spread)
     return groups;
 }
 
+/// A region of the nearest two triangles, where no pair of features is certainly a minimum: slivers, and triangles that
+/// are so near that rounding hides their direction. Integers find one then.
+void add_nearest_region(ManifoldMemory& memory, const PlacedSurface& a, const PlacedSurface& b,
+                        const ManifoldOptions& options, double rounding, Manifold& manifold)
+{
+    NearestPoints nearest{{}, {}, std::numeric_limits<double>::infinity()};
+    const TrianglePair* found = nullptr;
+    for (const TrianglePair& pair : memory.near_triangles) {
+        const NearestPoints points = nearest_points(a.points(pair.a), b.points(pair.b), 0.5 * rounding);
+        if (points.distance < nearest.distance) nearest = points, found = &pair;
+    }
+    const bool hidden = nearest.distance <= 2 * rounding, solid = a.solid() && b.solid();
+    if (!(nearest.distance <= options.margin + rounding) || !(hidden || solid)) return;
+    RegionDraft& draft = memory.draft;
+    draft.clear();
+    draft.rounding = rounding;
+    ManifoldRegion& region = draft.region;
+    region.kind = RegionKind::near, region.open = !a.solid() || !b.solid();
+    region.normal = (nearest.b - nearest.a).normalized();
+    if (hidden) triangle_gap(a.points(found->a), b.points(found->b), &region.normal);
+    if (region.normal.isZero(0)) region.normal = Vector3d::UnitZ();
+    region.normal_error = hidden ? std::numbers::pi : 0x1p-40 + rounding / nearest.distance;
+    region.centre = 0.5 * (nearest.a + nearest.b), region.depth_upper = 2 * rounding - nearest.distance;
+    draft.candidates.push_back({region.centre, ManifoldCandidate::of_both, a.face(found->a), b.face(found->b),
+                                -nearest.distance, 2 * rounding, true, region.normal});
+    finish(memory, a, b, options, manifold);
+}
+
 } // namespace
 
 void add_near_regions(ManifoldMemory& memory, const PlacedSurface& a, const PlacedSurface& b,
@@ -107,6 +136,7 @@ void add_near_regions(ManifoldMemory& memory, const PlacedSurface& a, const Plac
     NearGroups groups = groups_of(near, spread);
     while (groups.size() > room && spread < most_spread) // more directions than regions
         spread = std::min(1.5 * std::max(spread, 0.05), most_spread), groups = groups_of(near, spread);
+    const std::size_t begin = manifold.regions.size();
     for (const auto& [first, members] : groups) {
         RegionDraft& draft = memory.draft;
         draft.clear();
@@ -136,6 +166,13 @@ void add_near_regions(ManifoldMemory& memory, const PlacedSurface& a, const Plac
             p.point_a += 0.5 * p.depth * region.normal, p.point_b -= 0.5 * p.depth * region.normal;
         }
     }
+    // Where edges are nearly parallel, a minimum may be certain that is not quite the least.
+    const auto nearest = std::ranges::max_element(manifold.regions.begin() + std::ptrdiff_t(begin),
+                                                  manifold.regions.end(), {}, &ManifoldRegion::depth_upper);
+    if (nearest != manifold.regions.end())
+        nearest->depth_upper = std::max(nearest->depth_upper, 2 * rounding - memory.near_search.least());
+    if (manifold.regions.empty() && memory.meeting.empty())
+        add_nearest_region(memory, a, b, options, rounding, manifold);
 }
 
 } // namespace oncollide

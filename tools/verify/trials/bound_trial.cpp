@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/exact/feature_distance.hpp>
 #include <oncollide/narrowphase/exact/triangle_gap.hpp>
 #include <oncollide/pipeline/world.hpp>
@@ -64,6 +65,7 @@ public:
         try_clearances();
         try_near_features(yard);
         if (!meet_) try_moves(yard, found.bound, d.point_b - d.point_a);
+        if (!meet_) try_solids();
     }
 
 private:
@@ -189,6 +191,53 @@ private:
             if (live.world.decide(PlacedModel{live.model_a, pose}, live.b).verdict == Verdict::colliding)
                 tally_.fault(&Tally::missed, what("sweep(), clear_until", swept.clear_until));
         }
+    }
+    /// The triangles as faces of two tetrahedra on either side of the gap: a margin above the distance has a region,
+    /// whose interval of depths contains the distance.
+    void try_solids()
+    {
+        const auto& [a, b] = pair_;
+        const NearestPoints points = exact_nearest_points(a, b);
+        const Vector3d across = (points.b - points.a).normalized();
+        const auto tetrahedron = [&](const TrianglePoints& t, const Vector3d& back) {
+            const double size = (t[1] - t[0]).norm() + (t[2] - t[0]).norm();
+            const Vector3d apex = (t[0] + t[1] + t[2]) / 3 + size * (back + 0.2 * draw_.vector());
+            return std::array<TrianglePoints, 4>{{t, {t[0], t[1], apex}, {t[1], t[2], apex}, {t[2], t[0], apex}}};
+        };
+        const auto faces_a = tetrahedron(a, -across), faces_b = tetrahedron(b, across);
+        ExactDistance truth(a, b);
+        for (const TrianglePoints& s : faces_a)
+            for (const TrianglePoints& t : faces_b)
+                if (ExactDistance other(s, t); other < truth) truth = std::move(other);
+        const double distance = truth.value();
+        if (distance == 0 || size() > 1e12) return;
+        World world;
+        const auto add = [&](const std::array<TrianglePoints, 4>& faces) {
+            const auto& [t, side, x, y] = faces;
+            const bool outward = orient3d(t[0], t[1], t[2], side[2]) < 0;
+            const std::vector<Triangle> triangles =
+                outward ? std::vector<Triangle>{{0, 1, 2}, {1, 0, 3}, {2, 1, 3}, {0, 2, 3}}
+                        : std::vector<Triangle>{{1, 0, 2}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+            return world.add_body(
+                {.model = world.add(make_mesh("tetrahedron", {t[0], t[1], t[2], side[2]}, triangles))});
+        };
+        const BodyId first = add(faces_a), second = add(faces_b);
+        const Manifold manifold = world.manifold(first, second, {.margin = distance * (1 + 0x1p-20)});
+        // The direction across a tiny gap is rounded, so one tetrahedron may lie inside the other.
+        for (const ManifoldRegion& region : manifold.regions)
+            if (region.kind == RegionKind::enclosed) return;
+        ++tally_.results;
+        double most = -std::numeric_limits<double>::infinity();
+        for (const ManifoldRegion& region : manifold.regions) {
+            ++tally_.bounds;
+            most = std::max(most, region.depth_upper);
+            if (truth.compare(std::max(-region.depth_lower, 0.0)) > 0)
+                tally_.fault(&Tally::broken, what("depth_lower of tetrahedra", region.depth_lower));
+        }
+        if (manifold.regions.empty())
+            tally_.fault(&Tally::missed, what("no region of tetrahedra at distance", distance));
+        else if (most < 0 && truth.compare(-most) < 0)
+            tally_.fault(&Tally::broken, what("depth_upper of tetrahedra", most));
     }
     double size() const
     {
