@@ -266,6 +266,32 @@ TEST_P(EveryFamilyInEights, HasNearestPointsThatASlabProvesAndTheSameBitsOnEvery
     EXPECT_GT(proved, 200u);
 }
 
+/// Edges that cross at 2^-26 rad: the nearest points in doubles are far off, and no slab shows their distance.
+TEST(TriangleKernel, SaysWhichDistancesItCannotShow)
+{
+    const double tan = 0x1p-26, height = 0x1p-38;
+    const TrianglePoints low{Eigen::Vector3d(-1, 0, 0), Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, -1)};
+    const TrianglePoints high{Eigen::Vector3d(-1, -tan, height), Eigen::Vector3d(1, tan, height),
+                              Eigen::Vector3d(0, 1, 1)};
+    const TrianglePoints far{Eigen::Vector3d(-1, 0, 3), Eigen::Vector3d(1, 0, 3), Eigen::Vector3d(0, 1, 4)};
+    const std::vector<TwoTriangles> pairs{{low, far}, {low, high}, {high, far}, {high, low},
+                                          {low, far}, {low, far},  {low, far},  {low, high}};
+    const CornersOfPairs corners = corners_of(pairs);
+    const RelativePose here(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
+    const auto unsure = [&](const Kernel& kernel, double rounding) {
+        NearestOfPairs found;
+        return kernel.measure(corners, here.rotation.data(), here.translation.data(), 8, rounding, found);
+    };
+    for (const Kernel& kernel : kernels()) {
+        EXPECT_EQ(unsure(kernel, 0x1p-44) & 0b01110101, 0u) << kernel.name;
+        EXPECT_EQ(unsure(kernel, 1), 0u) << kernel.name << ": every distance is larger than this one minus 1 m";
+    }
+    EXPECT_EQ(triangle_distance(low, high), height);
+    NearestOfPairs found;
+    measure_pairs(corners, here, 8, 0x1p-44, found);
+    for (const unsigned i : {1u, 3u, 7u}) EXPECT_NEAR(points_of(found, i).distance, height, 0x1p-44);
+}
+
 TEST(TriangleKernel, MovesPointsToTheLastBitAsTheExactTestIsTold)
 {
     // Triangles of B that, after the transform, end exactly on, or one ulp above, a corner of A.

@@ -205,6 +205,8 @@ private:
             return std::array<TrianglePoints, 4>{{t, {t[0], t[1], apex}, {t[1], t[2], apex}, {t[2], t[0], apex}}};
         };
         const auto faces_a = tetrahedron(a, -across), faces_b = tetrahedron(b, across);
+        for (const auto& faces : {faces_a, faces_b}) // rounding may have made it flat
+            if (const auto& t = faces[0]; orient3d(t[0], t[1], t[2], faces[1][2]) == 0) return;
         ExactDistance truth(a, b);
         for (const TrianglePoints& s : faces_a)
             for (const TrianglePoints& t : faces_b)
@@ -235,7 +237,8 @@ private:
                 tally_.fault(&Tally::broken, what("depth_lower of tetrahedra", region.depth_lower));
         }
         if (manifold.regions.empty())
-            tally_.fault(&Tally::missed, what("no region of tetrahedra at distance", distance));
+            tally_.fault(&Tally::missed, what("no region of tetrahedra at distance", distance) + ", apexes" +
+                                             shown({faces_a[1], faces_b[1]}));
         else if (most < 0 && truth.compare(-most) < 0)
             tally_.fault(&Tally::broken, what("depth_upper of tetrahedra", most));
     }
