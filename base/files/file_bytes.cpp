@@ -123,7 +123,9 @@ void check_readable(const fs::path& path)
     if (std::strlen(path.c_str()) != path.native().size()) refuse_it("a name cannot hold a zero byte");
     std::error_code error;
     const fs::file_status status = fs::status(path, error);
-    if (status.type() == fs::file_type::not_found) refuse_it("no such file");
+    if (status.type() == fs::file_type::not_found)
+        refuse_it(is_address(path.native()) ? "is an address; files are read from this machine only: save a copy of it"
+                                            : "no such file");
     if (status.type() == fs::file_type::none) refuse_it(fmt::format("cannot be read: {}", error.message()));
     if (fs::is_directory(status)) refuse_it("is a folder, not a file");
     if (!fs::is_regular_file(status)) refuse_it(fmt::format("is not a readable file: {}", name_of(status.type())));
@@ -133,12 +135,6 @@ void check_readable(const fs::path& path)
 void on_file_read(void (*visit)(const fs::path&))
 {
     read_visitor = visit;
-}
-
-fs::path file_in(const fs::path& folder, std::string_view name)
-{
-    const fs::path path = folder / name;
-    return path == "-" ? fs::path("./-") : path;
 }
 
 std::string lower_extension(const fs::path& path)

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include <oncollide/base/files/paths.hpp>
 #include <oncollide/base/memory/large_vector.hpp>
 #include <oncollide/base/reading_progress.hpp>
 
@@ -57,9 +58,6 @@ void check_readable(const std::filesystem::path& path);
 /// Calls `visit` with the path of each file before it is read; null: no call. Lets a program avoid overwriting its own
 /// input. Call only while no file is being read. An exception from `visit` aborts the reading.
 void on_file_read(void (*visit)(const std::filesystem::path&));
-
-/// The path of the file `name`, as referenced by another file in `folder`; never standard input.
-std::filesystem::path file_in(const std::filesystem::path& folder, std::string_view name);
 
 /// The file name's extension in lower case, such as ".obj"; empty if there is none.
 std::string lower_extension(const std::filesystem::path& path);

@@ -14,6 +14,17 @@ namespace oncollide {
 struct RobotSource : MeshSource {
     /// Throws Error{bad_data} with the message "FILE: line N: joint 'a': TEXT".
     [[noreturn]] void fail_at(const XmlElement& element, const std::string& text) const;
+    /// Returns work(); its errors name the element, except for those of this build or of the caller.
+    template <class Work>
+    auto at(const XmlElement& element, Work work) const
+    {
+        try {
+            return work();
+        } catch (const Error& error) {
+            if (error.kind() == ErrorKind::usage) throw;
+            fail_at(element, error.what());
+        }
+    }
     /// An attribute that must be there, and must not be empty.
     const std::string& required(const XmlElement& element, std::string_view key) const;
     /// The finite numbers of an attribute; nothing if it is absent. Throws unless there are `count`.

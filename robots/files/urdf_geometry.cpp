@@ -49,23 +49,25 @@ Eigen::Isometry3d origin_of(const RobotSource& source, const XmlElement& element
 
 fs::path GeometryReader::path_of(const XmlElement& element, const std::string& name) const
 {
-    constexpr std::string_view package = "package://", file = "file://";
-    if (name.starts_with(file)) return file_in(folder_, name.substr(file.size()));
-    if (!name.starts_with(package)) return file_in(folder_, name);
-    const std::string rest = name.substr(package.size());
+    constexpr std::string_view schemes[] = {"package://", "model://"}; // of ROS and of Gazebo, with one meaning
+    const auto* const scheme =
+        std::ranges::find_if(schemes, [&](std::string_view one) { return name.starts_with(one); });
+    if (scheme == std::end(schemes)) return source_.at(element, [&] { return file_in(folder_, name); });
+    const std::string rest = name.substr(scheme->size());
     const std::string folder = rest.substr(0, rest.find('/'));
     const std::string inside = folder.size() < rest.size() ? rest.substr(folder.size() + 1) : "";
     if (const auto given = reading_.packages.find(folder); given != reading_.packages.end())
-        return file_in(given->second, inside);
-    for (fs::path at = fs::absolute(folder_).lexically_normal();; at = at.parent_path()) {
+        return given->second / inside;
+    for (fs::path at = absolute_path(folder_).lexically_normal();; at = at.parent_path()) {
         std::error_code ignored;
         if (at.filename() == folder && fs::exists(at / inside, ignored)) return at / inside;
         if (fs::exists(at / rest, ignored)) return at / rest;
         if (at == at.parent_path()) break;
     }
     source_.fail_at(element, fmt::format("{}: neither the folder of this file nor one above it has that file; name the "
-                                         "folder of package {}",
-                                         oncollide::quoted(name), oncollide::quoted(folder)));
+                                         "folder of {} {}",
+                                         oncollide::quoted(name), scheme == schemes ? "package" : "model",
+                                         oncollide::quoted(folder)));
 }
 
 std::shared_ptr<const Geometry> GeometryReader::mesh(const XmlElement& element)
@@ -77,14 +79,11 @@ std::shared_ptr<const Geometry> GeometryReader::mesh(const XmlElement& element)
     std::shared_ptr<const Geometry>& shared =
         meshes_[fmt::format("{}\n{} {} {}", name, scale.x(), scale.y(), scale.z())];
     if (shared) return shared;
-    try {
+    return shared = source_.at(element, [&] {
         Mesh mesh = load_mesh(path);
         if (scale != Eigen::Vector3d::Ones()) mesh = scaled(name, std::move(mesh), scale);
-        return shared = std::make_shared<const Geometry>(Geometry{name, std::move(mesh), {}});
-    } catch (const Error& error) {
-        if (error.kind() == ErrorKind::usage) throw;
-        source_.fail_at(element, error.what());
-    }
+        return std::make_shared<const Geometry>(Geometry{name, std::move(mesh), {}});
+    });
 }
 
 LinkGeometry GeometryReader::read(const XmlElement& collision, const std::string& link)

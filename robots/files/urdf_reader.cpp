@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/text/near_word.hpp>
+#include <oncollide/scenes/files/common/file_warning.hpp>
 
 namespace oncollide {
 
@@ -101,6 +102,10 @@ private:
     void read_limits(const XmlElement& element, RobotJoint& joint)
     {
         const XmlElement* const limit = element.find("limit");
+        if (!limit && element.find("mimic")) // its values come from another joint, which has limits
+            return warn_of_file(source_.name, fmt::format("joint {} has no limit; it moves as far as the joint that it "
+                                                          "mimics takes it",
+                                                          oncollide::quoted(joint.name)));
         if (!limit) source_.fail_at(element, "a " + std::string(name_of(joint.kind)) + " joint needs a limit");
         joint.lower = source_.number(*limit, "lower", 0), joint.upper = source_.number(*limit, "upper", 0);
         if (!(joint.lower <= joint.upper))

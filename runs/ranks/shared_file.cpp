@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/files/paths.hpp>
 
 namespace oncollide {
 
@@ -79,7 +80,7 @@ void SharedFile::rename()
     std::filesystem::rename(part(), path_, error);
     if (error) fail(error.value());
     // fsync the folder, so the new name survives a power failure.
-    const std::filesystem::path folder = std::filesystem::absolute(path_).parent_path();
+    const std::filesystem::path folder = absolute_path(path_).parent_path();
     if (const int directory = ::open(folder.c_str(), O_RDONLY | O_CLOEXEC); directory >= 0)
         ::fsync(directory), ::close(directory);
 }

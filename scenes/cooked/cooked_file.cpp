@@ -85,7 +85,7 @@ private:
     bool kept_ = false;
 };
 
-CookedFile::CookedFile(const fs::path& path) : name_(path.string()), path_(fs::absolute(path)) {}
+CookedFile::CookedFile(const fs::path& path) : name_(path.string()), path_(absolute_path(path)) {}
 
 CookedFile::~CookedFile() = default;
 

@@ -22,7 +22,7 @@ static_assert(no_node_above == no_node);
 
 struct Format {
     const char* extension;
-    RawAssembly (*read)(const MeshSource&, double scale, int threads);
+    RawAssembly (*read)(const MeshSource&, const AssemblyOptions&);
 };
 constexpr Format formats[] = {
     {".gltf", read_gltf_parts}, {".glb", read_gltf_parts}, {".dae", read_collada_parts}, {".3mf", read_3mf_parts}};
@@ -41,13 +41,13 @@ std::shared_ptr<const Geometry> shared_geometry(std::string name, Mesh mesh)
     return std::make_shared<const Geometry>(Geometry{std::move(name), std::move(mesh), {}});
 }
 
-Assembly load_parts(const Format& format, const std::filesystem::path& path, double scale, int threads)
+Assembly load_parts(const Format& format, const std::filesystem::path& path, const AssemblyOptions& options)
 {
     const std::string file = path.string();
     RawAssembly raw;
     {
         const FileBytes bytes = read_large_file(path, std::uintmax_t(2) << 30);
-        raw = format.read({file, bytes}, scale, threads);
+        raw = format.read({file, bytes}, options);
     }
     Assembly assembly;
     std::erase_if(raw.parts, [&](const RawPart& part) { return raw.meshes[part.mesh].triangles.empty(); });
@@ -56,7 +56,7 @@ Assembly load_parts(const Format& format, const std::filesystem::path& path, dou
     for (const RawPart& part : raw.parts)
         if (names[part.mesh].empty()) names[part.mesh] = fmt::format("{}: {}", file, part.name);
     assembly.meshes.resize(raw.meshes.size());
-    parallel_chunks(raw.meshes.size(), 1, threads, [&](std::size_t begin, std::size_t end, int) {
+    parallel_chunks(raw.meshes.size(), 1, options.threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {
             RawMesh& mesh = raw.meshes[i];
             if (mesh.triangles.empty()) continue;
@@ -76,21 +76,22 @@ bool is_assembly_file(const std::filesystem::path& path)
     return format_of(path) != nullptr;
 }
 
-Assembly load_assembly(const std::filesystem::path& path, double scale, int threads, bool objects)
+Assembly load_assembly(const std::filesystem::path& path, const AssemblyOptions& options)
 {
+    const double scale = options.scale;
     if (!(scale > 0) || !std::isfinite(scale))
         throw Error(ErrorKind::usage,
                     fmt::format("{}: the scale is {}; it must be finite and above 0", path.string(), scale));
-    if (const Format* const format = format_of(path)) return load_parts(*format, path, scale, threads);
-    if (objects && lower_extension(path) == ".obj") return load_parts({".obj", read_obj_parts}, path, scale, threads);
+    if (const Format* const format = format_of(path)) return load_parts(*format, path, options);
+    if (options.objects && lower_extension(path) == ".obj") return load_parts({".obj", read_obj_parts}, path, options);
     const std::string name = path == "-" ? "standard input" : path.stem().string();
     return {{shared_geometry(path.string(), load_mesh(path, {.scale = scale}))},
             {{name, name, no_node_above, 0, Eigen::Isometry3d::Identity()}}};
 }
 
-Scene load_assembly_scene(const std::filesystem::path& path)
+Scene load_assembly_scene(const std::filesystem::path& path, const AssemblyOptions& options)
 {
-    const Assembly assembly = load_assembly(path);
+    const Assembly assembly = load_assembly(path, options);
     Scene scene;
     scene.name = path.filename().string();
     std::vector<GeometryId> geometries(assembly.meshes.size());

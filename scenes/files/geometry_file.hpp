@@ -23,6 +23,12 @@ ONCOLLIDE_API std::shared_ptr<Geometry> load_geometry(const std::filesystem::pat
 enum class FileKind : std::uint8_t { mesh, map, terrain, cooked };
 ONCOLLIDE_API FileKind kind_of_file(const std::filesystem::path& path);
 
+/// Calls `watch` with one line for what a reader of any file leaves out or has to assume, such as the skin of a glTF
+/// mesh: "FILE: TEXT", safe to print. Null, the default: such lines are dropped. Several threads may call it at once.
+/// Call only while no file is being read.
+using FileWarningWatcher = void (*)(const std::string& line);
+ONCOLLIDE_API void on_file_warning(FileWarningWatcher watch);
+
 // --- Meshes.
 
 /// How the file's coordinates become the mesh's: scale, then fit, then centre.

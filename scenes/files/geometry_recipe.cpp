@@ -170,7 +170,7 @@ Terrain read_terrain(const Node& node, const fs::path& folder, const SceneReadin
         if (diagonal != "rising" && diagonal != "falling") node["diagonal"].fail("must be \"rising\" or \"falling\"");
         options.diagonal = diagonal == "rising" ? CellDiagonal::rising : CellDiagonal::falling;
     }
-    if (node.has("diagonals")) options.diagonals = file_in(folder, node["diagonals"].text());
+    if (node.has("diagonals")) options.diagonals = file_of(node["diagonals"], folder);
     if (node.has("columns")) options.columns = static_cast<std::uint32_t>(node["columns"].integer(2, 0xffffffff));
     if (node.has("rows")) options.rows = static_cast<std::uint32_t>(node["rows"].integer(2, 0xffffffff));
     if (node.has("type")) options.type = node["type"].text();
@@ -251,7 +251,7 @@ void change_file(Json& entry, Change change)
 std::string recipe_of(const Node& entry, const fs::path& folder)
 {
     Json recipe = Json::parse(entry.source());
-    change_file(recipe, [&](const fs::path& file) { return fs::absolute(folder / file); });
+    change_file(recipe, [&](const fs::path& file) { return absolute_path(folder / file); });
     try {
         return recipe.dump();
     } catch (const Json::exception&) {
@@ -316,11 +316,11 @@ Json entry_of(const Geometry& geometry, const fs::path& folder, const std::strin
         return {{"shape", std::visit([](const auto& s) { return entry_of(s); }, *shape)}};
     if (!geometry.recipe.empty()) {
         Json entry = Json::parse(geometry.recipe);
-        change_file(entry, [&](const fs::path& file) { return fs::proximate(file, folder); });
+        change_file(entry, [&](const fs::path& file) { return path_from(folder, file); });
         return entry;
     }
     if (const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry.data))
-        return {{"mesh", {{"file", fs::proximate((*cooked)->name(), folder).string()}}}};
+        return {{"mesh", {{"file", path_from(folder, (*cooked)->name()).string()}}}};
     if (const Mesh* mesh = std::get_if<Mesh>(&geometry.data))
         return {{"mesh", {{"vertices", list_of(mesh->vertices)}, {"triangles", mesh->triangles}}}};
     if (const Terrain* terrain = std::get_if<Terrain>(&geometry.data))

@@ -8,8 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/text/printable.hpp>
-#include <oncollide/scenes/files/json/json_node.hpp>
+#include <oncollide/scenes/files/json/at_node.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 #include <oncollide/scenes/scene.hpp>
 
@@ -28,20 +27,6 @@ GeometryId add_geometry(SceneInfo& scene, std::string_view name, const Node& ent
 /// The entry that makes `geometry` again: its recipe with paths relative to `folder`, or its data. A map or terrain
 /// without a recipe gets the entry of the file `made_file`, which the caller must write.
 Json entry_of(const Geometry& geometry, const std::filesystem::path& folder, const std::string& made_file);
-
-/// Calls `work` and prefixes its errors with the node's place, unless they name a place in the node already. Converts
-/// usage errors to bad_data.
-template <class Work>
-auto at(const Node& node, Work work)
-{
-    try {
-        return work();
-    } catch (const Error& error) {
-        const ErrorKind kind = error.kind() == ErrorKind::usage ? ErrorKind::bad_data : error.kind();
-        const std::string place = node.place(), what = error.what();
-        throw Error(kind, what.starts_with(printable(place)) ? what : place + ": " + what);
-    }
-}
 
 /// Prevents a short file from filling the memory: limits the total size of geometries that take no text or file of
 /// their own, which are generated geometries and files used before.

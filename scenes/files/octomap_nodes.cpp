@@ -1,5 +1,6 @@
 #include <oncollide/scenes/files/octomap_nodes.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -15,6 +16,7 @@ namespace oncollide {
 namespace {
 
 constexpr int tree_depth = 16;
+constexpr std::string_view coloured = "ColorOcTree"; ///< its `.ot` files have a colour in each node
 constexpr std::int64_t most_nodes = 20'000'000; ///< an octree of that size takes over a gigabyte in OctoMap
 
 /// The text before the nodes.
@@ -34,7 +36,8 @@ Header read_header(const MeshSource& source, bool binary)
     for (std::size_t line = 1;; ++line) {
         const std::size_t end = source.bytes.find('\n', header.bytes);
         if (end == source.bytes.npos) source.fail("the file ends within the header", line);
-        const std::string_view text = source.bytes.substr(header.bytes, end - header.bytes);
+        std::string_view text = source.bytes.substr(header.bytes, end - header.bytes);
+        while (!text.empty() && is_blank(text.back())) text.remove_suffix(1); // lines may end with CR LF
         header.bytes = end + 1;
         const std::size_t space = std::min(text.find(' '), text.size());
         const std::string_view keyword = text.substr(0, space), value = text.substr(std::min(space + 1, text.size()));
@@ -50,8 +53,9 @@ Header read_header(const MeshSource& source, bool binary)
             source.fail(fmt::format("invalid header line {}; known are id, size, res, data", oncollide::quoted(text)),
                         line);
     }
-    if (header.id != "OcTree")
-        source.fail(fmt::format("the tree's id is {}; only OcTree can be read", oncollide::quoted(header.id)));
+    if (header.id != "OcTree" && header.id != coloured)
+        source.fail(
+            fmt::format("the tree's id is {}; OcTree and {} can be read", oncollide::quoted(header.id), coloured));
     check_resolution(source.name, header.resolution);
     if (header.nodes < 0) source.fail("the header gives no size");
     if (header.nodes == 0) source.fail("the map is empty");
@@ -186,6 +190,20 @@ private:
     const float least_;
 };
 
+/// A node is a probability of four bytes, the colour's three, and a byte that says which children follow.
+void drop_colours(std::string& bytes, std::size_t begin)
+{
+    constexpr std::size_t whole = 8, probability = 4;
+    std::size_t to = begin;
+    for (std::size_t from = begin; from < bytes.size(); from += whole) {
+        const std::size_t size = std::min(whole, bytes.size() - from); // the last node may be cut off
+        std::memmove(&bytes[to], &bytes[from], std::min(size, probability));
+        to += std::min(size, probability);
+        if (size == whole) bytes[to++] = bytes[from + whole - 1];
+    }
+    bytes.resize(to);
+}
+
 } // namespace
 
 OctomapNodes read_binary_octomap(const std::string& name, std::string_view bytes, bool unknown_is_occupied)
@@ -197,11 +215,12 @@ OctomapNodes read_binary_octomap(const std::string& name, std::string_view bytes
     return nodes.finish(header);
 }
 
-OctomapNodes read_full_octomap(const std::string& name, std::string_view bytes, bool unknown_is_occupied,
+OctomapNodes read_full_octomap(const std::string& name, std::string& bytes, bool unknown_is_occupied,
                                double occupancy_threshold)
 {
+    const Header header = read_header({name, bytes}, false);
+    if (header.id == coloured) drop_colours(bytes, header.bytes);
     const MeshSource source{name, bytes};
-    const Header header = read_header(source, false);
     FullNodes nodes(source, header.bytes, unknown_is_occupied, occupancy_threshold);
     nodes.read_all();
     return nodes.finish(header);

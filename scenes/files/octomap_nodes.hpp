@@ -16,8 +16,9 @@ struct OctomapNodes {
 /// Allocations do not depend on counts in the header. Private to scenes.
 OctomapNodes read_binary_octomap(const std::string& name, std::string_view bytes, bool unknown_is_occupied);
 
-/// The same for a `.ot` file, whose cells of at least this probability are occupied.
-OctomapNodes read_full_octomap(const std::string& name, std::string_view bytes, bool unknown_is_occupied,
+/// The same for a `.ot` file, whose cells of at least this probability are occupied. A ColorOcTree loses its colours:
+/// the nodes in `bytes` become those of an OcTree.
+OctomapNodes read_full_octomap(const std::string& name, std::string& bytes, bool unknown_is_occupied,
                                double occupancy_threshold);
 
 } // namespace oncollide

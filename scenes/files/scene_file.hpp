@@ -52,9 +52,9 @@ ONCOLLIDE_API void save_scene(const Scene& scene, const std::filesystem::path& p
 /// A mesh at a pose. Parts of an assembly may have equal names.
 struct AssemblyPart {
     std::string name;    ///< of its node, else of its mesh, else "node 17"; for other files the file name without
-                         ///< extension
-    std::string path;    ///< the names of at most 63 of its ancestors (7 in a file of more than 100,000 parts) and its
-                         ///< own, separated by '/'
+                         ///< extension. Of a name longer than 200 bytes the ends
+    std::string path;    ///< the names of its ancestors and its own, separated by '/': the nearest 63 (7 in a file of
+                         ///< more than 100,000 parts), and fewer beyond 1,000 bytes
     std::uint32_t above; ///< the number of its parent node; no_node_above: it has none
     std::size_t mesh;    ///< in Assembly::meshes
     Eigen::Isometry3d pose;
@@ -70,14 +70,21 @@ struct Assembly {
 /// Whether the file name means an assembly: glTF, GLB, COLLADA (.dae) and 3MF.
 ONCOLLIDE_API bool is_assembly_file(const std::filesystem::path& path);
 
+/// How load_assembly reads a file.
+struct AssemblyOptions {
+    double scale = 1;     ///< metres per unit of the file; finite, > 0
+    int threads = 1;
+    bool objects = false; ///< an OBJ file is divided into its objects (`o`), or without any into its groups (`g`)
+    /// Instances of instances make 2^n parts of n lines: a file may have this many parts, or as many as it writes.
+    std::size_t most_parts = 100'000;
+};
+
 /// Reads a mesh file as an assembly: each node of a glTF or COLLADA file, and each object that a 3MF file's build
-/// places, is a part if it has triangles, at its pose in the scene; any other file is one part. Throws as load_mesh.
-/// @param scale    metres per unit of the file; finite, > 0
-/// @param objects  an OBJ file is divided into its objects (`o`), or without any into its groups (`g`)
-ONCOLLIDE_API Assembly load_assembly(const std::filesystem::path& path, double scale = 1, int threads = 1,
-                                     bool objects = false);
+/// places, is a part if it has triangles, at its pose in the scene; any other file is one part. Throws as load_mesh,
+/// and Error{bad_data} for a file of more parts than options.most_parts and than it writes.
+ONCOLLIDE_API Assembly load_assembly(const std::filesystem::path& path, const AssemblyOptions& options = {});
 
 /// The same as a scene of one frame: a dynamic body for each part. Parts with equal names get a number appended.
-ONCOLLIDE_API Scene load_assembly_scene(const std::filesystem::path& path);
+ONCOLLIDE_API Scene load_assembly_scene(const std::filesystem::path& path, const AssemblyOptions& options = {});
 
 } // namespace oncollide

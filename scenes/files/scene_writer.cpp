@@ -5,6 +5,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/files/paths.hpp>
 #include <oncollide/base/text/json_writer.hpp>
 #include <oncollide/scenes/files/geometry_recipe.hpp>
 #include <oncollide/scenes/files/scene_pose.hpp>
@@ -82,7 +83,7 @@ Entry body_entry(const Scene& scene, std::size_t i)
 
 Entry recording_entry(const Recording& recording, const fs::path& folder)
 {
-    Entry entry = {{"file", fs::absolute(recording.file).lexically_proximate(folder).string()}};
+    Entry entry = {{"file", absolute_path(recording.file).lexically_proximate(folder).string()}};
     if (!recording.path.empty()) entry["path"] = recording.path;
     if (recording.first) entry["first"] = recording.first;
     return entry;
@@ -107,7 +108,7 @@ struct Made {
 /// One line per geometry, per body and per excluded pair.
 void write_text(const Scene& scene, const fs::path& path, const std::vector<std::string>& made_files, OutputFile& file)
 {
-    fs::path folder = fs::absolute(path).parent_path();
+    fs::path folder = absolute_path(path).parent_path();
     JsonWriter json(file);
     const auto on_a_line = [&](const Entry& entry) { json.line(2), json.raw(entry.dump()); };
     json.begin_object(), json.schema(scene_schema, scene_schema_version);

@@ -97,6 +97,12 @@ Terrain load_terrain(const fs::path& path, const TerrainOptions& options)
     if (!(options.vertical_scale > 0 && options.vertical_scale <= 1e15))
         throw Error(ErrorKind::usage, fmt::format("{}: a vertical scale of {}; must be above 0 and at most 1e15", name,
                                                   options.vertical_scale));
+    if (options.spacing && !((options.spacing->array() > 0).all() && (options.spacing->array() <= 1e15).all()))
+        throw Error(ErrorKind::usage, fmt::format("{}: a spacing of {} and {}; must be above 0 and at most 1e15", name,
+                                                  options.spacing->x(), options.spacing->y()));
+    if (options.no_data && std::isinf(*options.no_data))
+        throw Error(ErrorKind::usage,
+                    fmt::format("{}: a no-data value of {}; must be a finite number or nan", name, *options.no_data));
     HeightRaster raster = read_raster(path, options);
     TerrainGrid grid{.columns = raster.columns, .rows = raster.rows};
     grid.spacing = options.spacing.value_or(raster.spacing.value_or(Eigen::Vector2d(1, 1)));

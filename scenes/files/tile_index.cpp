@@ -114,7 +114,7 @@ void add_tiles(SceneBuilder& scene, const std::string& name, const fs::path& ind
         BodyInit body = like;
         body.name = fmt::format("{}/{}", name, file.stem().string());
         body.geometry =
-            scene.add(body.name, std::move(mesh), Json{{"mesh", {{"file", fs::absolute(file).string()}}}}.dump());
+            scene.add(body.name, std::move(mesh), Json{{"mesh", {{"file", absolute_path(file).string()}}}}.dump());
         body.is_static = true;
         scene.add_body(std::move(body));
         flat += tile.outline.zero_area;

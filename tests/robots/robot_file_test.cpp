@@ -2,6 +2,7 @@
 
 #include "robots/small_robot.hpp"
 #include <oncollide/robots/robot.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 namespace oncollide::robot_file_test {
 namespace {
@@ -90,6 +91,35 @@ TEST_F(RobotFile, ReadsGroupsStatesAndExcludedPairs)
     EXPECT_EQ(robot.states[0].values.at(0).numbers, std::vector<double>{1.5});
     const std::vector<std::pair<std::uint32_t, std::uint32_t>> excluded{{0, 1}, {1, 2}};
     EXPECT_EQ(robot.excluded, excluded);
+}
+
+TEST_F(RobotFile, FindsModelsOfGazeboAndFilesByAddressOfThisMachine)
+{
+    const auto named = [&](const std::string& file) {
+        return files.changed("filename=\"wedge.obj\"", "filename=\"" + file + "\"");
+    };
+    const std::string here = (files.folder() / "wedge.obj").string();
+    for (const std::string& file : {std::string("model://robot/wedge.obj"), "file://" + here, here})
+        EXPECT_EQ(load(named(file)).links.size(), 6u) << file;
+    EXPECT_NE(error_of(named("model://nowhere/wedge.obj")).find("name the folder of model 'nowhere'"), std::string::npos);
+    for (const char* file : {"http://localhost/wedge.obj", "https://localhost/wedge.obj", "ftp+x://a/b"})
+        EXPECT_NE(error_of(named(file)).find(std::string(file) + ": is an address; files are read from this machine only"),
+                  std::string::npos)
+            << error_of(named(file));
+}
+
+TEST_F(RobotFile, AMimicJointWithoutLimitsIsReadWithAWarning)
+{
+    static std::vector<std::string> warnings;
+    warnings.clear();
+    on_file_warning([](const std::string& line) { warnings.push_back(line); });
+    const auto path = files.changed("<limit lower=\"-1\" upper=\"1\"/>", "");
+    const RobotDescription robot = load(path);
+    on_file_warning(nullptr);
+    EXPECT_EQ(robot.joints[3].mimics, 2);
+    EXPECT_EQ(robot.joints[3].lower, -std::numeric_limits<double>::infinity());
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_TRUE(warnings[0].starts_with(path.string() + ": joint 'slide2' has no limit")) << warnings[0];
 }
 
 struct Fault {

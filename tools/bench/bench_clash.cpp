@@ -13,6 +13,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/files/paths.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 
@@ -36,7 +37,7 @@ public:
     explicit Folder(const std::string& named) : path_(named), keep_(!named.empty())
     {
         if (!keep_) {
-            std::string pattern = (fs::temp_directory_path() / "oncollide-clash-XXXXXX").string();
+            std::string pattern = (temporary_files() / "oncollide-clash-XXXXXX").string();
             if (!::mkdtemp(pattern.data())) throw Error(ErrorKind::cannot_write, pattern + ": cannot create");
             path_ = pattern;
         }

@@ -13,6 +13,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/files/paths.hpp>
 #include <oncollide/base/text/near_word.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/samples/catalogue.hpp>
@@ -93,7 +94,7 @@ ReadRow read_repeatedly(const fs::path& path, int repeats)
         row.wall_ms = i == 0 ? wall_ms : std::min(row.wall_ms, wall_ms);
         row.peak = std::max(row.peak, peak_memory() - std::min(before, peak_memory()));
     }
-    row.bytes = fs::file_size(path);
+    row.bytes = bytes_of_file(path);
     return row;
 }
 
@@ -127,7 +128,7 @@ private:
             if (interrupted()) return;
             const std::vector<std::string> wanted = split(options_.styles);
             if (!options_.styles.empty() && std::ranges::find(wanted, style.name) == wanted.end()) continue;
-            const PassingFile file(options_.folder.empty() ? fs::temp_directory_path() : fs::path(options_.folder),
+            const PassingFile file(options_.folder.empty() ? temporary_files() : fs::path(options_.folder),
                                    style.extension);
             write_mesh_file(style, file.path(), cells(), options_.seed);
             if (interrupted()) return;

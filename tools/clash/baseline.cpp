@@ -68,9 +68,9 @@ OldReport read_report(const std::string& file)
         for (const json& clash : report.value("resolved", json::array()))
             old.clashes.push_back(old_clash(clash, "resolved"));
     } catch (const json::exception& fault) {
-        const std::string_view text = fault.what(); // begins with [json.exception...]
-        refuse_report(
-            fmt::format("not a valid report: {}", text.substr(std::min(text.find("] "), text.size() - 2) + 2)));
+        std::string_view text = fault.what(); // "[json.exception...] why; last read: 'what a file of any kind holds'"
+        text.remove_prefix(std::min(text.find("] "), text.size() - 2) + 2);
+        refuse_report(fmt::format("not a valid report: {}", text.substr(0, text.find("; last read"))));
     }
     return old;
 }

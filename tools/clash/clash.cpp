@@ -11,8 +11,10 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/files/paths.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/base/threads/parallel.hpp>
+#include <oncollide/scenes/files/scene_file.hpp>
 
 #include "clash/bcf_file.hpp"
 #include "clash/clash_pictures.hpp"
@@ -32,7 +34,8 @@ namespace {
 struct ClashOptions {
     std::vector<std::string> inputs, units, groups, set_a, set_b, out;
     std::string clearance = "0", tolerance = "0", ignore, baseline, bcf, view;
-    int list = 20, pictures = 40, threads = 0, view_limit = 40;
+    int list = 20, pictures = 40, threads = 0, view_limit = 40, most_parts = int(AssemblyOptions{}.most_parts),
+        most_pairs = int(ClashSettings{}.most_pairs);
     bool touching = false, quiet = false;
 };
 
@@ -81,10 +84,9 @@ std::vector<std::pair<std::string, Form>> reports_of(const ClashOptions& o)
 std::string link_from(const std::string& from, const std::string& file)
 {
     namespace fs = std::filesystem;
-    std::error_code error;
-    const fs::path folder = fs::absolute(from, error).parent_path();
+    const fs::path folder = absolute_path(from).parent_path();
     std::string url;
-    for (const char c : fs::absolute(file, error).lexically_relative(folder).string())
+    for (const char c : absolute_path(file).lexically_relative(folder).string())
         url +=
             std::isalnum(static_cast<unsigned char>(c)) || std::string_view("-_.~/").find(c) != std::string_view::npos
                 ? std::string(1, c)
@@ -154,18 +156,21 @@ int clash(const ClashOptions& o)
     const Units units(o.units);
     check_range("--list", o.list, 0), check_range("--pictures", o.pictures, 0, 10'000);
     check_range("--threads", o.threads, 0, 1024);
+    check_range("--max-parts", o.most_parts, 1), check_range("--max-pairs", o.most_pairs, 1);
     const ClashSettings settings{.clearance = length_from("--clearance", o.clearance, units.reported()),
                                  .tolerance = length_from("--tolerance", o.tolerance, units.reported()),
                                  .touching = o.touching,
+                                 .most_pairs = std::uint64_t(o.most_pairs),
                                  .threads = o.threads};
-    const std::vector<std::string> files = files_of(o.inputs);
+    std::vector<std::string> warnings;
+    const std::vector<std::string> files = files_of(o.inputs, &warnings);
     check_out(o, files);
     if (o.set_a.empty() && !o.set_b.empty()) usage("--set-b: needs --set-a");
     const std::int64_t time = report_time();
-    const PartRules rules{o.groups, o.set_a, o.set_b, o.inputs};
+    const PartRules rules{o.groups, o.set_a, o.set_b, o.inputs, std::size_t(o.most_parts)};
     PartList parts = read_parts(files, units, rules, o.threads ? o.threads : hardware_threads());
     Clashes found = find_clashes(parts, settings);
-    std::vector<std::string> warnings = std::move(parts.warnings);
+    warnings.insert(warnings.end(), parts.warnings.begin(), parts.warnings.end());
     if (!o.ignore.empty()) ignore_pairs(o.ignore, parts, found.list, warnings);
     std::vector<ResolvedClash> resolved;
     if (!o.baseline.empty())
@@ -222,6 +227,10 @@ void add_report_options(Arguments sub, ClashOptions* o)
     sub.add_option("--list N", o->list, "number of clashes to print, the worst first (default 20)");
     sub.add_option("--pictures N", o->pictures,
                    "number of clashes to draw in pages and BCF files, the worst first (default 40)");
+    sub.add_option("--max-parts N", o->most_parts,
+                   "limit on the parts that the instances of a file may make, if it writes fewer itself (default 100000)");
+    sub.add_option("--max-pairs N", o->most_pairs,
+                   "limit on the pairs of parts whose AABBs overlap; a pair takes about 1 KB (default 2000000)");
     sub.add_option("--threads N", o->threads, "number of threads; 0: all (default). Does not change the result");
     sub.add_flag("--quiet", o->quiet, "print only errors");
 }

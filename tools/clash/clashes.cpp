@@ -7,6 +7,7 @@
 #include <oncollide/base/threads/parallel.hpp>
 
 #include "clash/duplicates.hpp"
+#include "clash/pair_limit.hpp"
 #include "clash/parts/part_ids.hpp"
 #include "clash/tolerance.hpp"
 
@@ -156,6 +157,7 @@ Settings settings_of(const ClashSettings& settings)
 
 Clashes find_clashes(const PartList& parts, const ClashSettings& settings)
 {
+    check_number_of_pairs(parts, settings);
     Clashes found;
     found.world = std::make_unique<World>(settings_of(settings));
     World& world = *found.world;

@@ -58,6 +58,7 @@ struct ClashSettings {
     double clearance = 0;  ///< parts closer than this are near
     double tolerance = 0;  ///< parts that certainly overlap, or are apart, by no more than this touch
     bool touching = false; ///< touching is a clash
+    std::uint64_t most_pairs = 2'000'000; ///< of parts whose AABBs overlap
     int threads = 0;
 };
 
@@ -80,7 +81,8 @@ struct PartLayers {
 };
 PartLayers layers_of(const PartList& list, const Part& part);
 
-/// Decides all pairs of parts of different groups, exactly; with sets, the pairs of a part of A and a part of B.
+/// Decides all pairs of parts of different groups, exactly; with sets, the pairs of a part of A and a part of B. Throws
+/// Error{bad_data} for more than settings.most_pairs.
 Clashes find_clashes(const PartList& parts, const ClashSettings& settings);
 
 /// True if `a` is listed before `b`: by kind; within a kind the deeper or nearer pair first.

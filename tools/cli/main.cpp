@@ -3,8 +3,10 @@
 #include "cli/command.hpp"
 #include "cli/log.hpp"
 #include "cli/outputs.hpp"
+#include "cli/progress.hpp"
 #include "cli/system.hpp"
 
+#include <filesystem>
 #include <iostream>
 
 #include <oncollide/base/error.hpp>
@@ -36,7 +38,7 @@ int main(int argc, char** argv)
     try {
         tools::prepare_process();
         tools::set_log_level();
-        tools::watch_files();
+        tools::watch_files(), tools::show_reading(false);
         int code = tools::parse_and_run(argc, argv);
         if (!std::cout.flush()) throw Error(ErrorKind::cannot_write, "standard output: cannot write");
         return code;
@@ -46,6 +48,9 @@ int main(int argc, char** argv)
     } catch (const tools::OverwritesInput& error) {
         log(LogLevel::error, error.what());
         return int(ErrorKind::usage);
+    } catch (const std::filesystem::filesystem_error& error) { // a path that the system refuses; no fault of ours
+        log(LogLevel::error, error.what());
+        return int(ErrorKind::no_input);
     } catch (const std::bad_alloc&) {
         tools::write_to_stderr("oncollide: out of memory\n");
     } catch (const std::length_error&) { // a vector larger than the address space

@@ -167,6 +167,9 @@ void add_catalogue_options(Arguments command, SceneOptions& o)
     command.add_option("--seed S", o.seed, "catalogue: seed of the random numbers");
     command.add_option("--data DIR", o.data,
                        "folder with meshes/ and octomap/ (default: $ONCOLLIDE_DATA, else ../shared/data if present)");
+    command.add_option("--max-parts N", o.most_parts,
+                       "assembly: limit on the parts that its instances may make, if the file writes fewer itself "
+                       "(default 100000)");
     command.group("Options");
 }
 
@@ -225,6 +228,12 @@ SceneReading reading_of(const SceneOptions& o)
     return o.on_demand ? reading_with(o.cache) : SceneReading{.generators = &sample_generators()};
 }
 
+Scene load_parts(const SceneOptions& o)
+{
+    check_range("--max-parts", o.most_parts, 1);
+    return load_assembly_scene(o.scene, {.most_parts = std::size_t(o.most_parts)});
+}
+
 /// Applies the options that all scenes have, and logs the size.
 template <class AnyScene>
 AnyScene opened(const SceneOptions& o, AnyScene scene)
@@ -258,7 +267,7 @@ Scene open_scene(const SceneOptions& o)
 {
     return of_known_format(o, [&] {
         if (from_catalogue(o)) return opened(o, make_scene(o.scene, catalogue_options(o)));
-        return opened(o, is_assembly_file(o.scene) ? load_assembly_scene(o.scene) : load_scene(o.scene, reading_of(o)));
+        return opened(o, is_assembly_file(o.scene) ? load_parts(o) : load_scene(o.scene, reading_of(o)));
     });
 }
 
@@ -269,7 +278,7 @@ SceneInfo open_scene(const SceneOptions& o, BodySink& sink)
             if (from_catalogue(o)) return opened(o, make_scene(o.scene, sink, catalogue_options(o)));
             return opened(o, load_scene(o.scene, sink, reading_of(o)));
         });
-    Scene scene = opened(o, load_assembly_scene(o.scene));
+    Scene scene = opened(o, load_parts(o));
     pass_bodies(scene, sink);
     return scene;
 }

@@ -63,11 +63,12 @@ struct SceneOptions {
     std::optional<std::uint64_t> seed;
     std::string data;
     double pace = 1;
+    int most_parts = int(AssemblyOptions{}.most_parts); ///< of an assembly
     CacheOptions cache = {};
     bool on_demand = false; ///< leave meshes in cooked files on disk; for commands that need only results
 };
 
-void add_catalogue_options(Arguments command, SceneOptions& options); ///< bodies, frames, seed, data
+void add_catalogue_options(Arguments command, SceneOptions& options); ///< bodies, frames, seed, data, max-parts
 void add_pace_option(Arguments command, SceneOptions& options);       ///< for commands that play the scene
 /// Reads or makes the scene. Throws Error{no_input} for a missing file or data folder, Error{usage} for an unknown name
 /// or an option that does not apply to a file.

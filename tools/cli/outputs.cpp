@@ -27,7 +27,7 @@ bool same_place(const std::string& a, const std::string& b)
     if (a == "-" || b == "-") return a == b;
     if (const std::string identity = file_identity(a); !identity.empty() && identity == file_identity(b)) return true;
     std::error_code error;
-    return fs::weakly_canonical(fs::absolute(a), error) == fs::weakly_canonical(fs::absolute(b), error);
+    return fs::weakly_canonical(absolute_path(a), error) == fs::weakly_canonical(absolute_path(b), error);
 }
 
 /// Files that the program has read and will write, by identity. The program runs one command.
@@ -106,7 +106,8 @@ void check_files(const std::vector<std::pair<const char*, std::string>>& files, 
             if (!input.empty() && file != "-" && same_place(file, input))
                 usage(fmt::format("{} {}: would overwrite the input", option, file));
         for (std::size_t j = 0; j < k; ++j)
-            if (!files[j].second.empty() && same_place(file, files[j].second) && !fs::is_character_file(file))
+            if (std::error_code error; !files[j].second.empty() && same_place(file, files[j].second) &&
+                                       !fs::is_character_file(file, error))
                 usage(fmt::format("{} and {} both go to '{}'", files[j].first, option, file));
         check_writable(file);
         note_output(option, file);
@@ -118,7 +119,7 @@ ReportParts parts_of(const OutputOptions& o)
     ReportParts parts{
         .json = !o.json.empty(), .csv = !o.csv.empty(), .trace = !o.trace.empty(), .separate = o.separate};
     for (const std::string& file : {o.json, o.csv, o.trace})
-        if (parts.folder.empty() && !file.empty() && file != "-") parts.folder = fs::absolute(file).parent_path();
+        if (parts.folder.empty() && !file.empty() && file != "-") parts.folder = absolute_path(file).parent_path();
     return parts;
 }
 

@@ -8,6 +8,7 @@
 
 #include <oncollide/base/reading_progress.hpp>
 #include <oncollide/base/text/printable.hpp>
+#include <oncollide/scenes/files/geometry_file.hpp>
 
 #include "cli/log.hpp"
 #include "cli/system.hpp"
@@ -81,8 +82,18 @@ void Progress::step()
                                 duration_text(double(total_ - done_) / rate)));
 }
 
+namespace {
+
+void print_warning(const std::string& line)
+{
+    log(LogLevel::warning, line);
+}
+
+} // namespace
+
 void show_reading(bool quiet)
 {
+    on_file_warning(quiet ? FileWarningWatcher{} : print_warning);
     if (quiet || !stderr_is_terminal()) return on_reading(nullptr);
     on_reading([](const std::string& file, std::uint64_t bytes, std::uint64_t total) {
         static Reading reading;

@@ -25,7 +25,7 @@ private:
     Clock::time_point start_ = Clock::now(), shown_ = start_;
 };
 
-/// From now on, shows progress while long files are read, unless `quiet`.
+/// From now on, shows progress while long files are read, and the warnings of readers, unless `quiet`.
 void show_reading(bool quiet);
 
 } // namespace oncollide::tools

@@ -30,8 +30,8 @@ namespace fs = std::filesystem;
 struct CookOptions {
     std::string mesh, out, tiles;
     MeshOptions options;
-    double spacing = 0, vertical_scale = 1;
-    std::optional<double> no_data;
+    double vertical_scale = 1;
+    std::optional<double> spacing, no_data;
     std::string unknown = "free";
     std::optional<double> occupancy_threshold;
     bool check = false, quiet = false;
@@ -53,7 +53,7 @@ CookedKind kind_of(const CookOptions& options)
 
 void check_options(const CookOptions& options, CookedKind kind)
 {
-    if (kind != CookedKind::terrain && (options.spacing != 0 || options.vertical_scale != 1 || options.no_data))
+    if (kind != CookedKind::terrain && (options.spacing || options.vertical_scale != 1 || options.no_data))
         usage("cook: --spacing, --vertical-scale and --no-data apply only to files of heights");
     if (options.unknown != "free" && options.unknown != "occupied")
         usage(fmt::format("cook: --unknown {}: expected free or occupied", options.unknown));
@@ -67,7 +67,7 @@ void check_options(const CookOptions& options, CookedKind kind)
 Terrain read_heights(const CookOptions& options)
 {
     TerrainOptions terrain;
-    if (options.spacing != 0) terrain.spacing = Eigen::Vector2d::Constant(options.spacing);
+    if (options.spacing) terrain.spacing = Eigen::Vector2d::Constant(*options.spacing);
     terrain.vertical_scale = options.vertical_scale, terrain.centre = options.options.centre;
     terrain.no_data = options.no_data;
     return load_terrain(options.mesh, terrain);

@@ -15,6 +15,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/files/paths.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
@@ -42,7 +43,7 @@ std::string data(const std::string& option)
         if (folder.empty()) return "none; scenes use generated stand-ins (set ONCOLLIDE_DATA or give --data)";
         std::string missing;
         for (const char* part : {"meshes", "octomap"})
-            if (!std::filesystem::is_directory(folder / part)) missing += fmt::format(", without {}/", part);
+            if (!is_folder(folder / part)) missing += fmt::format(", without {}/", part);
         return folder.string() + missing;
     } catch (const Error& error) {
         return error.what();

@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/files/paths.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 
 #include "cli/build_info.hpp"
@@ -104,7 +105,7 @@ std::string fcl_loaded()
         &path);
     if (path.empty() || path.starts_with("/usr/") || path.starts_with("/lib/")) return "as installed";
     const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-    return "from " + folder.lexically_proximate(std::filesystem::current_path()).string();
+    return "from " + path_from(".", folder).string();
 }
 
 std::string describe_program(const std::string& backend)

@@ -42,7 +42,7 @@ std::optional<Value> optional_from(const json& value)
 std::string source_json(const SceneOptions& o)
 {
     const auto placed = [](const std::string& path) {
-        return json(path.empty() ? path : std::filesystem::absolute(path).lexically_normal().string());
+        return json(path.empty() ? path : absolute_path(path).lexically_normal().string());
     };
     const json scene = o.scene == "-" ? json() : is_scene_file(o.scene) ? placed(o.scene) : json(o.scene);
     const json source{{"scene", scene},

@@ -38,7 +38,7 @@ bool holds(const CoverSphere& sphere, const Eigen::Vector3d& point)
     return (point - sphere.centre).norm() <= sphere.radius;
 }
 
-void split(const Corners& triangle, const std::vector<CoverSphere>& near, double edge, DividedSurface& to)
+void divide_triangle(const Corners& triangle, const std::vector<CoverSphere>& near, double edge, DividedSurface& to)
 {
     std::vector<CoverSphere> mine;
     for (const CoverSphere& sphere : near) {
@@ -52,7 +52,7 @@ void split(const Corners& triangle, const std::vector<CoverSphere>& near, double
         const bool in = std::ranges::any_of(mine, [&](const CoverSphere& sphere) { return holds(sphere, middle); });
         return (in ? to.covered : to.uncovered).push_back(triangle);
     }
-    for (const Corners& half : halves_of(triangle)) split(half, mine, edge, to);
+    for (const Corners& half : halves_of(triangle)) divide_triangle(half, mine, edge, to);
 }
 
 Mesh mesh_of(const std::vector<Corners>& corners)
@@ -129,7 +129,7 @@ std::string caption(const JudgedLink& link)
 DividedSurface divide(const LinkSurface& surface, std::span<const CoverSphere> spheres, double edge)
 {
     DividedSurface parts;
-    for (const Corners& triangle : surface.triangles()) split(triangle, {spheres.begin(), spheres.end()}, edge, parts);
+    for (const Corners& triangle : surface.triangles()) divide_triangle(triangle, {spheres.begin(), spheres.end()}, edge, parts);
     return parts;
 }
 

@@ -10,6 +10,7 @@ namespace oncollide {
 /// The size of an element with all elements that it instances. Numbers stop at 2^40, beyond every limit.
 struct ExpandedSize {
     std::uint64_t nodes = 0;  ///< nodes, and meshes shown by them
+    std::uint64_t parts = 0;  ///< of these, the meshes
     std::uint64_t pieces = 0; ///< vertices and triangles of these meshes, and 1 for each
     int levels = 0;
 
@@ -17,6 +18,7 @@ struct ExpandedSize {
     {
         constexpr std::uint64_t most = std::uint64_t{1} << 40;
         nodes = std::min(nodes + below.nodes, most);
+        parts = std::min(parts + below.parts, most);
         pieces = std::min(pieces + below.pieces, most);
         levels = std::max(levels, below.levels);
     }

@@ -3,27 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include <oncollide/base/threads/parallel.hpp>
+#include <oncollide/scenes/files/assembly/node_paths.hpp>
 
 namespace oncollide {
-
-void ExpansionLimit::spend(std::uint64_t pieces, std::uint64_t beside)
-{
-    if (pieces > 0) check(spent_ += pieces, beside);
-}
-
-void ExpansionLimit::check(std::uint64_t spent, std::uint64_t beside) const
-{
-    constexpr std::uint64_t always = 10'000'000, never = 200'000'000;
-    if (spent <= always) return;
-    const std::uint64_t most = std::clamp<std::uint64_t>(source_.bytes.size() + beside, always, never);
-    if (spent > most)
-        source_.fail(fmt::format("its nodes expand to more than {} triangles, vertices and parts of meshes; the limit "
-                                 "is the size of its files in bytes, but at least {} and at most {}",
-                                 most, always, never));
-}
 
 bool PartPlacer::place(std::uint32_t node, std::uint32_t mesh, const Eigen::Affine3d& pose)
 {
@@ -44,6 +27,7 @@ std::pair<std::uint32_t, Eigen::Matrix3d> PartPlacer::shared(std::uint32_t mesh,
     const auto is_rotation = [&](const Eigen::Matrix3d& m) {
         return (m.transpose() * m - same).cwiseAbs().maxCoeff() < 5e-7 && m.determinant() > 0;
     };
+    if (by_mesh_.size() <= mesh) by_mesh_.resize(mesh + std::size_t{1});
     std::vector<std::uint32_t>& of_mesh = by_mesh_[mesh];
     constexpr std::size_t most = 64; // entries compared: a file may scale each part differently
     for (std::size_t k = 0; k < std::min(of_mesh.size(), most); ++k) {
@@ -59,16 +43,14 @@ std::pair<std::uint32_t, Eigen::Matrix3d> PartPlacer::shared(std::uint32_t mesh,
 }
 
 RawAssembly PartPlacer::take(std::span<const std::uint32_t> above,
-                             const std::function<std::string(std::uint32_t)>& name_of, const AddMesh& add, int threads)
+                             const std::function<std::string_view(std::uint32_t)>& name_of, const AddMesh& add,
+                             int threads)
 {
-    const int levels = parts_.size() <= 100'000 ? 64 : 8; // of a path: a file may nest millions of nodes
+    const NodePaths paths(above, name_of, parts_.size());
     RawAssembly assembly{std::vector<RawMesh>(placed_.size()), std::move(parts_)};
     for (RawPart& part : assembly.parts) {
-        part.name = part.path = name_of(part.node);
+        part.name = paths.name(part.node), part.path = paths.path(part.node);
         part.above = above[part.node];
-        std::uint32_t next = part.above;
-        for (int level = 1; next != no_node && level < levels; ++level, next = above[next])
-            part.path = name_of(next) + "/" + part.path;
     }
     parallel_chunks(placed_.size(), 1, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {

@@ -28,8 +28,8 @@ bool is_kept(std::string_view name, int level)
 
 class ColladaReader {
 public:
-    explicit ColladaReader(const MeshSource& source)
-        : source_(source), root_(read_xml_elements(source, is_kept)), expansion_(source), geometries_(source),
+    ColladaReader(const MeshSource& source, std::size_t most_parts)
+        : source_(source), root_(read_xml_elements(source, is_kept)), expansion_(source, most_parts), geometries_(source),
           controllers_(source), nodes_(source), scenes_(source)
     {
         if (root_.name != "COLLADA")
@@ -46,16 +46,16 @@ public:
     RawMesh whole()
     {
         const XmlElement& scene = shown_scene();
-        expansion_.expect(count(scene));
+        expansion_.expect(count(scene).pieces);
         expand(scene);
         return whole_mesh(source_, placed_, expansion_);
     }
-    RawAssembly parts(double scale, int threads)
+    RawAssembly parts(const AssemblyOptions& options)
     {
         const XmlElement& scene = shown_scene();
-        count(scene);
+        expansion_.expect_parts(count(scene).parts, shows_);
         expand(scene);
-        return parts_of(source_, placed_, expansion_, scale, threads);
+        return parts_of(source_, placed_, expansion_, options);
     }
 
 private:
@@ -70,8 +70,10 @@ private:
     void add_nodes(const XmlElement& element)
     {
         if (element.name == "node") nodes_.add(element);
-        for (const XmlElement& child : element.children)
+        for (const XmlElement& child : element.children) {
+            shows_ += is_shown(child);
             if (child.name == "node") add_nodes(child);
+        }
     }
 
     /// The scene that the file selects; else the first.
@@ -93,14 +95,14 @@ private:
         return child.name == "node" ? &child : nullptr;
     }
 
-    /// Counts the nodes and reads the meshes before anything is placed. Returns the pieces of the shown meshes.
-    std::uint64_t count(const XmlElement& scene)
+    /// Counts the nodes and reads the meshes before anything is placed. Returns the size of the scene.
+    ExpandedSize count(const XmlElement& scene)
     {
         ExpandedSize size;
         for (const XmlElement& child : scene.children)
             if (const XmlElement* const node = node_of(child)) size.add(size_of(*node, 1));
         expansion_.spend(size.nodes);
-        return size.pieces;
+        return size;
     }
     ExpandedSize size_of(const XmlElement& node, int level)
     {
@@ -109,7 +111,7 @@ private:
             for (const XmlElement& child : node.children)
                 if (is_shown(child)) {
                     Eigen::Affine3d pose = Eigen::Affine3d::Identity();
-                    size.add({.nodes = 1, .pieces = placed_.pieces(mesh_of(shown_by(child, pose)))});
+                    size.add({.nodes = 1, .parts = 1, .pieces = placed_.pieces(mesh_of(shown_by(child, pose)))});
                 }
             for (const XmlElement& child : node.children)
                 if (const XmlElement* const below = node_of(child)) size.add(size_of(*below, level + 1));
@@ -205,6 +207,7 @@ private:
     const XmlElement root_;
     ExpansionLimit expansion_;
     ColladaIds geometries_, controllers_, nodes_, scenes_;
+    std::uint64_t shows_ = 0; ///< instances of meshes that the file writes
     ExpandedSizes sizes_{XmlReader::most_levels}; ///< of nodes
     std::unordered_map<const XmlElement*, std::uint32_t> definitions_, meshes_;
     PlacedMeshes placed_;
@@ -214,12 +217,12 @@ private:
 
 RawMesh read_collada(const MeshSource& source)
 {
-    return ColladaReader(source).whole();
+    return ColladaReader(source, AssemblyOptions{}.most_parts).whole();
 }
 
-RawAssembly read_collada_parts(const MeshSource& source, double scale, int threads)
+RawAssembly read_collada_parts(const MeshSource& source, const AssemblyOptions& options)
 {
-    return ColladaReader(source).parts(scale, threads);
+    return ColladaReader(source, options.most_parts).parts(options);
 }
 
 } // namespace oncollide

@@ -108,9 +108,25 @@ GltfAccessor GltfAccessor::of_positions(const GltfDocument& document, GltfBuffer
     return accessor;
 }
 
+GltfAccessor GltfAccessor::of_vectors(const GltfDocument& document, GltfBuffers& buffers, const Node& number,
+                                      Vectors kind)
+{
+    const Node& node = document.at(GltfDocument::accessors, number);
+    const int type = type_of(node);
+    const bool turns = kind == Vectors::quaternions;
+    GltfAccessor accessor;
+    if (node["type"].text() != (turns ? "VEC4" : "VEC3") || (type != float32 && !(turns && (type == int8 || type == int16))))
+        node.fail(turns ? "an accessor of rotations is not made of four floats (VEC4, 5126; or normalized 5120 or 5122)"
+                        : "an accessor of instances is not made of three floats (VEC3, 5126)");
+    accessor.read(document, buffers, node, turns ? 4 : 3);
+    if (type != float32 && !accessor.normalized_) node.fail("whole numbers must be normalized");
+    return accessor;
+}
+
 void GltfAccessor::read(const GltfDocument& document, GltfBuffers& buffers, const Node& accessor, std::size_t numbers)
 {
     constexpr std::int64_t most = std::numeric_limits<std::uint32_t>::max();
+    node_ = accessor;
     elements_.type = type_of(accessor);
     size_ = static_cast<std::size_t>(accessor["count"].integer(0, most));
     normalized_ = accessor.has("normalized") && accessor["normalized"].boolean();
@@ -159,11 +175,23 @@ std::uint32_t GltfAccessor::corner(std::size_t i) const
 Eigen::Vector3d GltfAccessor::position(std::size_t i) const
 {
     Eigen::Vector3d point = Eigen::Vector3d::Zero();
-    if (const char* const at = element(i))
-        for (int axis = 0; axis < 3; ++axis)
-            point[axis] =
-                coordinate(at + static_cast<std::size_t>(axis) * bytes_of(elements_.type), elements_.type, normalized_);
+    numbers(i, 3, point.data());
     return point;
+}
+
+Eigen::Quaterniond GltfAccessor::quaternion(std::size_t i) const
+{
+    Eigen::Quaterniond rotation(0, 0, 0, 0);
+    numbers(i, 4, rotation.coeffs().data()); // x, y, z, w, as in Eigen
+    if (!(rotation.norm() > 1e-6)) node_->fail(fmt::format("quaternion {} has no direction", i));
+    return rotation.normalized();
+}
+
+void GltfAccessor::numbers(std::size_t i, std::size_t count, double* out) const
+{
+    if (const char* const at = element(i))
+        for (std::size_t k = 0; k < count; ++k)
+            out[k] = coordinate(at + k * bytes_of(elements_.type), elements_.type, normalized_);
 }
 
 } // namespace oncollide

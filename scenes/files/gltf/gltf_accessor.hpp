@@ -1,7 +1,8 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <oncollide/scenes/files/gltf/gltf_buffers.hpp>
 
@@ -24,15 +25,26 @@ public:
     static GltfAccessor of_corners(const GltfDocument& document, GltfBuffers& buffers, const Node& number);
     static GltfAccessor of_positions(const GltfDocument& document, GltfBuffers& buffers, const Node& number);
 
+    /// Of the instances of a mesh: floats, or for quaternions also normalised whole numbers of 8 or 16 bits with a sign.
+    enum class Vectors { points, quaternions };
+    static GltfAccessor of_vectors(const GltfDocument& document, GltfBuffers& buffers, const Node& number,
+                                   Vectors kind);
+
     std::size_t size() const { return size_; }
+    /// Elements that the file holds one by one; without an array, only those of the sparse part.
+    std::size_t written() const { return elements_.data ? size_ : replaced_; }
     std::size_t replaced() const { return replaced_; } ///< elements of the sparse part
     std::uint32_t corner(std::size_t i) const;         ///< i < size()
     Eigen::Vector3d position(std::size_t i) const;
+    Eigen::Quaterniond quaternion(std::size_t i) const; ///< normalised. Throws Error{bad_data} if it has no direction
 
 private:
     void read(const GltfDocument& document, GltfBuffers& buffers, const Node& accessor, std::size_t numbers);
     void read_sparse(GltfBuffers& buffers, const Node& sparse, std::size_t numbers);
     const char* element(std::size_t i) const; ///< null: zeros
+    void numbers(std::size_t i, std::size_t count, double* out) const;
+
+    std::optional<Node> node_; ///< for messages
 
     GltfColumn elements_, places_, values_; ///< places_ ascend
     std::size_t size_ = 0, replaced_ = 0;

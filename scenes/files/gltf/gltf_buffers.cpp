@@ -116,8 +116,6 @@ std::string_view GltfBuffers::load(std::size_t number)
 
 const std::string& GltfBuffers::beside(const Node& uri)
 {
-    if (uri.text().find("://") != std::string_view::npos)
-        uri.fail("is an address; buffers are read from files beside this one");
     const std::string name = decode_percent(uri, uri.text());
     if (const auto found = files_.find(name); found != files_.end()) return found->second;
     const std::filesystem::path folder = std::filesystem::path(document_.source().name).parent_path();

@@ -18,10 +18,10 @@ static_assert(std::endian::native == std::endian::little, "glTF is read as it li
 
 constexpr std::array list_names = {"scenes", "nodes", "meshes", "accessors", "bufferViews", "buffers"};
 
-/// Extensions that a file may require: only the first affects the shape of a mesh.
-constexpr std::array known_extensions = {"KHR_mesh_quantization", "KHR_texture_transform", "KHR_texture_basisu",
-                                         "KHR_lights_punctual",   "KHR_technique_webgl",   "KHR_techniques_webgl",
-                                         "EXT_texture_webp",      "EXT_texture_avif"};
+/// Extensions that a file may require: only the first two affect the shape of a mesh.
+constexpr std::array known_extensions = {"KHR_mesh_quantization", "EXT_mesh_gpu_instancing", "KHR_texture_transform",
+                                         "KHR_texture_basisu",    "KHR_lights_punctual",     "KHR_technique_webgl",
+                                         "KHR_techniques_webgl",  "EXT_texture_webp",        "EXT_texture_avif"};
 constexpr std::string_view materials = "KHR_materials_";
 
 std::uint32_t number_at(std::string_view bytes, std::size_t at)

@@ -1,11 +1,14 @@
-#include <optional>
+#include <map>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <oncollide/scenes/files/assembly/part_placer.hpp>
-#include <oncollide/scenes/files/gltf/gltf_accessor.hpp>
+#include <oncollide/scenes/files/common/file_warning.hpp>
+#include <oncollide/scenes/files/gltf/gltf_instances.hpp>
 #include <oncollide/scenes/files/gltf/gltf_nodes.hpp>
+#include <oncollide/scenes/files/gltf/gltf_primitive.hpp>
 
 namespace oncollide {
 
@@ -13,28 +16,10 @@ namespace {
 
 using Document = GltfDocument;
 
-/// A part of a mesh: corners of triangles. Points and lines are ignored.
-struct Primitive {
-    Node node;
-    GltfAccessor positions;
-    std::optional<GltfAccessor> indices;
-    enum Mode { triangles = 4, strip = 5, fan = 6 } mode;
-
-    std::size_t corners() const { return indices ? indices->size() : positions.size(); }
-    std::size_t count() const { return mode == triangles ? corners() / 3 : corners() - 2; }
-    /// The corners of triangle i, with the winding that the format gives it.
-    std::array<std::size_t, 3> triangle(std::size_t i) const
-    {
-        if (mode == triangles) return {3 * i, 3 * i + 1, 3 * i + 2};
-        if (mode == fan) return {i + 1, i + 2, 0};
-        return {i, i + 1 + i % 2, i + 2 - i % 2};
-    }
-};
-
 class GltfReader {
 public:
-    explicit GltfReader(const MeshSource& source)
-        : document_(source), buffers_(document_), meshes_(document_.all(Document::meshes).size()), expansion_(source)
+    GltfReader(const MeshSource& source, std::size_t most_parts)
+        : document_(source), buffers_(document_), expansion_(source, most_parts), nodes_(document_.all(Document::nodes))
     {
     }
 
@@ -47,12 +32,12 @@ public:
 
     RawAssembly read_parts(double scale, int threads)
     {
-        PartPlacer placer(meshes_.size());
+        PartPlacer placer;
         each_mesh([&](std::uint32_t node, std::uint32_t mesh, const Eigen::Affine3d& pose) {
-            if (meshes_[mesh]->empty()) return;
-            spend(1);
+            if (meshes_[mesh].empty()) return;
+            expansion_.spend(1, buffers_.bytes_read());
             if (!placer.place(node, mesh, Eigen::Scaling(scale) * pose))
-                document_.all(Document::nodes)[node].fail("it places its mesh beyond 1e15 m");
+                nodes_[node].fail("it places its mesh beyond 1e15 m");
         });
         return placer.take(
             tree_.parents, [this](std::uint32_t node) { return name_of(node); },
@@ -60,88 +45,73 @@ public:
     }
 
 private:
-    /// Calls visit(node, mesh, pose) for each visible node with a mesh, from the roots down; reads the mesh before.
+    /// Calls visit(node, mesh, pose) for each visible node with a mesh and each of its instances, from the roots down;
+    /// reads the mesh before.
     template <class Visit>
     void each_mesh(Visit visit)
     {
-        const std::vector<Node>& nodes = document_.all(Document::nodes);
         tree_ = node_tree(document_);
-        std::vector<Eigen::Affine3d> poses(nodes.size());
+        std::vector<Eigen::Affine3d> poses(nodes_.size());
+        std::size_t skins = 0;
         for (const std::uint32_t i : tree_.order) {
             if (!tree_.shown[i]) continue;
-            poses[i] = pose_of(nodes[i]);
+            poses[i] = pose_of(nodes_[i]);
             if (tree_.parents[i] != no_node) poses[i] = poses[tree_.parents[i]] * poses[i];
-            if (nodes[i].has("mesh")) visit(i, read_mesh(nodes[i]["mesh"]), poses[i]);
+            if (!nodes_[i].has("mesh")) continue;
+            skins += nodes_[i].has("skin");
+            const std::uint32_t mesh = read_mesh(nodes_[i]);
+            const GltfInstances instances(document_, buffers_, nodes_[i]);
+            expansion_.expect_parts(instances.size(), instances.written());
+            for (std::size_t k = 0; k < instances.size(); ++k) visit(i, mesh, poses[i] * instances.pose(k));
         }
+        if (skins > 0)
+            warn_of_file(document_.source().name,
+                         fmt::format("{} node{} a skin, which is not applied: the mesh stands as it is stored, at the "
+                                     "node's pose",
+                                     skins, skins == 1 ? " has" : "s have"));
     }
 
-    std::string name_of(std::uint32_t i) const
+    std::string_view name_of(std::uint32_t i) const
     {
-        const Node& node = document_.all(Document::nodes)[i];
-        if (node.has("name") && node["name"].is_text() && !node["name"].text().empty())
-            return std::string(node["name"].text());
-        if (node.has("mesh")) {
-            const Node& mesh = document_.at(Document::meshes, node["mesh"]);
-            if (mesh.has("name") && mesh["name"].is_text() && !mesh["name"].text().empty())
-                return std::string(mesh["name"].text());
-        }
-        return fmt::format("node {}", i);
+        const auto own = [](const Node& of) {
+            return of.has("name") && of["name"].is_text() ? of["name"].text() : std::string_view{};
+        };
+        const std::string_view name = own(nodes_[i]);
+        return name.empty() && nodes_[i].has("mesh") ? own(document_.at(Document::meshes, nodes_[i]["mesh"])) : name;
     }
 
-    /// Index of a mesh, which is read once even if it is placed several times.
-    std::uint32_t read_mesh(const Node& number)
+    /// Index of a node's mesh, which is read once for all nodes that show it with the same morph weights.
+    std::uint32_t read_mesh(const Node& node)
     {
-        const std::size_t i = document_.index(Document::meshes, number);
-        if (std::optional<std::vector<Primitive>>& parts = meshes_[i]; !parts) {
-            parts.emplace();
-            for (const Node& node : list_of(document_.at(Document::meshes, number)["primitives"]))
-                if (std::optional<Primitive> part = primitive(node)) parts->push_back(std::move(*part));
+        const std::size_t number = document_.index(Document::meshes, node["mesh"]);
+        const Node& mesh = document_.all(Document::meshes)[number];
+        const std::vector<double> weights = morph_weights(node, mesh);
+        const auto [at, is_new] = numbers_.try_emplace({number, weights}, static_cast<std::uint32_t>(meshes_.size()));
+        if (is_new) {
+            std::vector<GltfPrimitive>& parts = meshes_.emplace_back();
+            for (const Node& primitive : list_of(mesh["primitives"])) {
+                auto part = GltfPrimitive::read(document_, buffers_, primitive, weights);
+                if (!part) continue;
+                spend(part->replaced());
+                parts.push_back(std::move(*part));
+            }
         }
-        return static_cast<std::uint32_t>(i);
-    }
-
-    std::optional<Primitive> primitive(const Node& node)
-    {
-        const std::uint64_t mode = node.has("mode") ? node["mode"].natural() : std::uint64_t(Primitive::triangles);
-        if (mode > Primitive::fan) node.fail(fmt::format("a primitive has mode {}; modes are 0 to 6", mode));
-        if (mode < Primitive::triangles) return {};
-        Primitive part{node,
-                       GltfAccessor::of_positions(document_, buffers_, node["attributes"]["POSITION"]),
-                       {},
-                       static_cast<Primitive::Mode>(mode)};
-        spend(part.positions.replaced());
-        if (node.has("indices")) {
-            part.indices = GltfAccessor::of_corners(document_, buffers_, node["indices"]);
-            spend(part.indices->replaced());
-        }
-        const std::size_t corners = part.corners();
-        if (mode == Primitive::triangles ? corners % 3 != 0 : corners < 3)
-            node.fail(fmt::format("{} corners make no whole triangles", corners));
-        return part;
+        return at->second;
     }
 
     void add(std::uint32_t mesh, const Eigen::Affine3d& pose, WeldedMesh& to)
     {
-        for (const Primitive& part : *meshes_[mesh]) add(part, pose, to);
-    }
-
-    void add(const Primitive& part, const Eigen::Affine3d& pose, WeldedMesh& to)
-    {
-        spend(1 + part.count());
         const bool mirrored = pose.linear().determinant() < 0;
-        for (std::size_t i = 0; i < part.count(); ++i) {
-            Triangle t;
-            const std::array<std::size_t, 3> corners = part.triangle(i);
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::size_t v = part.indices ? part.indices->corner(corners[k]) : corners[k];
-                if (v >= part.positions.size())
-                    part.node.fail(fmt::format("triangle {} uses vertex {}, but there are {} vertices", i, v,
-                                               part.positions.size()));
+        for (const GltfPrimitive& part : meshes_[mesh]) {
+            spend(1 + part.count());
+            for (std::size_t i = 0; i < part.count(); ++i) {
+                const std::array<std::size_t, 3> vertices = part.triangle(i);
                 const std::size_t known = to.weld.size();
-                t[k] = to.weld.add(pose * part.positions.position(v));
+                Triangle t;
+                for (std::size_t k = 0; k < 3; ++k) t[k] = to.weld.add(pose * part.position(vertices[k]));
                 spend(to.weld.size() - known);
+                to.add(t, mirrored);
             }
-            to.add(t, mirrored);
         }
     }
 
@@ -149,21 +119,23 @@ private:
 
     GltfDocument document_;
     GltfBuffers buffers_;
-    std::vector<std::optional<std::vector<Primitive>>> meshes_;
-    NodeTree tree_;
     ExpansionLimit expansion_;
+    const std::vector<Node>& nodes_;
+    std::map<std::pair<std::size_t, std::vector<double>>, std::uint32_t> numbers_; ///< by mesh and morph weights
+    std::vector<std::vector<GltfPrimitive>> meshes_;
+    NodeTree tree_;
 };
 
 } // namespace
 
 RawMesh read_gltf(const MeshSource& source)
 {
-    return GltfReader(source).read();
+    return GltfReader(source, AssemblyOptions{}.most_parts).read();
 }
 
-RawAssembly read_gltf_parts(const MeshSource& source, double scale, int threads)
+RawAssembly read_gltf_parts(const MeshSource& source, const AssemblyOptions& options)
 {
-    return GltfReader(source).read_parts(scale, threads);
+    return GltfReader(source, options.most_parts).read_parts(options.scale, options.threads);
 }
 
 } // namespace oncollide

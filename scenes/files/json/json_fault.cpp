@@ -1,5 +1,6 @@
 #include <oncollide/scenes/files/json/json_fault.hpp>
 
+#include <algorithm>
 #include <set>
 #include <vector>
 
@@ -49,7 +50,10 @@ public:
     bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception& error) override
     {
         if (dynamic_cast<const Json::out_of_range*>(&error)) fail(plain(error));
-        throw Error(ErrorKind::bad_data, fmt::format("{}: not valid JSON: {}", file_, plain(error)));
+        std::string why = plain(error);
+        // Nothing is quoted of a file of another kind: a link may lead to any.
+        if (open_.empty()) why.erase(std::min(why.find("; last read"), why.size()));
+        throw Error(ErrorKind::bad_data, fmt::format("{}: not valid JSON: {}", file_, why));
     }
 
 private:

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/text/near_word.hpp>
@@ -72,9 +71,12 @@ void Node::must_be(bool right, std::string_view what) const
         fail(fmt::format("is {} {}, must be {}", is_array() || is_object() ? "an" : "a", name_of(value().kind), what));
 }
 
-std::string Node::dump() const
+std::string Node::excerpt() const
 {
-    return nlohmann::json::parse(source()).dump();
+    constexpr std::size_t most = 60;
+    std::string text(source().substr(0, 10 * most));
+    std::erase_if(text, [](char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; });
+    return text.size() > most ? text.substr(0, most - 3) + "..." : text;
 }
 
 void Node::only(std::initializer_list<std::string_view> keys) const
@@ -160,14 +162,14 @@ std::int64_t Node::integer(std::int64_t least, std::int64_t most) const
     }
     const std::string range = fmt::format("a whole number from {} to {}", least, most);
     must_be(is_number(), range);
-    fail(fmt::format("is {}, must be {}", dump(), range));
+    fail(fmt::format("is {}, must be {}", excerpt(), range));
 }
 
 std::uint64_t Node::natural() const
 {
     constexpr std::string_view range = "a whole number from 0 to 2^64 - 1";
     must_be(is_number(), range);
-    if (value().kind != Kind::natural) fail(fmt::format("is {}, must be {}", dump(), range));
+    if (value().kind != Kind::natural) fail(fmt::format("is {}, must be {}", excerpt(), range));
     return value().natural;
 }
 
@@ -199,11 +201,7 @@ bool Node::holds_numbers(std::size_t count) const
 
 void Node::numbers(std::size_t count, double* out) const
 {
-    if (!holds_numbers(count)) {
-        std::string got = dump();
-        if (got.size() > 60) got = got.substr(0, 57) + "...";
-        fail(fmt::format("is {}, must be an array of {} numbers", got, count));
-    }
+    if (!holds_numbers(count)) fail(fmt::format("is {}, must be an array of {} numbers", excerpt(), count));
     for (std::size_t i = 1; i <= count; ++i) *out++ = tape_->values()[at_ + i].as_number();
 }
 

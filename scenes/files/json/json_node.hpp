@@ -65,7 +65,7 @@ private:
     const JsonValue& value() const { return tape_->values()[at_]; }
     std::uint32_t find(std::string_view key) const; ///< 0: not found
     void must_be(bool right, std::string_view what) const;
-    std::string dump() const;
+    std::string excerpt() const; ///< of source(), on one line
 
     const JsonTape* tape_;
     std::uint32_t at_; ///< index on the tape

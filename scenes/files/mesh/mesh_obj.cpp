@@ -215,8 +215,10 @@ RawMesh read_obj(const MeshSource& source, ObjSections& sections)
         } else if (keyword == "o" || keyword == "g") {
             begin_section(keyword == "o" ? sections.objects : sections.groups, {name_in(text), faces.triangle_count()});
         } else if (std::find(ignored.begin(), ignored.end(), keyword) == ignored.end()) {
-            text.fail(fmt::format("unknown statement {}; an OBJ file has v, f, vn, vt, g, o, usemtl and the like",
-                                  quoted(keyword)));
+            // Nothing is quoted of a file of another kind: a link may lead to any.
+            const bool is_obj = !mesh.vertices.empty() || !sections.objects.empty() || !sections.groups.empty();
+            text.fail(fmt::format("{}; an OBJ file has v, f, vn, vt, g, o, usemtl and the like",
+                                  is_obj ? fmt::format("unknown statement {}", quoted(keyword)) : "not an OBJ file"));
         }
     }
     mesh.triangles = faces.triangulate(source, mesh.vertices, 1);

@@ -34,7 +34,7 @@ bool TextReader::next_line(bool continued)
 {
     joined_.clear();
     while (!rest_.empty()) {
-        const std::size_t end = rest_.find('\n');
+        const std::size_t end = rest_.find(line_end_);
         std::string_view text = rest_.substr(0, end);
         rest_ = end == rest_.npos ? std::string_view{} : rest_.substr(end + 1);
         ++line_;

@@ -65,12 +65,18 @@ inline bool is_blank(char c)
     return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
 
-/// Splits text into lines and lines into words; counts lines for messages. Lines end with LF or CR LF. A byte-order
-/// mark is skipped.
+/// LF, or CR in a text that has no LF.
+inline char end_of_lines(std::string_view text)
+{
+    return text.find('\n') == text.npos && text.find('\r') != text.npos ? '\r' : '\n';
+}
+
+/// Splits text into lines and lines into words; counts lines for messages. Lines end with LF or CR LF; in a file
+/// without LF with CR, as on old Macs. A byte-order mark is skipped.
 class TextReader {
 public:
     explicit TextReader(const MeshSource& source)
-        : source_(source), rest_(without_byte_order_mark(source.bytes)), progress_(source.name, source.bytes.size())
+        : source_(source), rest_(without_byte_order_mark(source.bytes)), line_end_(end_of_lines(rest_)), progress_(source.name, source.bytes.size())
     {
     }
 
@@ -93,7 +99,9 @@ public:
 
 private:
     const MeshSource& source_;
-    std::string_view rest_, words_;
+    std::string_view rest_;
+    const char line_end_;
+    std::string_view words_;
     std::string joined_;
     std::size_t line_ = 0;
     ReadingProgress progress_;

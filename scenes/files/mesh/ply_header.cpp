@@ -22,7 +22,10 @@ constexpr std::array<std::array<const char*, 2>, 8> type_names = {{{"char", "int
 class HeaderParser {
 public:
     explicit HeaderParser(const MeshSource& source)
-        : source_(source), at_(source.bytes.size() - without_byte_order_mark(source.bytes).size())
+        : source_(source), at_(source.bytes.size() - without_byte_order_mark(source.bytes).size()),
+          line_end_(source.bytes.substr(at_).starts_with("ply\r") && !source.bytes.substr(at_).starts_with("ply\r\n")
+                        ? '\r' // as on old Macs
+                        : '\n')
     {
     }
 
@@ -59,7 +62,7 @@ private:
     void next_line()
     {
         ++line_;
-        const std::size_t end = source_.bytes.find('\n', at_);
+        const std::size_t end = source_.bytes.find(line_end_, at_);
         if (end == source_.bytes.npos) fail("the file ends within the header");
         words_ = source_.bytes.substr(at_, end - at_);
         at_ = end + 1;
@@ -128,6 +131,7 @@ private:
     const MeshSource& source_;
     std::string_view words_;
     std::size_t at_, line_ = 0;
+    const char line_end_;
     Header header_;
 };
 

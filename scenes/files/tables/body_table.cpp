@@ -5,6 +5,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/scenes/files/common/quaternion.hpp>
+#include <oncollide/scenes/files/json/at_node.hpp>
 
 namespace oncollide {
 
@@ -44,7 +45,7 @@ void BodyRows::add(const BodyRow& row, FunctionRef<std::string()> place)
 void read_body_table(SceneBuilder& scene, const Node& entry, const std::filesystem::path& folder)
 {
     entry.only({"file", "path", "geometry"});
-    const std::filesystem::path path = file_in(folder, entry["file"].text());
+    const std::filesystem::path path = file_of(entry["file"], folder);
     std::optional<GeometryId> geometry;
     if (entry.has("geometry")) {
         geometry = scene.find_geometry(entry["geometry"].text());

@@ -32,7 +32,8 @@ std::vector<Column> read_header(CsvReader& fields, bool needs_geometry)
         const std::string_view field = fields.next(last);
         const auto found = std::ranges::find(column_names, field);
         if (found == column_names.end())
-            fields.fail(fmt::format("unknown column {}{}", quoted(field),
+            fields.fail(fmt::format("unknown column {}{}", // a long one is the text of another kind of file
+                                    field.size() <= 16 ? quoted(field) : fmt::format("of {} bytes", field.size()),
                                     valid_names(field, {column_names.begin(), column_names.end()})));
         const auto column = static_cast<Column>(found - column_names.begin());
         if (std::ranges::find(header, column) != header.end())

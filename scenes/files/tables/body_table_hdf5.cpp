@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/files/paths.hpp>
 #include <oncollide/base/reading_progress.hpp>
 #include <oncollide/scenes/files/tables/hdf5_file.hpp>
 
@@ -113,11 +114,11 @@ void read_hdf5_bodies(BodyRows& rows, const std::filesystem::path& path, const s
     Columns columns(rows, path, group);
     // Unwritten rows take no space in the file, but would fill the memory.
     constexpr std::uint64_t always = 1'000'000, block = 65'536;
-    if (columns.size() > always && columns.size() > std::filesystem::file_size(path))
+    if (columns.size() > always && columns.size() > bytes_of_file(path))
         refuse(rows.file(), fmt::format("{} rows are announced; the file is too short for them", columns.size()));
     if (rows.scene().geometries().size() == 0) refuse(rows.file(), "the scene has no geometries");
     rows.expect(columns.size());
-    const std::uint64_t bytes = std::filesystem::file_size(path);
+    const std::uint64_t bytes = bytes_of_file(path);
     ReadingProgress progress(rows.file(), bytes);
     for (std::uint64_t row = 0; row < columns.size();) {
         if (rows.skip()) {

@@ -10,6 +10,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/scenes/files/common/npy.hpp>
+#include <oncollide/scenes/files/json/at_node.hpp>
 
 namespace oncollide {
 
@@ -73,7 +74,7 @@ public:
         if (type_.kind != 'f') refuse(name_, "holds whole numbers; poses must be real ones");
         frames = header.shape[0], bodies = header.shape[1];
         const double wanted = double(frames) * double(bodies) * double(numbers_each * type_.size);
-        const std::uintmax_t found = std::filesystem::file_size(path) - begin_;
+        const std::uintmax_t found = bytes_of_file(path) - begin_;
         if (wanted != double(found))
             refuse(name_, fmt::format("{} numbers of {} bytes are announced, and {} bytes are there", header.shape_text,
                                       type_.size, found));
@@ -109,7 +110,7 @@ std::unique_ptr<PoseSource> open_npy_poses(const std::filesystem::path& path)
 std::shared_ptr<Recording> open_recording(const Node& entry, const std::filesystem::path& folder)
 {
     entry.only({"file", "path", "first"});
-    const std::filesystem::path path = file_in(folder, entry["file"].text());
+    const std::filesystem::path path = file_of(entry["file"], folder);
     const std::string kind = path.extension().string();
     const bool hdf5 = kind == ".h5" || kind == ".hdf5";
     if (!hdf5 && kind != ".npy")

@@ -192,7 +192,7 @@ struct StoredResults::Open {
 StoredResults::StoredResults(const std::filesystem::path& path, const ResultsHeader& words)
     : name_(path.string()), open_(std::make_unique<Open>())
 {
-    if (!std::filesystem::is_regular_file(path)) check_readable(path); // a file that a run continues is no input
+    if (!is_regular(path)) check_readable(path); // a file that a run continues is no input
     try {
         open_->file = std::make_shared<const Hdf5Bytes>(path, Hdf5Bytes::Access::while_written);
         open_->read_header(header_);

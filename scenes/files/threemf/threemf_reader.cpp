@@ -36,23 +36,23 @@ public:
 
 class ThreeMfReader {
 public:
-    explicit ThreeMfReader(const MeshSource& source)
-        : source_(source), archive_(source), expansion_(source), root_(model_file())
+    ThreeMfReader(const MeshSource& source, std::size_t most_parts)
+        : source_(source), archive_(source), expansion_(source, most_parts), root_(model_file())
     {
         read_models(root_);
     }
 
     RawMesh whole()
     {
-        expansion_.expect(count());
+        expansion_.expect(count().pieces);
         expand();
         return whole_mesh(source_, placed_, expansion_);
     }
-    RawAssembly parts(double scale, int threads)
+    RawAssembly parts(const AssemblyOptions& options)
     {
-        count();
+        expansion_.expect_parts(count().parts, references_);
         expand();
-        return parts_of(source_, placed_, expansion_, scale, threads);
+        return parts_of(source_, placed_, expansion_, options);
     }
 
 private:
@@ -78,7 +78,7 @@ private:
         return found.model;
     }
 
-    /// Reads the model and all models that it refers to, directly or indirectly.
+    /// Reads the model and all models that it refers to.
     void read_models(const std::string& root)
     {
         std::vector<std::string> waiting = {root};
@@ -87,8 +87,14 @@ private:
             waiting.pop_back();
             if (!is_new) continue;
             model->second = read_model_part(source_, archive_, model->first, expansion_);
+            const bool is_root = model->first == root;
+            if (!is_root) model->second.build.clear(); // the specification: only the root's counts
             const auto note = [&](ModelReference& reference) {
-                if (!reference.model.empty()) waiting.push_back(reference.model = in_archive(reference.model));
+                ++references_;
+                if (reference.model.empty()) return;
+                if (!is_root) // the specification: refuse it
+                    fail(reference, *model, "only the root model may refer to another model");
+                waiting.push_back(reference.model = in_archive(reference.model));
             };
             std::ranges::for_each(model->second.build, note);
             for (auto& [id, object] : model->second.objects) std::ranges::for_each(object.components, note);
@@ -113,22 +119,22 @@ private:
         source_.fail(fmt::format("{}: line {}: {}", from.first, reference.line, what));
     }
 
-    /// Counts the nodes and checks all references before anything is made. Returns the pieces of the shown meshes.
-    std::uint64_t count()
+    /// Counts the nodes and checks all references before anything is made. Returns the size of all.
+    ExpandedSize count()
     {
         const Model& first = *models_.find(root_);
         ExpandedSize size;
         for (const ModelReference& item : first.second.build) size.add(size_of(item, first, 1));
         if (size.pieces == 0) source_.fail("the file holds no triangle");
         expansion_.spend(size.nodes);
-        return size.pieces;
+        return size;
     }
     ExpandedSize size_of(const ModelReference& reference, const Model& from, int level)
     {
         const auto [model, id, object] = placed(reference, from);
         const auto measure = [&, &model = model, &object = object] {
             ExpandedSize size{.nodes = 1};
-            if (!object.mesh.triangles.empty()) size.pieces = PlacedMeshes::pieces_of(object.mesh);
+            if (!object.mesh.triangles.empty()) size.parts = 1, size.pieces = PlacedMeshes::pieces_of(object.mesh);
             for (const ModelReference& component : object.components) size.add(size_of(component, model, level + 1));
             return size;
         };
@@ -182,6 +188,7 @@ private:
     ExpansionLimit expansion_;
     const std::string root_; ///< the model that has the build
     std::map<std::string, ModelPart> models_;
+    std::uint64_t references_ = 0; ///< items and components that the file writes
     ExpandedSizes sizes_{XmlReader::most_levels}; ///< of objects
     std::unordered_map<const ModelObject*, std::uint32_t> definitions_, meshes_;
     PlacedMeshes placed_;
@@ -191,12 +198,12 @@ private:
 
 RawMesh read_3mf(const MeshSource& source)
 {
-    return ThreeMfReader(source).whole();
+    return ThreeMfReader(source, AssemblyOptions{}.most_parts).whole();
 }
 
-RawAssembly read_3mf_parts(const MeshSource& source, double scale, int threads)
+RawAssembly read_3mf_parts(const MeshSource& source, const AssemblyOptions& options)
 {
-    return ThreeMfReader(source).parts(scale, threads);
+    return ThreeMfReader(source, options.most_parts).parts(options);
 }
 
 } // namespace oncollide

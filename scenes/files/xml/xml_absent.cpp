@@ -26,12 +26,12 @@ RawMesh read_3mf(const MeshSource& source)
     fail(source);
 }
 
-RawAssembly read_collada_parts(const MeshSource& source, double, int)
+RawAssembly read_collada_parts(const MeshSource& source, const AssemblyOptions&)
 {
     fail(source);
 }
 
-RawAssembly read_3mf_parts(const MeshSource& source, double, int)
+RawAssembly read_3mf_parts(const MeshSource& source, const AssemblyOptions&)
 {
     fail(source);
 }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "allocations.hpp"
 #include "scenes/files/mesh_writers.hpp"
 #include "scenes/test_files.hpp"
 #include <oncollide/samples/generators.hpp>
@@ -20,7 +21,7 @@ protected:
     /// One mesh, a box of 2 x 4 x 6, placed by these nodes; nodes[0] is the root.
     Assembly load(const std::string& nodes, double scale = 1, int threads = 1)
     {
-        return load_assembly(folder_.write("a.glb", test::as_glb(box_, nodes)), scale, threads);
+        return load_assembly(folder_.write("a.glb", test::as_glb(box_, nodes)), {.scale = scale, .threads = threads});
     }
     static const Mesh& mesh_of(const Assembly& assembly, std::size_t part)
     {
@@ -107,7 +108,7 @@ TEST_F(AssemblyFile, AMirroredPartKeepsItsOutsideOut)
 
 TEST_F(AssemblyFile, OtherFilesAreOnePart)
 {
-    const Assembly found = load_assembly(folder_.write("bracket.stl", test::as_binary_stl(box_)), 0.001);
+    const Assembly found = load_assembly(folder_.write("bracket.stl", test::as_binary_stl(box_)), {.scale = 0.001});
     ASSERT_EQ(found.parts.size(), 1u);
     EXPECT_EQ(found.parts[0].name, "bracket");
     EXPECT_EQ(found.parts[0].above, no_node_above);
@@ -120,7 +121,7 @@ TEST_F(AssemblyFile, AnAssemblyWithoutPartsIsRefused)
     expect_error(
         ErrorKind::bad_data, [&] { load_assembly(path); }, "a.glb", "holds no triangle");
     expect_error(
-        ErrorKind::usage, [&] { load_assembly(path, 0); }, "the scale is 0");
+        ErrorKind::usage, [&] { load_assembly(path, {.scale = 0}); }, "the scale is 0");
     expect_error(
         ErrorKind::bad_data, [&] { load(R"({"mesh":0,"translation":[1e16,0,0]})"); }, "nodes[0]", "beyond 1e15");
     expect_error(
@@ -145,7 +146,7 @@ TEST_F(AssemblyFile, AnObjFileIsDividedIntoItsObjectsIfRequested)
                                              "o the L\ng a\nf 1 2 3 4 5 6\ng b\no square\nv 5 5 5\nv 6 5 5\nv 6 6 5\n"
                                              "v 5 6 5\nf -4 -3 -2 -1\n");
     EXPECT_EQ(load_assembly(path).parts.size(), 1u);
-    const Assembly found = load_assembly(path, 2, 1, true);
+    const Assembly found = load_assembly(path, {.scale = 2, .objects = true});
     ASSERT_EQ(found.parts.size(), 3u);
     const auto expect_part = [&](std::size_t number, const char* name, std::size_t triangles, std::size_t vertices) {
         EXPECT_EQ(found.parts[number].name, name);
@@ -155,6 +156,29 @@ TEST_F(AssemblyFile, AnObjFileIsDividedIntoItsObjectsIfRequested)
     };
     expect_part(0, "l", 1, 3), expect_part(1, "the L", 4, 6), expect_part(2, "square", 2, 4);
     EXPECT_EQ(mesh_of(found, 2).bounds.max, Eigen::Vector3d(12, 12, 10));
+}
+
+TEST_F(AssemblyFile, PathsOfNestedNodesStayShort)
+{
+    std::string nodes;
+    constexpr int links = 2000;
+    for (int i = 0; i < links; ++i)
+        nodes += fmt::format(R"({{"name":"{}{}","mesh":0,"children":[{}]}},)", std::string(1000, 'n'), i, i + 1);
+    nodes += R"({"name":"last","mesh":0})";
+    const auto path = folder_.write("a.glb", test::as_glb(box_, nodes));
+    const std::size_t before = allocated_bytes;
+    const Assembly found = load_assembly(path);
+    EXPECT_LT(allocated_bytes - before, 50'000'000u) << "names were joined at each depth";
+    ASSERT_EQ(found.parts.size(), 2001u);
+    EXPECT_EQ(found.parts.back().name, "last");
+    EXPECT_EQ(found.parts.back().path.size(), 4 + 4 * 200u) << found.parts.back().path;
+    EXPECT_TRUE(found.parts.back().path.ends_with("nnn1999/last"));
+    for (const AssemblyPart& part : found.parts) {
+        ASSERT_LE(part.name.size(), 200u);
+        ASSERT_LE(part.path.size(), 1000u);
+    }
+    EXPECT_NE(found.parts[17].name.find("nnn...nnn"), std::string::npos);
+    EXPECT_TRUE(found.parts[17].name.ends_with("nnn17")) << "the end of a name tells it from the others";
 }
 
 } // namespace

@@ -51,6 +51,37 @@ TEST(OccupancyMap, FullFilesAreReadToo)
     EXPECT_EQ(coarse.bounds().max, Vector3d::Zero());
 }
 
+TEST(OccupancyMap, ColouredMapsAndHeadersWithCrLfAreRead)
+{
+    const test::TemporaryFolder folder;
+    const auto replaced = [](std::string text, std::string_view from, std::string_view to) {
+        const std::size_t data = text.find("data\n") + 5;
+        std::string header = text.substr(0, data);
+        for (std::size_t at = 0; (at = header.find(from, at)) != header.npos; at += to.size())
+            header.replace(at, from.size(), to);
+        return header + text.substr(data);
+    };
+    const std::string plain = chain_ot(3, 2.0f, 4);
+    const OccupancyMap map = load_octomap(folder.write("a.ot", plain));
+    std::string coloured = plain.substr(0, plain.find("data\n") + 5);
+    for (std::size_t at = coloured.size(); at < plain.size(); at += 5)
+        coloured += plain.substr(at, 4) + "rgb" + plain.substr(at + 4, 1);
+    coloured = replaced(coloured, "id OcTree", "id ColorOcTree");
+    OccupancyMap of_colours = load_octomap(folder.write("b.ot", coloured));
+    expect_equal(map, of_colours);
+    of_colours.insert_scan(std::vector<Vector3d>{{1.25, 0.25, 0.25}}, {0.25, 0.25, 0.25});
+    EXPECT_GT(of_colours.count(), map.count()) << "the probabilities are kept";
+    expect_equal(map, load_octomap(folder.write("c.ot", replaced(plain, "\n", "\r\n"))));
+    expect_equal(map, load_octomap(folder.write("d.ot", replaced(coloured, "\n", "\r\n"))));
+    save_octomap(map, folder.path() / "e.bt");
+    const std::string binary = bytes_of(folder.path() / "e.bt");
+    expect_equal(map, load_octomap(folder.write("f.bt", replaced(binary, "\n", "\r\n"))));
+    expect_equal(map, load_octomap(folder.write("g.bt", replaced(binary, "id OcTree", "id ColorOcTree"))));
+    for (std::size_t size = coloured.size() - 8; size < coloured.size(); ++size)
+        expect_error(
+            ErrorKind::bad_data, [&] { load_octomap(folder.write("h.ot", coloured.substr(0, size))); }, "truncated");
+}
+
 TEST(OccupancyMap, BadFilesAreRefusedInSilence)
 {
     const test::TemporaryFolder folder;

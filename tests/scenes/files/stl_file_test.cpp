@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -78,6 +79,26 @@ TEST(MeshFile, BinaryStlThatBeginsWithSolidIsNotText)
     std::string bytes = test::as_binary_stl(make_box_mesh({1, 1, 1}));
     bytes.replace(0, 5, "solid");
     EXPECT_EQ(load_mesh(folder.write("a.stl", bytes)).triangles.size(), 12u);
+}
+
+TEST(MeshFile, LinesMayEndWithCrAlone)
+{
+    const test::TemporaryFolder folder;
+    const Mesh box = make_box_mesh({1, 2, 3});
+    const auto old_mac = [](std::string text) {
+        std::ranges::replace(text, '\n', '\r');
+        return text;
+    };
+    for (const auto& [name, text] : {std::pair("a.stl", test::as_text_stl(box)), {"a.obj", test::as_obj(box)},
+                                     {"a.off", test::as_off(box)}, {"a.ply", test::as_text_ply(box)}}) {
+        SCOPED_TRACE(name);
+        const Mesh read = load_mesh(folder.write(name, old_mac(text)));
+        EXPECT_EQ(read.triangles.size(), 12u);
+        EXPECT_EQ(read.bounds.max, box.bounds.max);
+    }
+    std::string bad = test::as_text_stl(box);
+    bad.replace(bad.find("endloop"), 7, "endlop!");
+    expect_bad("a.stl", old_mac(bad), "line 7: 'endlop!' stands where 'endloop' should");
 }
 
 } // namespace

@@ -33,7 +33,7 @@ protected:
     Assembly dae(const std::string& nodes, const std::string& asset = "<up_axis>Z_UP</up_axis>",
                  const std::string& libraries = "", double scale = 1)
     {
-        return load_assembly(folder_.write("a.dae", as_dae(box_, nodes, asset, libraries)), scale, 2);
+        return load_assembly(folder_.write("a.dae", as_dae(box_, nodes, asset, libraries)), {.scale = scale, .threads = 2});
     }
     Assembly threemf(const std::string& resources, const std::string& build, const std::string& unit = "meter")
     {
@@ -295,6 +295,54 @@ TEST_F(XmlAssembly, InstancesAreCountedBeforeAnyOfThemIsMade)
     refuse("a.dae", doubling_dae(20, box_, shown_), whole, limit);
     refuse("a.3mf", doubling_3mf(23, ""), parts, "the file holds no triangle");
     refuse("a.3mf", doubling_3mf(1001, box), parts, "nested deeper than 1000 levels");
+}
+
+TEST_F(XmlAssembly, InstancesMakeNoMorePartsThanAllowed)
+{
+    const std::string object = object_xml(box_, 7), mesh = object.substr(object.find('>') + 1);
+    const std::string box = mesh.substr(0, mesh.find("</object>"));
+    for (const auto& [name, eighteen, eight] :
+         {std::tuple("a.3mf", doubling_3mf(18, box), doubling_3mf(8, box)),
+          {"a.dae", doubling_dae(18, box_, shown_), doubling_dae(8, box_, shown_)}}) {
+        const auto large = folder_.write(name, eighteen);
+        expect_error(
+            ErrorKind::bad_data, [&] { load_assembly(large); },
+            std::string(name) + ": its instances make 131072 parts or more; the limit is 100000 (--max-parts)");
+        const auto path = folder_.write(name, eight);
+        expect_error(
+            ErrorKind::bad_data, [&] { load_assembly(path, {.most_parts = 127}); }, "128 parts");
+        const Assembly found = load_assembly(path, {.most_parts = 128});
+        EXPECT_EQ(found.parts.size(), 128u);
+        EXPECT_EQ(found.meshes.size(), 1u) << "instances share their geometry";
+    }
+    std::string items, nodes;
+    for (int i = 0; i < 20; ++i) items += R"(<item objectid="7"/>)", nodes += "<node>" + shown_ + "</node>";
+    const AssemblyOptions few{.most_parts = 3};
+    EXPECT_EQ(load_assembly(folder_.write("a.3mf", as_3mf(model_xml(box_object_, items))), few).parts.size(), 20u)
+        << "a file may have as many parts as it writes";
+    EXPECT_EQ(load_assembly(folder_.write("a.dae", as_dae(box_, nodes)), few).parts.size(), 20u);
+}
+
+TEST_F(XmlAssembly, AnotherModelOf3mfHasItsOwnUnitAndNoReferences)
+{
+    // The object is in inches and stands 100 mm from the component's place, which is 10 mm from the item's.
+    other_ = model_xml(object_xml(box_, 7) + R"(<object id="9"><components><component objectid="7" )"
+                                             R"(transform="1 0 0 0 1 0 0 0 1 2 0 0"/></components></object>)",
+                       R"(<item objectid="8"/>)", "inch"); // the specification: such a build is ignored
+    const std::string pair = R"(<object id="8"><components><component objectid="9" p:path="/3D/other.model" )"
+                             R"(transform="0 1 0 -1 0 0 0 0 1 0 10 0"/></components></object>)";
+    const Assembly found = threemf(pair, R"(<item objectid="8" transform="1 0 0 0 1 0 0 0 1 1000 0 0"/>)", "millimeter");
+    ASSERT_EQ(found.parts.size(), 1u);
+    // A shift of 2 inches along x becomes one along y, from (1000, 10, 0) mm on.
+    EXPECT_TRUE(found.parts[0].pose.translation().isApprox(Vector3d(1, 0.01 + 2 * 0.0254, 0), 1e-12));
+    const Mesh whole = load_mesh(folder_.path() / "a.3mf");
+    EXPECT_NEAR(whole.bounds.max.y() - whole.bounds.min.y(), 2 * 0.0254, 1e-12) << "the box's x, turned";
+    other_ = model_xml(box_object_ + R"(<object id="9"><components><component objectid="7" p:path="/3D/3dmodel.model"/>)"
+                                     "</components></object>",
+                       "", "inch");
+    expect_error(
+        ErrorKind::bad_data, [&] { threemf(pair, R"(<item objectid="8"/>)"); },
+        "a.3mf: 3D/other.model: line ", "only the root model may refer to another model");
 }
 
 #ifdef ONCOLLIDE_XML

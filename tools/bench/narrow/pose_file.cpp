@@ -73,7 +73,7 @@ std::vector<KnownPose> read_known_poses(const fs::path& path)
 {
     std::vector<KnownPose> poses = read_poses(path);
     const fs::path expected = path.parent_path() / (path.stem().string() + "_expected" + path.extension().string());
-    if (fs::exists(expected)) read_expected(expected, poses);
+    if (is_regular(expected)) read_expected(expected, poses);
     return poses;
 }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/base/files/paths.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 
@@ -80,7 +81,7 @@ OctantLevels::OctantLevels(const Mesh& mesh, int depth) : mesh_(mesh), root_(roo
 NamedMesh mesh_or_knot(const std::filesystem::path& data, const std::string& file, int triangles)
 {
     const std::filesystem::path path = data / "meshes" / file;
-    if (!data.empty() && std::filesystem::exists(path)) return {path.stem().string(), load_mesh(path)};
+    if (!data.empty() && is_regular(path)) return {path.stem().string(), load_mesh(path)};
     return {fmt::format("knot {}", triangles), make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, triangles)};
 }
 

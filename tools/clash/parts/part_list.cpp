@@ -30,17 +30,44 @@ bool is_mesh_file(const fs::path& path)
     return !extension.empty() && std::ranges::count(mesh_extensions(), extension.substr(1)) > 0;
 }
 
-std::vector<std::string> files_below(const std::string& folder)
+/// Files that belong to meshes: materials, textures, buffers of glTF.
+bool is_beside_meshes(const fs::path& path)
 {
-    std::vector<std::string> found;
+    constexpr std::string_view kinds[] = {".mtl", ".bin", ".png", ".jpg", ".jpeg", ".webp", ".ktx2"};
+    return std::ranges::count(kinds, lower_extension(path)) > 0;
+}
+
+/// ": b.ifc, c.step"; of many names the first; "" for none.
+std::string listed(std::vector<std::string> names)
+{
+    constexpr std::size_t most = 20;
+    if (names.empty()) return "";
+    std::ranges::sort(names);
+    const std::size_t more = names.size() - std::min(most, names.size());
+    names.resize(names.size() - more);
+    return fmt::format(": {}{}", fmt::join(names, ", "), more ? fmt::format(" and {} more", more) : "");
+}
+
+std::vector<std::string> files_below(const std::string& folder, std::vector<std::string>* warnings)
+{
+    std::vector<std::string> found, left_out;
     std::error_code error;
-    for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
-        if (std::error_code ignored; at->is_regular_file(ignored) && is_mesh_file(at->path()))
-            found.push_back(at->path().lexically_normal().string());
+    for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+        const fs::path file = at->path().lexically_normal();
+        if (is_folder(file)) continue;
+        if (is_regular(file) && is_mesh_file(file))
+            found.push_back(file.string());
+        else if (!is_beside_meshes(file))
+            left_out.push_back(path_from(folder, file).string());
+    }
     if (error) throw Error(ErrorKind::no_input, fmt::format("{}: {}", folder, error.message()));
+    const std::string others = listed(std::move(left_out));
     if (found.empty())
-        throw Error(ErrorKind::no_input,
-                    fmt::format("{}: no mesh file in this folder ({})", folder, fmt::join(mesh_extensions(), ", ")));
+        throw Error(ErrorKind::no_input, fmt::format("{}: no mesh file in this folder ({}){}{}", folder,
+                                                     fmt::join(mesh_extensions(), ", "),
+                                                     others.empty() ? "" : "; other files", others));
+    if (warnings && !others.empty())
+        warnings->push_back(fmt::format("{}: files that are no meshes are left out{}", folder, others));
     std::ranges::sort(found);
     return found;
 }
@@ -146,7 +173,7 @@ double reach_of(const Aabb& box)
 
 } // namespace
 
-std::vector<std::string> files_of(const std::vector<std::string>& inputs)
+std::vector<std::string> files_of(const std::vector<std::string>& inputs, std::vector<std::string>* warnings)
 {
     std::vector<std::string> files;
     for (const std::string& input : inputs) {
@@ -155,7 +182,7 @@ std::vector<std::string> files_of(const std::vector<std::string>& inputs)
             files.push_back(input);
             continue;
         }
-        const std::vector<std::string> below = files_below(input);
+        const std::vector<std::string> below = files_below(input, warnings);
         files.insert(files.end(), below.begin(), below.end());
     }
     std::set<std::string> seen;
@@ -172,7 +199,10 @@ PartList read_parts(const std::vector<std::string>& files, const Units& units, c
     std::vector<Assembly> read(files.size());
     const auto load = [&](std::size_t i, int inner) {
         // An OBJ file alone is divided: as one part it could not clash.
-        read[i] = load_assembly(files[i], units.scale_of(files[i]), inner, files.size() == 1);
+        read[i] = load_assembly(files[i], {.scale = units.scale_of(files[i]),
+                                           .threads = inner,
+                                           .objects = files.size() == 1,
+                                           .most_parts = rules.most_parts});
     };
     if (files.size() == 1)
         load(0, threads);

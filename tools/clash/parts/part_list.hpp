@@ -31,6 +31,7 @@ struct PartRules {
     /// Patterns: parts of set A are compared with parts of set B only. Without set B, it is all parts outside set A.
     std::vector<std::string> set_a{}, set_b{};
     std::vector<std::string> inputs{}; ///< files and folders of the command line; paths of parts are relative to them
+    std::size_t most_parts = 100'000;  ///< as in AssemblyOptions
 };
 
 /// All parts that are compared.
@@ -47,7 +48,9 @@ struct PartList {
 
 /// The files that `inputs` name: files, and all mesh files below folders, sorted within a folder. Throws
 /// Error{no_input} for a path that does not exist and for a folder without mesh files.
-std::vector<std::string> files_of(const std::vector<std::string>& inputs);
+/// @param warnings  gets a line for each folder that names its other files: no part may be missing in silence
+std::vector<std::string> files_of(const std::vector<std::string>& inputs,
+                                  std::vector<std::string>* warnings = nullptr);
 
 /// Reads the parts of files: one part per node of a glTF, COLLADA or 3MF file, one part per other file. Throws the
 /// errors of load_mesh, and Error{bad_data} for a single part.

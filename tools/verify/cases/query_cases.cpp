@@ -62,7 +62,7 @@ std::vector<BodyCase> query_cases(const std::filesystem::path& data)
 {
     std::vector<BodyCase> cases;
     const std::filesystem::path folder = data / "queries";
-    if (data.empty() || !std::filesystem::is_directory(folder)) return cases;
+    if (data.empty() || !is_folder(folder)) return cases;
     for (const auto& [name, family] :
          {std::pair("erleben-spikes", "Erleben's spikes"), std::pair("erleben-wedges", "Erleben's wedges"),
           std::pair("erleben-cube-internal-edges", "Erleben's internal edges")}) {

@@ -1,0 +1,35 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string_view>
+
+namespace oncollide {
+
+// What std::filesystem answers with exceptions of its own: here every fault of a path is an Error that names it.
+// tests/builds/throwing_paths.py refuses its throwing functions elsewhere.
+
+/// The path from the root; an empty one is the current folder. Throws Error{no_input} if the current folder was
+/// removed, on which a relative path depends.
+std::filesystem::path absolute_path(const std::filesystem::path& path);
+
+/// `file` relative to `folder`, with links followed where the system allows it.
+std::filesystem::path path_from(const std::filesystem::path& folder, const std::filesystem::path& file);
+
+/// False for a path that does not exist, or that the system does not show.
+bool is_folder(const std::filesystem::path& path);
+bool is_regular(const std::filesystem::path& path);
+
+/// Throws Error{no_input}.
+std::uintmax_t bytes_of_file(const std::filesystem::path& path);
+
+/// The folder for files that do not stay. Throws Error{cannot_write} unless TMPDIR, or /tmp, is one.
+std::filesystem::path temporary_files();
+
+/// Whether a name begins with a scheme, as "http://" does: no file of this machine, except for "file://".
+bool is_address(std::string_view name);
+
+/// The path of the file `name`, as another file in `folder` refers to it; never standard input. "file://" may stand
+/// before it. Throws Error{no_input} for any other address: nothing is read from a network.
+std::filesystem::path file_in(const std::filesystem::path& folder, std::string_view name);
+
+} // namespace oncollide
