@@ -3,8 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
-#include <set>
+#include <unordered_map>
 
 #include <fmt/format.h>
 
@@ -59,7 +58,8 @@ private:
     void read_link(const XmlElement& element)
     {
         RobotLink link{source_.required(element, "name"), {}};
-        if (!names_.insert("link " + link.name).second) source_.fail_at(element, "there are two links of this name");
+        if (!link_numbers_.emplace(link.name, robot_.links.size()).second)
+            source_.fail_at(element, "there are two links of this name");
         for (const XmlElement& child : element.children)
             if (child.name == "collision") link.collision.push_back(geometries_.read(child, link.name));
         links_.push_back(&element);
@@ -70,14 +70,17 @@ private:
     {
         const XmlElement* const element = joint.find(which);
         if (!element) source_.fail_at(joint, fmt::format("has no {} link", which));
-        return find_named(source_, joint, "link", source_.required(*element, "link"), robot_.links);
+        const std::string& name = source_.required(*element, "link");
+        const auto found = link_numbers_.find(name);
+        return found == link_numbers_.end() ? find_named(source_, joint, "link", name, robot_.links) : found->second;
     }
 
     void read_joint(const XmlElement& element)
     {
         RobotJoint joint;
         joint.name = source_.required(element, "name");
-        if (!names_.insert("joint " + joint.name).second) source_.fail_at(element, "there are two joints of this name");
+        if (!joint_numbers_.emplace(joint.name, robot_.joints.size()).second)
+            source_.fail_at(element, "there are two joints of this name");
         const std::string& kind = source_.required(element, "type");
         const auto found = std::ranges::find(kinds, kind);
         if (found == kinds.end())
@@ -121,24 +124,34 @@ private:
             return kind != JointKind::fixed && kind != JointKind::planar && kind != JointKind::floating;
         };
         if (joint.kind == JointKind::fixed) return; // nothing to move
-        const std::uint32_t of =
-            find_named(source_, *joints_[i], "joint", source_.required(*mimic, "joint"), robot_.joints);
+        const std::string& name = source_.required(*mimic, "joint");
+        const auto found = joint_numbers_.find(name);
+        const std::uint32_t of = found == joint_numbers_.end()
+                                     ? find_named(source_, *joints_[i], "joint", name, robot_.joints)
+                                     : found->second;
         if (!one_number(joint.kind) || !one_number(robot_.joints[of].kind))
             source_.fail_at(*joints_[i], "only revolute, continuous and prismatic joints can mimic each other");
         joint.mimics = static_cast<std::int32_t>(of);
         joint.multiplier = source_.number(*mimic, "multiplier", 1), joint.offset = source_.number(*mimic, "offset", 0);
     }
 
-    /// Makes each mimic joint refer to one with a value of its own.
+    /// Makes each mimic joint refer to one with a value of its own. Each joint is resolved once, before those that mimic
+    /// it, however long their chain is.
     void resolve_mimics()
     {
+        std::vector<bool> is_resolved(joints_.size(), false), is_waiting(joints_.size(), false);
+        std::vector<std::uint32_t> waiting;
         for (std::uint32_t i = 0; i < joints_.size(); ++i) {
-            RobotJoint& joint = robot_.joints[i];
-            for (std::size_t steps = 0; joint.mimics >= 0; ++steps) {
+            for (std::uint32_t at = i; !is_resolved[at] && robot_.joints[at].mimics >= 0;
+                 at = static_cast<std::uint32_t>(robot_.joints[at].mimics)) {
+                if (is_waiting[at]) source_.fail_at(*joints_[i], "mimics itself, directly or through others");
+                is_waiting[at] = true, waiting.push_back(at);
+            }
+            for (; !waiting.empty(); waiting.pop_back()) {
+                RobotJoint& joint = robot_.joints[waiting.back()];
                 const RobotJoint& of = robot_.joints[static_cast<std::size_t>(joint.mimics)];
-                if (&of == &joint || steps > joints_.size())
-                    source_.fail_at(*joints_[i], "mimics itself, directly or through others");
-                if (of.mimics < 0) break;
+                is_resolved[waiting.back()] = true;
+                if (of.mimics < 0) continue;
                 joint.offset += joint.multiplier * of.offset, joint.multiplier *= of.multiplier;
                 joint.mimics = of.mimics;
             }
@@ -165,13 +178,16 @@ private:
                                                         oncollide::quoted(root->attribute("name"))));
             root = links_[i];
         }
-        for (std::uint32_t i = 0; i < above.size();
-             ++i) { // a link that does not end at the root is in a loop or below it
-            std::size_t at = i, steps = 0;
-            while (above[at] >= 0 && steps++ <= above.size())
+        // A link that does not end at the root is in a loop or below it. Each joint is followed once.
+        const auto never = static_cast<std::uint32_t>(above.size());
+        std::vector<std::uint32_t> seen_from(above.size(), never);
+        for (std::uint32_t i = 0; i < above.size(); ++i)
+            for (std::uint32_t at = i; above[at] >= 0 && seen_from[at] == never;) {
+                seen_from[at] = i;
                 at = robot_.joints[static_cast<std::size_t>(above[at])].parent;
-            if (above[at] >= 0) source_.fail_at(*links_[i], "the joints above it form a loop; a robot is a tree");
-        }
+                if (above[at] >= 0 && seen_from[at] == i)
+                    source_.fail_at(*links_[i], "the joints above it form a loop; a robot is a tree");
+            }
     }
 
     const RobotSource& source_;
@@ -179,7 +195,7 @@ private:
     GeometryReader geometries_;
     RobotDescription robot_;
     std::vector<const XmlElement*> links_, joints_; ///< as in robot_
-    std::set<std::string> names_;
+    std::unordered_map<std::string, std::uint32_t> link_numbers_, joint_numbers_;
 };
 
 } // namespace
