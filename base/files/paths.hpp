@@ -5,7 +5,7 @@
 
 namespace oncollide {
 
-// What std::filesystem answers with exceptions of its own: here every fault of a path is an Error that names it.
+// Functions of std::filesystem that throw exceptions of their own. Here every fault is an Error with the path's name.
 // tests/builds/throwing_paths.py refuses its throwing functions elsewhere.
 
 /// The path from the root; an empty one is the current folder. Throws Error{no_input} if the current folder was

@@ -14,7 +14,7 @@ namespace oncollide {
 struct RobotSource : MeshSource {
     /// Throws Error{bad_data} with the message "FILE: line N: joint 'a': TEXT".
     [[noreturn]] void fail_at(const XmlElement& element, const std::string& text) const;
-    /// Returns work(); its errors name the element, except for those of this build or of the caller.
+    /// Returns work(). Its errors name the element, except Error{usage}.
     template <class Work>
     auto at(const XmlElement& element, Work work) const
     {

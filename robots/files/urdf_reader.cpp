@@ -135,8 +135,8 @@ private:
         joint.multiplier = source_.number(*mimic, "multiplier", 1), joint.offset = source_.number(*mimic, "offset", 0);
     }
 
-    /// Makes each mimic joint refer to one with a value of its own. Each joint is resolved once, before those that mimic
-    /// it, however long their chain is.
+    /// Makes each mimic joint refer to one with a value of its own. Each joint is resolved once, before the joints
+    /// that mimic it, so a long chain takes linear time.
     void resolve_mimics()
     {
         std::vector<bool> is_resolved(joints_.size(), false), is_waiting(joints_.size(), false);

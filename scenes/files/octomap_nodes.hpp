@@ -17,7 +17,7 @@ struct OctomapNodes {
 OctomapNodes read_binary_octomap(const std::string& name, std::string_view bytes, bool unknown_is_occupied);
 
 /// The same for a `.ot` file, whose cells of at least this probability are occupied. A ColorOcTree loses its colours:
-/// the nodes in `bytes` become those of an OcTree.
+/// its nodes in `bytes` become nodes of an OcTree.
 OctomapNodes read_full_octomap(const std::string& name, std::string& bytes, bool unknown_is_occupied,
                                double occupancy_threshold);
 

@@ -52,7 +52,7 @@ ONCOLLIDE_API void save_scene(const Scene& scene, const std::filesystem::path& p
 /// A mesh at a pose. Parts of an assembly may have equal names.
 struct AssemblyPart {
     std::string name;    ///< of its node, else of its mesh, else "node 17"; for other files the file name without
-                         ///< extension. Of a name longer than 200 bytes the ends
+                         ///< extension. The middle of a name longer than 200 bytes is left out
     std::string path;    ///< the names of its ancestors and its own, separated by '/': the nearest 63 (7 in a file of
                          ///< more than 100,000 parts), and fewer beyond 1,000 bytes
     std::uint32_t above; ///< the number of its parent node; no_node_above: it has none

@@ -8,8 +8,12 @@ std::vector<std::string> urdf_seeds()
 {
     std::string text = SmallRobot::text;
     text.replace(text.find("package://robot/"), 16, ""); // beside the file
+    std::string models = text; // of Gazebo, and a mimic joint without limits
+    const std::string limit = R"(<limit lower="-1" upper="1"/>)";
+    models.replace(models.find(limit), limit.size(), "");
+    models.replace(models.find("\"wedge.obj"), 1, "\"model://");
     return {
-        text,
+        text, models,
         R"(<robot name="r"><link name="a"/><joint name="j" type="planar"><parent link="a"/><child link="b"/></joint>)"
         R"(<joint name="k" type="floating"><parent link="b"/><child link="c"/></joint><link name="b"/>)"
         R"(<link name="c"><collision><geometry><capsule radius="1" length="2"/></geometry></collision></link></robot>)"};

@@ -89,7 +89,14 @@ std::vector<std::string> stl_seeds()
 std::vector<std::string> gltf_seeds()
 {
     const Mesh mesh = soup();
-    return {gltf_json(mesh, R"("uri":"buffer.bin",)"),
+    std::string shaped = gltf_json(mesh, R"("uri":"buffer.bin",)",
+                                   R"({"mesh":0,"skin":0,"children":[1],"extensions":{"EXT_mesh_gpu_instancing":)"
+                                   R"({"attributes":{"TRANSLATION":1,"SCALE":1}}}},{"mesh":0,"weights":[2]})");
+    const std::string indices = R"("indices":0,"mode":4}])";
+    shaped.replace(shaped.find(indices), indices.size(),
+                   R"("indices":0,"mode":4,"targets":[{"POSITION":1}]}],"weights":[0.5])");
+    return {shaped,
+            gltf_json(mesh, R"("uri":"buffer.bin",)"),
             gltf_json(mesh, R"("uri":"buffer.bin",)",
                       R"({"children":[1,2]},{"mesh":0,"matrix":[1,0,0,0,0,-1,0,0,0,0,1,0,5,6,7,1]},)"
                       R"({"mesh":0,"translation":[1,2,3],"rotation":[0,0,0.6,0.8],"scale":[1,2,-3]})"),
@@ -154,6 +161,10 @@ std::vector<std::string> ot_seeds()
         tree.writeData(nodes);
         seeds.push_back(map_header("# Octomap OcTree file", tree.calcNumNodes()) + nodes.str());
     }
+    // With a colour in each node, and lines that end with CR LF.
+    std::string coloured = "# Octomap OcTree file\r\nid ColorOcTree\r\nsize 17\r\nres 1\r\ndata\r\n";
+    for (int level = 0; level <= 16; ++level) coloured += std::string("\0\0\0?rgb", 7) + (level < 16 ? '\1' : '\0');
+    seeds.push_back(coloured);
     return seeds;
 }
 

@@ -68,7 +68,7 @@ OldReport read_report(const std::string& file)
         for (const json& clash : report.value("resolved", json::array()))
             old.clashes.push_back(old_clash(clash, "resolved"));
     } catch (const json::exception& fault) {
-        std::string_view text = fault.what(); // "[json.exception...] why; last read: 'what a file of any kind holds'"
+        std::string_view text = fault.what(); // "[json.exception...] why; last read: 'text'", of any kind of file
         text.remove_prefix(std::min(text.find("] "), text.size() - 2) + 2);
         refuse_report(fmt::format("not a valid report: {}", text.substr(0, text.find("; last read"))));
     }

@@ -19,7 +19,7 @@ public:
     void spend(std::uint64_t pieces, std::uint64_t beside = 0);
     /// Throws as spend(), but spends nothing: refuses work before it begins.
     void expect(std::uint64_t pieces) const { check(spent_ + pieces, 0); }
-    /// Throws Error{bad_data} if the file has too many parts, with those of the calls before.
+    /// Adds parts. Throws Error{bad_data} if all calls together add too many.
     /// @param written the file's own nodes and instances: a file may have as many parts as it writes
     void expect_parts(std::uint64_t parts, std::uint64_t written);
 

@@ -24,7 +24,7 @@ public:
 
     /// "node 17" without a name; of a name longer than most_name, its ends.
     std::string name(std::uint32_t node) const;
-    /// The node's name after those of its nearest ancestors, as far as most_path bytes and the levels hold them.
+    /// The names of the nearest ancestors and the node's own, as many as most_path bytes and the levels hold.
     std::string path(std::uint32_t node) const;
 
 private:

@@ -25,13 +25,13 @@ public:
     static GltfAccessor of_corners(const GltfDocument& document, GltfBuffers& buffers, const Node& number);
     static GltfAccessor of_positions(const GltfDocument& document, GltfBuffers& buffers, const Node& number);
 
-    /// Of the instances of a mesh: floats, or for quaternions also normalised whole numbers of 8 or 16 bits with a sign.
+    /// Numbers of a mesh's instances: floats. Quaternions may also be signed normalised whole numbers of 8 or 16 bits.
     enum class Vectors { points, quaternions };
     static GltfAccessor of_vectors(const GltfDocument& document, GltfBuffers& buffers, const Node& number,
                                    Vectors kind);
 
     std::size_t size() const { return size_; }
-    /// Elements that the file holds one by one; without an array, only those of the sparse part.
+    /// Elements that the file holds one by one: all, or without an array only the replaced ones.
     std::size_t written() const { return elements_.data ? size_ : replaced_; }
     std::size_t replaced() const { return replaced_; } ///< elements of the sparse part
     std::uint32_t corner(std::size_t i) const;         ///< i < size()

@@ -15,7 +15,7 @@ public:
     GltfInstances(const GltfDocument& document, GltfBuffers& buffers, const Node& node);
 
     std::size_t size() const { return size_; }
-    /// Of these, those that the file's bytes give one by one; others are copies of one, as in a sparse accessor.
+    /// The instances that the file holds one by one. A sparse accessor makes copies of one that take no bytes.
     std::size_t written() const { return written_; }
     Eigen::Affine3d pose(std::size_t i) const;
 

@@ -178,7 +178,7 @@ TEST_F(AssemblyFile, PathsOfNestedNodesStayShort)
         ASSERT_LE(part.path.size(), 1000u);
     }
     EXPECT_NE(found.parts[17].name.find("nnn...nnn"), std::string::npos);
-    EXPECT_TRUE(found.parts[17].name.ends_with("nnn17")) << "the end of a name tells it from the others";
+    EXPECT_TRUE(found.parts[17].name.ends_with("nnn17")) << "names that differ at their ends stay different";
 }
 
 } // namespace

@@ -1,4 +1,4 @@
-// What changes the shape or the number of glTF meshes: instances, morph targets, skins.
+// Instances, morph targets and skins change the number or the shape of glTF meshes.
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
