@@ -1,6 +1,8 @@
 // Geometry, and meshes.
 #include "geometry.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include <oncollide/base/text/printable.hpp>
@@ -40,6 +42,8 @@ GeometryHandle mesh(py::handle vertices, py::handle faces, py::handle name)
 }
 
 using CookedHandle = std::shared_ptr<const CookedMesh>;
+
+thread_local std::vector<std::string> file_warnings; // noted without the lock of the interpreter
 
 GeometryHandle mesh_file(py::handle file, py::handle scale, py::handle fit_diagonal, py::handle centre,
                          py::handle on_demand)
@@ -112,6 +116,12 @@ py::array rows(py::object owner, const std::vector<std::array<T, 3>>& items)
 
 } // namespace
 
+void emit_file_warnings()
+{
+    for (const std::string& line : std::exchange(file_warnings, {}))
+        if (PyErr_WarnEx(PyExc_UserWarning, line.c_str(), 1) != 0) throw py::error_already_set();
+}
+
 GeometryHandle geometry(py::handle value, const Place& place)
 {
     if (!py::isinstance<Geometry>(value))
@@ -122,6 +132,7 @@ GeometryHandle geometry(py::handle value, const Place& place)
 void bind_geometry(py::module_& m)
 {
     using namespace py::literals;
+    on_file_warning([](const std::string& line) { file_warnings.push_back(line); });
     const auto unnamed = py::arg("name") = py::str("");
     py::class_<Geometry, std::shared_ptr<Geometry>>(m, "Geometry", R"(The geometry of a body, in its own frame, metres.
 
@@ -195,7 +206,8 @@ range or a vertex that is not finite. Cost: 10 ns per triangle.)");
 --
 
 A mesh, a map or a terrain from a file of any format, by its extension. A cooked file is read on demand. load_mesh,
-load_map and load_terrain have options. Raises Error for a file that is missing or not valid.)");
+load_map and load_terrain have options. Raises Error for a file that is missing or not valid. What a reader leaves out,
+such as the skin of a glTF mesh, is a UserWarning.)");
     m.def("load_mesh", &mesh_file, "path"_a, "scale"_a = 1.0, "fit_diagonal"_a = 0.0, "centre"_a = false,
           "on_demand"_a = false, R"(load_mesh(path, scale=1.0, fit_diagonal=0.0, centre=False, on_demand=False)
 --

@@ -15,11 +15,19 @@ inline std::string name_or(const std::string& name, const char* call)
     return name.empty() ? call : name;
 }
 
+/// Emits what readers of files have noted on this thread as UserWarning. Throws if a filter makes it an error.
+void emit_file_warnings();
+
 template <class Make>
 GeometryHandle made_without_lock(std::string name, Make make)
 {
-    const Released released;
-    return share(std::move(name), make());
+    GeometryHandle made;
+    {
+        const Released released;
+        made = share(std::move(name), make());
+    }
+    emit_file_warnings();
+    return made;
 }
 
 inline int count(py::handle value, const char* call, const char* argument)

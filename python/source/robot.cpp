@@ -3,6 +3,7 @@
 
 #include <oncollide/robots/robot.hpp>
 
+#include "geometry.hpp"
 #include "held_world.hpp"
 
 namespace oncollide::python {
@@ -26,9 +27,11 @@ std::unique_ptr<HeldRobot> make(HeldWorld& held, py::handle urdf, py::handle srd
     }
     const std::string file = path(urdf, {call, "urdf"});
     const Eigen::Isometry3d at = pose(base, {call, "base"});
+    RobotDescription description = load_robot(file, reading);
+    emit_file_warnings();
     const Inside inside(held, call);
     return std::make_unique<HeldRobot>(
-        HeldRobot{&held, std::make_unique<Robot>(held.world, load_robot(file, reading), at)});
+        HeldRobot{&held, std::make_unique<Robot>(held.world, std::move(description), at)});
 }
 
 /// Rows of a configuration's width, or one.

@@ -1,7 +1,9 @@
 """Geometries: from arrays, from files, from dimensions."""
 
 import gc
+import json
 import os
+import warnings
 
 import numpy as np
 import pytest
@@ -219,3 +221,19 @@ def test_generators_are_closed_and_of_the_size_that_was_asked_for():
 
 def test_the_version_is_the_projects():
     assert f"project(oncollide VERSION {oncollide.__version__} " in (SOURCE / "CMakeLists.txt").read_text()
+
+
+def test_what_a_reader_leaves_out_is_a_warning(tmp_path):
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4")
+    (tmp_path / "a.bin").write_bytes(vertices.tobytes())
+    file = {"asset": {"version": "2.0"}, "nodes": [{"mesh": 0, "skin": 0}], "skins": [{"joints": [0]}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+            "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"uri": "a.bin", "byteLength": 36}]}
+    (tmp_path / "a.gltf").write_text(json.dumps(file))
+    with pytest.warns(UserWarning, match="a.gltf: 1 node has a skin, which is not applied"):
+        assert len(oncollide.load(tmp_path / "a.gltf").faces) == 1
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(UserWarning):
+            oncollide.load_mesh(tmp_path / "a.gltf")

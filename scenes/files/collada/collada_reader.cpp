@@ -9,6 +9,7 @@
 #include <oncollide/scenes/files/assembly/placed_meshes.hpp>
 #include <oncollide/scenes/files/collada/collada_mesh.hpp>
 #include <oncollide/scenes/files/collada/collada_pose.hpp>
+#include <oncollide/scenes/files/common/file_warning.hpp>
 #include <oncollide/scenes/files/xml/xml_reader.hpp>
 
 namespace oncollide {
@@ -142,6 +143,10 @@ private:
                 if (is_shown(child)) show(child, number, pose);
             add_children(*node.element, number, pose);
         }
+        if (controllers_shown_ > 0)
+            warn_of_file(source_.name, fmt::format("{} mesh{} a skin or a morph, which is not applied: {} bind shape",
+                                                   controllers_shown_, controllers_shown_ == 1 ? " has" : "es have",
+                                                   controllers_shown_ == 1 ? "it stands in its" : "they stand in their"));
     }
 
     static bool is_shown(const XmlElement& child)
@@ -152,6 +157,7 @@ private:
     void show(const XmlElement& child, std::uint32_t node, Eigen::Affine3d pose)
     {
         const XmlElement& shown = shown_by(child, pose);
+        controllers_shown_ += child.name == "instance_controller";
         placed_.shows.push_back({node, mesh_of(shown), pose});
         std::string& name = placed_.names[placed_.nodes[node].name];
         if (name.empty()) name = name_of(shown);
@@ -208,6 +214,7 @@ private:
     ExpansionLimit expansion_;
     ColladaIds geometries_, controllers_, nodes_, scenes_;
     std::uint64_t shows_ = 0; ///< instances of meshes that the file writes
+    std::uint64_t controllers_shown_ = 0;
     ExpandedSizes sizes_{XmlReader::most_levels}; ///< of nodes
     std::unordered_map<const XmlElement*, std::uint32_t> definitions_, meshes_;
     PlacedMeshes placed_;

@@ -149,7 +149,13 @@ TEST_F(XmlAssembly, ColladaControllersShowWhatTheyDeform)
     const std::string skin = R"(<library_controllers><controller id="c"><skin source="#g"><bind_shape_matrix>)"
                              R"(1 0 0 5 0 1 0 0 0 0 1 0 0 0 0 1</bind_shape_matrix></skin></controller>)"
                              R"(<controller id="m"><morph source="#c"/></controller></library_controllers>)";
+    static std::vector<std::string> warnings;
+    warnings.clear();
+    on_file_warning([](const std::string& line) { warnings.push_back(line); });
     const Assembly found = dae(R"(<node><instance_controller url="#m"/></node>)", "<up_axis>Z_UP</up_axis>", skin);
+    on_file_warning(nullptr);
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_NE(warnings[0].find("a.dae: 1 mesh has a skin or a morph, which is not applied"), std::string::npos) << warnings[0];
     ASSERT_EQ(found.parts.size(), 1u);
     EXPECT_EQ(found.parts[0].pose.translation(), Vector3d(5, 0, 0));
 }
