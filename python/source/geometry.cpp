@@ -206,8 +206,8 @@ range or a vertex that is not finite. Cost: 10 ns per triangle.)");
 --
 
 A mesh, a map or a terrain from a file of any format, by its extension. A cooked file is read on demand. load_mesh,
-load_map and load_terrain have options. Raises Error for a file that is missing or not valid. What a reader leaves out,
-such as the skin of a glTF mesh, is a UserWarning.)");
+load_map and load_terrain have options. Raises Error for a file that is missing or not valid. A UserWarning names each
+thing that the reader leaves out, such as the skin of a glTF mesh.)");
     m.def("load_mesh", &mesh_file, "path"_a, "scale"_a = 1.0, "fit_diagonal"_a = 0.0, "centre"_a = false,
           "on_demand"_a = false, R"(load_mesh(path, scale=1.0, fit_diagonal=0.0, centre=False, on_demand=False)
 --

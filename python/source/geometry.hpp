@@ -15,7 +15,7 @@ inline std::string name_or(const std::string& name, const char* call)
     return name.empty() ? call : name;
 }
 
-/// Emits what readers of files have noted on this thread as UserWarning. Throws if a filter makes it an error.
+/// Emits the notes of readers on this thread as UserWarning. Throws if a filter makes a warning an error.
 void emit_file_warnings();
 
 template <class Make>

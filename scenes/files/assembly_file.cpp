@@ -22,7 +22,7 @@ static_assert(no_node_above == no_node);
 
 struct Format {
     const char* extension;
-    RawAssembly (*read)(const MeshSource&, const AssemblyOptions&);
+    RawAssembly (*read)(const MeshSource&, const PartsReading&);
 };
 constexpr Format formats[] = {
     {".gltf", read_gltf_parts}, {".glb", read_gltf_parts}, {".dae", read_collada_parts}, {".3mf", read_3mf_parts}};
@@ -47,7 +47,7 @@ Assembly load_parts(const Format& format, const std::filesystem::path& path, con
     RawAssembly raw;
     {
         const FileBytes bytes = read_large_file(path, std::uintmax_t(2) << 30);
-        raw = format.read({file, bytes}, options);
+        raw = format.read({file, bytes}, {options.scale, options.threads, options.most_parts});
     }
     Assembly assembly;
     std::erase_if(raw.parts, [&](const RawPart& part) { return raw.meshes[part.mesh].triangles.empty(); });

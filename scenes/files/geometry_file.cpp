@@ -5,6 +5,7 @@
 
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
+#include <oncollide/scenes/files/common/file_warning.hpp>
 
 namespace oncollide {
 
@@ -15,6 +16,11 @@ FileKind kind_of_file(const std::filesystem::path& path)
     if (extension == ".bt" || extension == ".ot") return FileKind::map;
     const bool heights = !extension.empty() && std::ranges::count(terrain_extensions(), extension.substr(1)) > 0;
     return heights ? FileKind::terrain : FileKind::mesh;
+}
+
+void on_file_warning(FileWarningWatcher watch)
+{
+    watch_file_warnings(watch);
 }
 
 namespace {

@@ -128,6 +128,27 @@ TEST_F(Cook, TerrainsAndMapsAreCookedAsWhatTheyAre)
     expect_error(64, {"cook", "building.bt", "--spacing", "2", "-o", "a.cooked"}, {"--spacing"});
 }
 
+TEST_F(Cook, NumbersThatMakeNoGridAreErrors)
+{
+    folder_.write("h.pgm", std::string("P5\n2 2\n255\n\1\2\3\4"));
+    write_cube("cube.off");
+    const auto refuse = [&](const char* file, const char* option, const char* value, const char* word) {
+        expect_error(64, {"cook", file, option, value, "-o", "a.cooked"}, {word});
+    };
+    for (const char* value : {"0", "-1", "nan", "inf", "1e300"}) refuse("h.pgm", "--spacing", value, "spacing");
+    for (const char* value : {"0", "-1", "nan", "inf"}) {
+        refuse("h.pgm", "--vertical-scale", value, "vertical scale");
+        refuse("cube.off", "--scale", value, "scale");
+    }
+    for (const char* value : {"inf", "-inf", "1e999"}) refuse("h.pgm", "--no-data", value, "no-data");
+    save_octomap(make_building_map(1, 0.5, 3), folder_ / "b.bt");
+    for (const char* value : {"0", "1", "nan"}) refuse("b.bt", "--occupancy-threshold", value, "threshold");
+    refuse("cube.off", "--spacing", "0", "apply only to files of heights");
+    EXPECT_EQ(run({"cook", "h.pgm", "--no-data", "nan", "-o", "a.cooked"}).code, 0);
+    folder_.write("s.json", R"({"geometries":{"g":{"terrain":{"file":"h.pgm","spacing":0}}},"bodies":[]})");
+    expect_error(65, {"run", "s.json"}, {"s.json: geometries.g.terrain.file: ", "a spacing of 0 and 0"});
+}
+
 TEST_F(Cook, AWorldOfTilesIsNamedByItsIndex)
 {
     write_ground("ground.obj", 100);

@@ -1,6 +1,7 @@
 #pragma once
 #include <atomic>
 #include <cstdint>
+#include <limits>
 
 #include <oncollide/scenes/files/mesh/mesh_source.hpp>
 
@@ -11,7 +12,9 @@ namespace oncollide {
 /// file; and by the number of parts. Private to scenes.
 class ExpansionLimit {
 public:
-    /// @param most_parts  as in AssemblyOptions
+    static constexpr std::size_t any_parts = std::numeric_limits<std::size_t>::max(); ///< for a whole mesh
+
+    /// @param most_parts  as in PartsReading
     ExpansionLimit(const MeshSource& source, std::size_t most_parts) : source_(source), most_parts_(most_parts) {}
 
     /// Throws Error{bad_data} if all threads together spent too many pieces: triangles, vertices and parts of meshes.

@@ -25,7 +25,7 @@ RawMesh part_of(const MeshSource& source, const RawMesh& whole, std::vector<Tria
 
 } // namespace
 
-RawAssembly read_obj_parts(const MeshSource& source, const AssemblyOptions& options)
+RawAssembly read_obj_parts(const MeshSource& source, const PartsReading& reading)
 {
     ObjSections all;
     const RawMesh whole = read_obj(source, all);
@@ -47,7 +47,7 @@ RawAssembly read_obj_parts(const MeshSource& source, const AssemblyOptions& opti
     RawAssembly assembly;
     for (std::uint32_t i = 0; i < names.size(); ++i) {
         const std::string name = names[i].empty() ? std::filesystem::path(source.name).stem().string() : names[i];
-        assembly.meshes.push_back(part_of(source, whole, std::move(triangles[i]), options.scale));
+        assembly.meshes.push_back(part_of(source, whole, std::move(triangles[i]), reading.scale));
         assembly.parts.push_back({i, i, Eigen::Isometry3d::Identity(), name, name, no_node});
     }
     return assembly;

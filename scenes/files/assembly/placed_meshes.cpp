@@ -43,20 +43,20 @@ RawMesh whole_mesh(const MeshSource& source, const PlacedMeshes& placed, Expansi
 }
 
 RawAssembly parts_of(const MeshSource& source, const PlacedMeshes& placed, ExpansionLimit& expansion,
-                     const AssemblyOptions& options)
+                     const PartsReading& reading)
 {
     PartPlacer placer;
     const auto name_of = [&](std::uint32_t node) -> std::string_view { return placed.names[placed.nodes[node].name]; };
     for (const PlacedMeshes::Show& show : placed.shows) {
         if (placed.meshes[show.mesh].triangles.empty()) continue;
         const std::size_t known = placer.meshes();
-        if (!placer.place(show.node, show.mesh, Eigen::Scaling(options.scale) * show.pose))
+        if (!placer.place(show.node, show.mesh, Eigen::Scaling(reading.scale) * show.pose))
             source.fail(fmt::format("{} places its mesh beyond 1e15 m", oncollide::quoted(name_of(show.node))));
         if (placer.meshes() > known) expansion.spend(placed.pieces(show.mesh));
     }
     std::vector<std::uint32_t> above;
     for (const PlacedMeshes::Node& node : placed.nodes) above.push_back(node.above);
-    return placer.take(above, name_of, Adder(source, placed), options.threads);
+    return placer.take(above, name_of, Adder(source, placed), reading.threads);
 }
 
 } // namespace oncollide

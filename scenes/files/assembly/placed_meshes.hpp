@@ -30,6 +30,6 @@ struct PlacedMeshes {
 // Equal positions become one vertex. Only meshes are counted here: the caller has counted the nodes (ExpandedSizes).
 RawMesh whole_mesh(const MeshSource& source, const PlacedMeshes& placed, ExpansionLimit& expansion);
 RawAssembly parts_of(const MeshSource& source, const PlacedMeshes& placed, ExpansionLimit& expansion,
-                     const AssemblyOptions& options);
+                     const PartsReading& reading);
 
 } // namespace oncollide

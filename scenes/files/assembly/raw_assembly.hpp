@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 
 #include <oncollide/scenes/files/mesh/mesh_source.hpp>
-#include <oncollide/scenes/files/scene_file.hpp>
 
 namespace oncollide {
 
@@ -26,15 +25,22 @@ struct RawAssembly {
     std::vector<RawPart> parts;
 };
 
+/// Options of load_assembly().
+struct PartsReading {
+    double scale;
+    int threads;
+    std::size_t most_parts;
+};
+
 // Like the readers of whole meshes (mesh_source.hpp), but each node with a mesh becomes a separate part. Parts share a
 // mesh if they differ only in a rigid pose; other transforms of a node (scale, mirror, shear) are applied to the
 // vertices. The scale applies to meshes and poses.
-RawAssembly read_gltf_parts(const MeshSource& source, const AssemblyOptions& options);
-RawAssembly read_collada_parts(const MeshSource& source, const AssemblyOptions& options);
-RawAssembly read_3mf_parts(const MeshSource& source, const AssemblyOptions& options);
+RawAssembly read_gltf_parts(const MeshSource& source, const PartsReading& reading);
+RawAssembly read_collada_parts(const MeshSource& source, const PartsReading& reading);
+RawAssembly read_3mf_parts(const MeshSource& source, const PartsReading& reading);
 
 /// OBJ: each object (`o`) with triangles, or each group (`g`) of a file without objects. Sections of one name are one
 /// part; triangles before the first have the file's name.
-RawAssembly read_obj_parts(const MeshSource& source, const AssemblyOptions& options);
+RawAssembly read_obj_parts(const MeshSource& source, const PartsReading& reading);
 
 } // namespace oncollide

@@ -51,12 +51,12 @@ public:
         expand(scene);
         return whole_mesh(source_, placed_, expansion_);
     }
-    RawAssembly parts(const AssemblyOptions& options)
+    RawAssembly parts(const PartsReading& reading)
     {
         const XmlElement& scene = shown_scene();
         expansion_.expect_parts(count(scene).parts, shows_);
         expand(scene);
-        return parts_of(source_, placed_, expansion_, options);
+        return parts_of(source_, placed_, expansion_, reading);
     }
 
 private:
@@ -224,12 +224,12 @@ private:
 
 RawMesh read_collada(const MeshSource& source)
 {
-    return ColladaReader(source, AssemblyOptions{}.most_parts).whole();
+    return ColladaReader(source, ExpansionLimit::any_parts).whole();
 }
 
-RawAssembly read_collada_parts(const MeshSource& source, const AssemblyOptions& options)
+RawAssembly read_collada_parts(const MeshSource& source, const PartsReading& reading)
 {
-    return ColladaReader(source, options.most_parts).parts(options);
+    return ColladaReader(source, reading.most_parts).parts(reading);
 }
 
 } // namespace oncollide

@@ -1,17 +1,16 @@
 #include <oncollide/scenes/files/common/file_warning.hpp>
 
 #include <oncollide/base/text/printable.hpp>
-#include <oncollide/scenes/files/geometry_file.hpp>
 
 namespace oncollide {
 
 namespace {
 
-FileWarningWatcher watcher = nullptr;
+void (*watcher)(const std::string&) = nullptr;
 
 } // namespace
 
-void on_file_warning(FileWarningWatcher watch)
+void watch_file_warnings(void (*watch)(const std::string&))
 {
     watcher = watch;
 }

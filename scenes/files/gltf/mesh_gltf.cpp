@@ -61,7 +61,7 @@ private:
             skins += nodes_[i].has("skin");
             const std::uint32_t mesh = read_mesh(nodes_[i]);
             const GltfInstances instances(document_, buffers_, nodes_[i]);
-            expansion_.expect_parts(instances.size(), instances.written());
+            expansion_.expect(instances.size()), expansion_.expect_parts(instances.size(), instances.written());
             for (std::size_t k = 0; k < instances.size(); ++k) visit(i, mesh, poses[i] * instances.pose(k));
         }
         if (skins > 0)
@@ -130,12 +130,12 @@ private:
 
 RawMesh read_gltf(const MeshSource& source)
 {
-    return GltfReader(source, AssemblyOptions{}.most_parts).read();
+    return GltfReader(source, ExpansionLimit::any_parts).read();
 }
 
-RawAssembly read_gltf_parts(const MeshSource& source, const AssemblyOptions& options)
+RawAssembly read_gltf_parts(const MeshSource& source, const PartsReading& reading)
 {
-    return GltfReader(source, options.most_parts).read_parts(options.scale, options.threads);
+    return GltfReader(source, reading.most_parts).read_parts(reading.scale, reading.threads);
 }
 
 } // namespace oncollide

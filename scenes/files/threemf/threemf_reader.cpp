@@ -48,11 +48,11 @@ public:
         expand();
         return whole_mesh(source_, placed_, expansion_);
     }
-    RawAssembly parts(const AssemblyOptions& options)
+    RawAssembly parts(const PartsReading& reading)
     {
         expansion_.expect_parts(count().parts, references_);
         expand();
-        return parts_of(source_, placed_, expansion_, options);
+        return parts_of(source_, placed_, expansion_, reading);
     }
 
 private:
@@ -198,12 +198,12 @@ private:
 
 RawMesh read_3mf(const MeshSource& source)
 {
-    return ThreeMfReader(source, AssemblyOptions{}.most_parts).whole();
+    return ThreeMfReader(source, ExpansionLimit::any_parts).whole();
 }
 
-RawAssembly read_3mf_parts(const MeshSource& source, const AssemblyOptions& options)
+RawAssembly read_3mf_parts(const MeshSource& source, const PartsReading& reading)
 {
-    return ThreeMfReader(source, options.most_parts).parts(options);
+    return ThreeMfReader(source, reading.most_parts).parts(reading);
 }
 
 } // namespace oncollide

@@ -26,12 +26,12 @@ RawMesh read_3mf(const MeshSource& source)
     fail(source);
 }
 
-RawAssembly read_collada_parts(const MeshSource& source, const AssemblyOptions&)
+RawAssembly read_collada_parts(const MeshSource& source, const PartsReading&)
 {
     fail(source);
 }
 
-RawAssembly read_3mf_parts(const MeshSource& source, const AssemblyOptions&)
+RawAssembly read_3mf_parts(const MeshSource& source, const PartsReading&)
 {
     fail(source);
 }

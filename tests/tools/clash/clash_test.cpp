@@ -315,6 +315,43 @@ TEST_F(ClashCommand, SaysWhatIsWrongWithItsInput)
     expect_error(65, {"clash", "a.off", "bad.off", "b.off"}, {"bad.off"});
 }
 
+TEST_F(ClashCommand, FilesOfAFolderThatAreNotReadAreNamed)
+{
+    std::filesystem::create_directories(folder_ / "all/inner");
+    write_box("all/a.off", {0, 0, 0}, {1, 1, 1});
+    write_box("all/inner/b.off", {2, 0, 0}, {3, 1, 1});
+    for (const char* name : {"all/c.ifc", "all/inner/d.step", "all/a.mtl"}) folder_.write(name, "x");
+    const Outcome outcome = run({"clash", "all", "-o", "r.json"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    const std::string line = "all: files that are no meshes are left out: c.ifc, inner/d.step";
+    EXPECT_EQ(outcome.err, "oncollide: warning: " + line + "\n");
+    EXPECT_EQ(read_json("r.json")["warnings"], nlohmann::json::array({line}));
+    EXPECT_EQ(run({"clash", "all", "--quiet"}).err, "");
+    std::filesystem::create_directory(folder_ / "none");
+    folder_.write("none/c.ifc", "x");
+    expect_error(66, {"clash", "none"}, {"none: no mesh file in this folder", "other files: c.ifc"});
+    expect_error(65, {"clash", "all/a.off", "all/c.ifc"}, {"all/c.ifc: unknown kind of mesh file '.ifc'"});
+}
+
+TEST_F(ClashCommand, MorePairsThanTheMemoryHoldsAreRefusedBeforehand)
+{
+    std::vector<std::string> arguments{"clash"};
+    for (int i = 0; i < 8; ++i) {
+        write_box(fmt::format("{}.off", i), {0, 0, 0}, {1, 1, 1});
+        arguments.push_back(fmt::format("{}.off", i));
+    }
+    const auto with = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), arguments.begin(), arguments.end());
+        return more;
+    };
+    expect_error(65, with({"--max-pairs", "27"}), {"0.off: the AABBs of more than 27 pairs of parts overlap", "--max-pairs"});
+    EXPECT_EQ(run(with({"--max-pairs", "28"})).code, 1);
+    EXPECT_EQ(run(with({"--max-pairs", "7", "--set-a", "3"})).code, 1) << "only pairs that are compared count";
+    EXPECT_EQ(run(with({"--max-pairs", "1", "--group", "*"})).code, 0);
+    expect_error(64, with({"--max-pairs", "0"}), {"--max-pairs"});
+    expect_error(64, with({"--max-parts", "0"}), {"--max-parts"});
+}
+
 TEST(NamePatterns, StarsAndQuestionMarks)
 {
     using tools::matches;
