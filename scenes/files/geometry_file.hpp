@@ -23,9 +23,9 @@ ONCOLLIDE_API std::shared_ptr<Geometry> load_geometry(const std::filesystem::pat
 enum class FileKind : std::uint8_t { mesh, map, terrain, cooked };
 ONCOLLIDE_API FileKind kind_of_file(const std::filesystem::path& path);
 
-/// Calls `watch` with one line, "FILE: TEXT", for each thing that a reader leaves out or has to assume, such as the skin
-/// of a glTF mesh. The line is safe to print. Null, the default: such lines are dropped. Several threads may call it at once.
-/// Call only while no file is being read.
+/// Calls `watch` with one line, "FILE: TEXT", for each thing that a reader leaves out or has to assume, such as the
+/// skin of a glTF mesh. The line is safe to print. Null, the default: such lines are dropped. Several threads may call
+/// it at once. Call only while no file is being read.
 using FileWarningWatcher = void (*)(const std::string& line);
 ONCOLLIDE_API void on_file_warning(FileWarningWatcher watch);
 
@@ -65,10 +65,10 @@ struct MapOptions {
     std::optional<double> occupancy_threshold{};
 };
 
-/// Reads `.bt` and `.ot` files of an OcTree, or of a ColorOcTree without its colours. Throws Error{no_input}, Error{bad_data} (empty, truncated, wrong kind, no occupied
-/// cell) or Error{usage} for a threshold out of range. As in OctoMap, a `.bt` file whose root has no children means
-/// that the whole grid is occupied. The probabilities of a `.ot` file are kept for later scans. Cost: a `.bt` file 10
-/// ns per byte and 4 bytes per byte.
+/// Reads `.bt` and `.ot` files of an OcTree, or of a ColorOcTree without its colours. Throws Error{no_input},
+/// Error{bad_data} (empty, truncated, wrong kind, no occupied cell) or Error{usage} for a threshold out of range. As in
+/// OctoMap, a `.bt` file whose root has no children means that the whole grid is occupied. The probabilities of a `.ot`
+/// file are kept for later scans. Cost: a `.bt` file 10 ns per byte and 4 bytes per byte.
 ONCOLLIDE_API OccupancyMap load_octomap(const std::filesystem::path& path, const MapOptions& options = {});
 
 /// Writes the known cells as a `.bt` file (temporary name, then renamed). Throws Error{cannot_write}.

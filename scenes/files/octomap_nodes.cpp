@@ -17,7 +17,7 @@ namespace {
 
 constexpr int tree_depth = 16;
 constexpr std::string_view coloured = "ColorOcTree"; ///< its `.ot` files have a colour in each node
-constexpr std::int64_t most_nodes = 20'000'000; ///< an octree of that size takes over a gigabyte in OctoMap
+constexpr std::int64_t most_nodes = 20'000'000;      ///< an octree of that size takes over a gigabyte in OctoMap
 
 /// The text before the nodes.
 struct Header {

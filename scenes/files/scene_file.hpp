@@ -72,7 +72,7 @@ ONCOLLIDE_API bool is_assembly_file(const std::filesystem::path& path);
 
 /// How load_assembly reads a file.
 struct AssemblyOptions {
-    double scale = 1;     ///< metres per unit of the file; finite, > 0
+    double scale = 1; ///< metres per unit of the file; finite, > 0
     int threads = 1;
     bool objects = false; ///< an OBJ file is divided into its objects (`o`), or without any into its groups (`g`)
     /// Instances of instances make 2^n parts of n lines: a file may have this many parts, or as many as it writes.

@@ -8,7 +8,7 @@ std::vector<std::string> urdf_seeds()
 {
     std::string text = SmallRobot::text;
     text.replace(text.find("package://robot/"), 16, ""); // beside the file
-    std::string models = text; // of Gazebo, and a mimic joint without limits
+    std::string models = text;                           // of Gazebo, and a mimic joint without limits
     const std::string limit = R"(<limit lower="-1" upper="1"/>)";
     models.replace(models.find(limit), limit.size(), "");
     models.replace(models.find("\"wedge.obj"), 1, "\"model://");

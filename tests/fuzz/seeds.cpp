@@ -95,8 +95,7 @@ std::vector<std::string> gltf_seeds()
     const std::string indices = R"("indices":0,"mode":4}])";
     shaped.replace(shaped.find(indices), indices.size(),
                    R"("indices":0,"mode":4,"targets":[{"POSITION":1}]}],"weights":[0.5])");
-    return {shaped,
-            gltf_json(mesh, R"("uri":"buffer.bin",)"),
+    return {shaped, gltf_json(mesh, R"("uri":"buffer.bin",)"),
             gltf_json(mesh, R"("uri":"buffer.bin",)",
                       R"({"children":[1,2]},{"mesh":0,"matrix":[1,0,0,0,0,-1,0,0,0,0,1,0,5,6,7,1]},)"
                       R"({"mesh":0,"translation":[1,2,3],"rotation":[0,0,0.6,0.8],"scale":[1,2,-3]})"),

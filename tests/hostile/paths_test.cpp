@@ -90,8 +90,7 @@ TEST_F(HostilePaths, AFolderThatWasRemovedMeanwhileIsNoInternalFault)
     const std::string command = ONCOLLIDE_COMMAND, cube = (folder_ / "cube.off").string();
     folder_.write("s.json", R"({"geometries":{"g":{"mesh":{"file":"cube.off"}}},"bodies":[{"geometry":"g"}]})");
     const auto without_folder = [&](const std::string& rest) {
-        return run_program("/bin/sh",
-                           {"-c", "mkdir gone && cd gone && rmdir ../gone && exec \"$0\" " + rest, command},
+        return run_program("/bin/sh", {"-c", "mkdir gone && cd gone && rmdir ../gone && exec \"$0\" " + rest, command},
                            {.folder = folder_.path()});
     };
     EXPECT_EQ(without_folder("check " + cube + " " + cube).code, 1) << "whole paths need no folder";
@@ -105,18 +104,21 @@ TEST_F(HostilePaths, AFolderThatWasRemovedMeanwhileIsNoInternalFault)
 
 TEST_F(HostilePaths, AddressesAreNotReadInAnyFormat)
 {
-    const std::string address = "http://localhost/b.off", words = address + ": is an address; files are read from this machine only";
+    const std::string address = "http://localhost/b.off",
+                      words = address + ": is an address; files are read from this machine only";
     expect_error(66, {"check", address, "cube.off"}, {words});
     folder_.write("r.urdf", urdf_of(address));
     expect_error(65, {"robot", "r.urdf"}, {"r.urdf: line 1: mesh: ", words});
-    folder_.write("s.json", R"({"geometries":{"g":{"mesh":{"file":")" + address + R"("}}},"bodies":[{"geometry":"g"}]})");
+    folder_.write("s.json",
+                  R"({"geometries":{"g":{"mesh":{"file":")" + address + R"("}}},"bodies":[{"geometry":"g"}]})");
     expect_error(66, {"run", "s.json"}, {"s.json: geometries.g.mesh.file: ", words});
     folder_.write("t.json", R"({"geometries":{},"tables":[{"file":")" + address + R"("}]})");
     expect_error(66, {"run", "t.json"}, {"t.json: ", words});
-    folder_.write("a.gltf", R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":)"
-                            R"({"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":)"
-                            R"("VEC3"}],"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,"uri":")" +
-                                address + R"("}]})");
+    folder_.write("a.gltf",
+                  R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":)"
+                  R"({"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":)"
+                  R"("VEC3"}],"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,"uri":")" +
+                      address + R"("}]})");
     expect_error(65, {"check", "a.gltf", "cube.off"}, {"a.gltf: the file of a buffer cannot be read: ", words});
     const std::string here = "file://" + (folder_ / "cube.off").string();
     folder_.write("f.json", R"({"geometries":{"g":{"mesh":{"file":")" + here + R"("}}},"bodies":[{"geometry":"g"}]})");

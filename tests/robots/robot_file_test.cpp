@@ -101,10 +101,12 @@ TEST_F(RobotFile, FindsModelsOfGazeboAndFilesByAddressOfThisMachine)
     const std::string here = (files.folder() / "wedge.obj").string();
     for (const std::string& file : {std::string("model://robot/wedge.obj"), "file://" + here, here})
         EXPECT_EQ(load(named(file)).links.size(), 6u) << file;
-    EXPECT_NE(error_of(named("model://nowhere/wedge.obj")).find("name the folder of model 'nowhere'"), std::string::npos);
+    EXPECT_NE(error_of(named("model://nowhere/wedge.obj")).find("name the folder of model 'nowhere'"),
+              std::string::npos);
     for (const char* file : {"http://localhost/wedge.obj", "https://localhost/wedge.obj", "ftp+x://a/b"})
-        EXPECT_NE(error_of(named(file)).find(std::string(file) + ": is an address; files are read from this machine only"),
-                  std::string::npos)
+        EXPECT_NE(
+            error_of(named(file)).find(std::string(file) + ": is an address; files are read from this machine only"),
+            std::string::npos)
             << error_of(named(file));
 }
 

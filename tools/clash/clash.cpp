@@ -227,8 +227,9 @@ void add_report_options(Arguments sub, ClashOptions* o)
     sub.add_option("--list N", o->list, "number of clashes to print, the worst first (default 20)");
     sub.add_option("--pictures N", o->pictures,
                    "number of clashes to draw in pages and BCF files, the worst first (default 40)");
-    sub.add_option("--max-parts N", o->most_parts,
-                   "limit on the parts that the instances of a file may make, if it writes fewer itself (default 100000)");
+    sub.add_option(
+        "--max-parts N", o->most_parts,
+        "limit on the parts that the instances of a file may make, if it writes fewer itself (default 100000)");
     sub.add_option("--max-pairs N", o->most_pairs,
                    "limit on the pairs of parts whose AABBs overlap; a pair takes about 1 KB (default 2000000)");
     sub.add_option("--threads N", o->threads, "number of threads; 0: all (default). Does not change the result");

@@ -55,9 +55,9 @@ struct Clash {
 };
 
 struct ClashSettings {
-    double clearance = 0;  ///< parts closer than this are near
-    double tolerance = 0;  ///< parts that certainly overlap, or are apart, by no more than this touch
-    bool touching = false; ///< touching is a clash
+    double clearance = 0;                 ///< parts closer than this are near
+    double tolerance = 0;                 ///< parts that certainly overlap, or are apart, by no more than this touch
+    bool touching = false;                ///< touching is a clash
     std::uint64_t most_pairs = 2'000'000; ///< of parts whose AABBs overlap
     int threads = 0;
 };

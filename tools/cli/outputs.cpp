@@ -106,8 +106,8 @@ void check_files(const std::vector<std::pair<const char*, std::string>>& files, 
             if (!input.empty() && file != "-" && same_place(file, input))
                 usage(fmt::format("{} {}: would overwrite the input", option, file));
         for (std::size_t j = 0; j < k; ++j)
-            if (std::error_code error; !files[j].second.empty() && same_place(file, files[j].second) &&
-                                       !fs::is_character_file(file, error))
+            if (std::error_code error;
+                !files[j].second.empty() && same_place(file, files[j].second) && !fs::is_character_file(file, error))
                 usage(fmt::format("{} and {} both go to '{}'", files[j].first, option, file));
         check_writable(file);
         note_output(option, file);

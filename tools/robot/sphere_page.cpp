@@ -129,7 +129,8 @@ std::string caption(const JudgedLink& link)
 DividedSurface divide(const LinkSurface& surface, std::span<const CoverSphere> spheres, double edge)
 {
     DividedSurface parts;
-    for (const Corners& triangle : surface.triangles()) divide_triangle(triangle, {spheres.begin(), spheres.end()}, edge, parts);
+    for (const Corners& triangle : surface.triangles())
+        divide_triangle(triangle, {spheres.begin(), spheres.end()}, edge, parts);
     return parts;
 }
 

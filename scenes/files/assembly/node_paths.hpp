@@ -7,8 +7,8 @@
 
 namespace oncollide {
 
-/// Names of a file's nodes and the paths to them. Both are of bounded length: a kilobyte may instance one node of a long
-/// name a hundred thousand times, and nest it. Private to scenes.
+/// Names of a file's nodes and the paths to them. Both are of bounded length: a kilobyte may instance one node of a
+/// long name a hundred thousand times, and nest it. Private to scenes.
 class NodePaths {
 public:
     static constexpr std::size_t most_name = 200, most_path = 1000; ///< bytes

@@ -30,8 +30,8 @@ bool is_kept(std::string_view name, int level)
 class ColladaReader {
 public:
     ColladaReader(const MeshSource& source, std::size_t most_parts)
-        : source_(source), root_(read_xml_elements(source, is_kept)), expansion_(source, most_parts), geometries_(source),
-          controllers_(source), nodes_(source), scenes_(source)
+        : source_(source), root_(read_xml_elements(source, is_kept)), expansion_(source, most_parts),
+          geometries_(source), controllers_(source), nodes_(source), scenes_(source)
     {
         if (root_.name != "COLLADA")
             source.fail(fmt::format("not a COLLADA file: it holds <{}>", printable(root_.name)));
@@ -144,9 +144,10 @@ private:
             add_children(*node.element, number, pose);
         }
         if (controllers_shown_ > 0)
-            warn_of_file(source_.name, fmt::format("{} mesh{} a skin or a morph, which is not applied: {} bind shape",
-                                                   controllers_shown_, controllers_shown_ == 1 ? " has" : "es have",
-                                                   controllers_shown_ == 1 ? "it stands in its" : "they stand in their"));
+            warn_of_file(source_.name,
+                         fmt::format("{} mesh{} a skin or a morph, which is not applied: {} bind shape",
+                                     controllers_shown_, controllers_shown_ == 1 ? " has" : "es have",
+                                     controllers_shown_ == 1 ? "it stands in its" : "they stand in their"));
     }
 
     static bool is_shown(const XmlElement& child)

@@ -115,7 +115,8 @@ GltfAccessor GltfAccessor::of_vectors(const GltfDocument& document, GltfBuffers&
     const int type = type_of(node);
     const bool turns = kind == Vectors::quaternions;
     GltfAccessor accessor;
-    if (node["type"].text() != (turns ? "VEC4" : "VEC3") || (type != float32 && !(turns && (type == int8 || type == int16))))
+    if (node["type"].text() != (turns ? "VEC4" : "VEC3") ||
+        (type != float32 && !(turns && (type == int8 || type == int16))))
         node.fail(turns ? "an accessor of rotations is not made of four floats (VEC4, 5126; or normalized 5120 or 5122)"
                         : "an accessor of instances is not made of three floats (VEC3, 5126)");
     accessor.read(document, buffers, node, turns ? 4 : 3);

@@ -55,7 +55,8 @@ std::array<std::size_t, 3> GltfPrimitive::triangle(std::size_t i) const
     for (std::size_t& corner : corners) {
         if (indices) corner = indices->corner(corner);
         if (corner >= positions.size())
-            node.fail(fmt::format("triangle {} uses vertex {}, but there are {} vertices", i, corner, positions.size()));
+            node.fail(
+                fmt::format("triangle {} uses vertex {}, but there are {} vertices", i, corner, positions.size()));
     }
     return corners;
 }

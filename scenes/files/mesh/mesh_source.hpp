@@ -49,9 +49,10 @@ RawMesh read_stl(const MeshSource& source);
 RawMesh read_stl_file(const std::filesystem::path& path, std::uintmax_t most);
 bool is_binary_stl(std::string_view bytes);
 /// glTF and GLB: the triangles of the default scene (of all nodes if there is no scene), placed by its nodes and
-/// welded. Separate buffer files are found beside the file at source.name. Instances of EXT_mesh_gpu_instancing and morph
-/// targets at their default weights count; skins (with a warning), animations, points and lines are ignored. The total of triangles, vertices and parts of meshes is limited to the bytes of all files, and to
-/// 200 million; but 10 million are always allowed.
+/// welded. Separate buffer files are found beside the file at source.name. Instances of EXT_mesh_gpu_instancing and
+/// morph targets at their default weights count; skins (with a warning), animations, points and lines are ignored. The
+/// total of triangles, vertices and parts of meshes is limited to the bytes of all files, and to 200 million; but 10
+/// million are always allowed.
 RawMesh read_gltf(const MeshSource& source);
 /// COLLADA: the triangles and polygons of the visual scene, in metres, z up. A controller counts as the mesh that it
 /// deforms. 3MF: the objects that the build places, in metres. Both have the limits of glTF. Throw Error{usage} without
@@ -76,7 +77,8 @@ inline char end_of_lines(std::string_view text)
 class TextReader {
 public:
     explicit TextReader(const MeshSource& source)
-        : source_(source), rest_(without_byte_order_mark(source.bytes)), line_end_(end_of_lines(rest_)), progress_(source.name, source.bytes.size())
+        : source_(source), rest_(without_byte_order_mark(source.bytes)), line_end_(end_of_lines(rest_)),
+          progress_(source.name, source.bytes.size())
     {
     }
 

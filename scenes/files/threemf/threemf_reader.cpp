@@ -188,7 +188,7 @@ private:
     ExpansionLimit expansion_;
     const std::string root_; ///< the model that has the build
     std::map<std::string, ModelPart> models_;
-    std::uint64_t references_ = 0; ///< items and components that the file writes
+    std::uint64_t references_ = 0;                ///< items and components that the file writes
     ExpandedSizes sizes_{XmlReader::most_levels}; ///< of objects
     std::unordered_map<const ModelObject*, std::uint32_t> definitions_, meshes_;
     PlacedMeshes placed_;

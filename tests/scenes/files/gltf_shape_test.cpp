@@ -26,8 +26,8 @@ protected:
         const std::size_t corners = 3 * box_.triangles.size(), vertices = box_.vertices.size();
         file_ = {{"asset", {{"version", "2.0"}}},
                  {"nodes", json::array({{{"mesh", 0}, {"name", "box"}}})},
-                 {"meshes", json::array({{{"primitives", json::array({{{"attributes", {{"POSITION", 1}}},
-                                                                       {"indices", 0}}})}}})}};
+                 {"meshes",
+                  json::array({{{"primitives", json::array({{{"attributes", {{"POSITION", 1}}}, {"indices", 0}}})}}})}};
         add(5125, corners, "SCALAR", 0, 4 * corners);
         add(5126, vertices, "VEC3", 4 * corners, 12 * vertices);
         warnings.clear();
@@ -74,9 +74,10 @@ protected:
 TEST_F(GltfShape, EachInstanceOfANodeIsAPartAndSharesTheMesh)
 {
     file_["nodes"][0]["translation"] = {100, 0, 0};
-    instances({{"TRANSLATION", add_numbers<float>(5126, "VEC3", 3, {0, 0, 0, 10, 0, 0, 0, 20, 0})},
-               {"ROTATION", add_numbers<std::int16_t>(5122, "VEC4", 4, {0, 0, 0, 32767, 0, 0, 32767, 0, 0, 0, 0, 32767})},
-               {"_ID", 0}});
+    instances(
+        {{"TRANSLATION", add_numbers<float>(5126, "VEC3", 3, {0, 0, 0, 10, 0, 0, 0, 20, 0})},
+         {"ROTATION", add_numbers<std::int16_t>(5122, "VEC4", 4, {0, 0, 0, 32767, 0, 0, 32767, 0, 0, 0, 0, 32767})},
+         {"_ID", 0}});
     file_["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
     const Assembly found = load_assembly(write());
     ASSERT_EQ(found.parts.size(), 3u);
@@ -123,9 +124,8 @@ TEST_F(GltfShape, BadInstancesAreRefusedWithTheirPlace)
 TEST_F(GltfShape, InstancesThatNoBytesHoldAreBounded)
 {
     file_["accessors"].push_back({{"componentType", 5126}, {"count", 4'000'000'000}, {"type", "VEC3"}});
-    file_["accessors"].back()["sparse"] = {{"count", 0},
-                                           {"indices", {{"bufferView", 0}, {"componentType", 5125}}},
-                                           {"values", {{"bufferView", 1}}}};
+    file_["accessors"].back()["sparse"] = {
+        {"count", 0}, {"indices", {{"bufferView", 0}, {"componentType", 5125}}}, {"values", {{"bufferView", 1}}}};
     instances({{"TRANSLATION", 2}});
     const auto path = write();
     expect_error(
@@ -139,10 +139,12 @@ TEST_F(GltfShape, MorphTargetsDisplaceTheMeshByTheirDefaultWeights)
 {
     // The first target moves all vertices by (0, 0, 10), the second by (1, 0, 0).
     std::vector<float> up, right;
-    for (std::size_t i = 0; i < box_.vertices.size(); ++i) up.insert(up.end(), {0, 0, 10}), right.insert(right.end(), {1, 0, 0});
+    for (std::size_t i = 0; i < box_.vertices.size(); ++i)
+        up.insert(up.end(), {0, 0, 10}), right.insert(right.end(), {1, 0, 0});
     json& mesh = file_["meshes"][0];
-    mesh["primitives"][0]["targets"] = json::array({{{"POSITION", add_numbers(5126, "VEC3", 3, up)}},
-                                                    {{"POSITION", add_numbers(5126, "VEC3", 3, right)}, {"NORMAL", 0}}});
+    mesh["primitives"][0]["targets"] =
+        json::array({{{"POSITION", add_numbers(5126, "VEC3", 3, up)}},
+                     {{"POSITION", add_numbers(5126, "VEC3", 3, right)}, {"NORMAL", 0}}});
     EXPECT_EQ(load_mesh(write()).bounds.max, Vector3d(1, 2, 3)) << "without weights nothing moves";
     mesh["weights"] = {1, 0};
     EXPECT_EQ(load_mesh(write()).bounds.max, Vector3d(1, 2, 13));
@@ -172,8 +174,9 @@ TEST_F(GltfShape, SkinsAreWarnedOf)
     const auto path = write();
     EXPECT_EQ(load_assembly(path).parts.size(), 1u);
     ASSERT_EQ(warnings.size(), 1u);
-    EXPECT_EQ(warnings[0], path.string() + ": 1 node has a skin, which is not applied: the mesh stands as it is stored, "
-                                           "at the node's pose");
+    EXPECT_EQ(warnings[0], path.string() +
+                               ": 1 node has a skin, which is not applied: the mesh stands as it is stored, "
+                               "at the node's pose");
     on_file_warning(nullptr);
     EXPECT_EQ(load_mesh(path).triangles.size(), 12u) << "warnings that no one wants are dropped";
 }

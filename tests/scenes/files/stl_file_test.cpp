@@ -89,8 +89,10 @@ TEST(MeshFile, LinesMayEndWithCrAlone)
         std::ranges::replace(text, '\n', '\r');
         return text;
     };
-    for (const auto& [name, text] : {std::pair("a.stl", test::as_text_stl(box)), {"a.obj", test::as_obj(box)},
-                                     {"a.off", test::as_off(box)}, {"a.ply", test::as_text_ply(box)}}) {
+    for (const auto& [name, text] : {std::pair("a.stl", test::as_text_stl(box)),
+                                     {"a.obj", test::as_obj(box)},
+                                     {"a.off", test::as_off(box)},
+                                     {"a.ply", test::as_text_ply(box)}}) {
         SCOPED_TRACE(name);
         const Mesh read = load_mesh(folder.write(name, old_mac(text)));
         EXPECT_EQ(read.triangles.size(), 12u);

@@ -33,7 +33,8 @@ protected:
     Assembly dae(const std::string& nodes, const std::string& asset = "<up_axis>Z_UP</up_axis>",
                  const std::string& libraries = "", double scale = 1)
     {
-        return load_assembly(folder_.write("a.dae", as_dae(box_, nodes, asset, libraries)), {.scale = scale, .threads = 2});
+        return load_assembly(folder_.write("a.dae", as_dae(box_, nodes, asset, libraries)),
+                             {.scale = scale, .threads = 2});
     }
     Assembly threemf(const std::string& resources, const std::string& build, const std::string& unit = "meter")
     {
@@ -155,7 +156,8 @@ TEST_F(XmlAssembly, ColladaControllersShowWhatTheyDeform)
     const Assembly found = dae(R"(<node><instance_controller url="#m"/></node>)", "<up_axis>Z_UP</up_axis>", skin);
     on_file_warning(nullptr);
     ASSERT_EQ(warnings.size(), 1u);
-    EXPECT_NE(warnings[0].find("a.dae: 1 mesh has a skin or a morph, which is not applied"), std::string::npos) << warnings[0];
+    EXPECT_NE(warnings[0].find("a.dae: 1 mesh has a skin or a morph, which is not applied"), std::string::npos)
+        << warnings[0];
     ASSERT_EQ(found.parts.size(), 1u);
     EXPECT_EQ(found.parts[0].pose.translation(), Vector3d(5, 0, 0));
 }
@@ -337,18 +339,20 @@ TEST_F(XmlAssembly, AnotherModelOf3mfHasItsOwnUnitAndNoReferences)
                        R"(<item objectid="8"/>)", "inch"); // the specification: such a build is ignored
     const std::string pair = R"(<object id="8"><components><component objectid="9" p:path="/3D/other.model" )"
                              R"(transform="0 1 0 -1 0 0 0 0 1 0 10 0"/></components></object>)";
-    const Assembly found = threemf(pair, R"(<item objectid="8" transform="1 0 0 0 1 0 0 0 1 1000 0 0"/>)", "millimeter");
+    const Assembly found =
+        threemf(pair, R"(<item objectid="8" transform="1 0 0 0 1 0 0 0 1 1000 0 0"/>)", "millimeter");
     ASSERT_EQ(found.parts.size(), 1u);
     // A shift of 2 inches along x becomes one along y, from (1000, 10, 0) mm on.
     EXPECT_TRUE(found.parts[0].pose.translation().isApprox(Vector3d(1, 0.01 + 2 * 0.0254, 0), 1e-12));
     const Mesh whole = load_mesh(folder_.path() / "a.3mf");
     EXPECT_NEAR(whole.bounds.max.y() - whole.bounds.min.y(), 2 * 0.0254, 1e-12) << "the box's x, turned";
-    other_ = model_xml(box_object_ + R"(<object id="9"><components><component objectid="7" p:path="/3D/3dmodel.model"/>)"
-                                     "</components></object>",
-                       "", "inch");
+    other_ =
+        model_xml(box_object_ + R"(<object id="9"><components><component objectid="7" p:path="/3D/3dmodel.model"/>)"
+                                "</components></object>",
+                  "", "inch");
     expect_error(
-        ErrorKind::bad_data, [&] { threemf(pair, R"(<item objectid="8"/>)"); },
-        "a.3mf: 3D/other.model: line ", "only the root model may refer to another model");
+        ErrorKind::bad_data, [&] { threemf(pair, R"(<item objectid="8"/>)"); }, "a.3mf: 3D/other.model: line ",
+        "only the root model may refer to another model");
 }
 
 #ifdef ONCOLLIDE_XML

@@ -344,7 +344,8 @@ TEST_F(ClashCommand, MorePairsThanTheMemoryHoldsAreRefusedBeforehand)
         more.insert(more.begin(), arguments.begin(), arguments.end());
         return more;
     };
-    expect_error(65, with({"--max-pairs", "27"}), {"0.off: the AABBs of more than 27 pairs of parts overlap", "--max-pairs"});
+    expect_error(65, with({"--max-pairs", "27"}),
+                 {"0.off: the AABBs of more than 27 pairs of parts overlap", "--max-pairs"});
     EXPECT_EQ(run(with({"--max-pairs", "28"})).code, 1);
     EXPECT_EQ(run(with({"--max-pairs", "7", "--set-a", "3"})).code, 1) << "only pairs that are compared count";
     EXPECT_EQ(run(with({"--max-pairs", "1", "--group", "*"})).code, 0);

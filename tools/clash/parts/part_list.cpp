@@ -63,9 +63,9 @@ std::vector<std::string> files_below(const std::string& folder, std::vector<std:
     if (error) throw Error(ErrorKind::no_input, fmt::format("{}: {}", folder, error.message()));
     const std::string others = listed(std::move(left_out));
     if (found.empty())
-        throw Error(ErrorKind::no_input, fmt::format("{}: no mesh file in this folder ({}){}{}", folder,
-                                                     fmt::join(mesh_extensions(), ", "),
-                                                     others.empty() ? "" : "; other files", others));
+        throw Error(ErrorKind::no_input,
+                    fmt::format("{}: no mesh file in this folder ({}){}{}", folder, fmt::join(mesh_extensions(), ", "),
+                                others.empty() ? "" : "; other files", others));
     if (warnings && !others.empty())
         warnings->push_back(fmt::format("{}: files that are no meshes are left out{}", folder, others));
     std::ranges::sort(found);

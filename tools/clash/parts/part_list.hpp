@@ -49,8 +49,7 @@ struct PartList {
 /// The files that `inputs` name: files, and all mesh files below folders, sorted within a folder. Throws
 /// Error{no_input} for a path that does not exist and for a folder without mesh files.
 /// @param warnings  gets a line for each folder that names its other files: no part may be missing in silence
-std::vector<std::string> files_of(const std::vector<std::string>& inputs,
-                                  std::vector<std::string>* warnings = nullptr);
+std::vector<std::string> files_of(const std::vector<std::string>& inputs, std::vector<std::string>* warnings = nullptr);
 
 /// Reads the parts of files: one part per node of a glTF, COLLADA or 3MF file, one part per other file. Throws the
 /// errors of load_mesh, and Error{bad_data} for a single part.
