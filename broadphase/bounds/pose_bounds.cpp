@@ -52,7 +52,8 @@ struct RotatedHalf {
     }
     Eigen::Vector3d operator()(const Cylinder& c) const
     {
-        const Eigen::Vector3d across = (1.0 - r.col(2).array().square()).max(0.0).sqrt();
+        // Not the root of 1 - z^2: for a cylinder that leans by 1e-9, that difference is rounding.
+        const Eigen::Vector3d across = r.leftCols<2>().rowwise().norm() * (1 + 1e-15);
         return r.col(2).cwiseAbs() * (0.5 * c.length) + across * c.radius;
     }
     Eigen::Vector3d operator()(const ConvexHull&) const { return {}; } // not called: has points

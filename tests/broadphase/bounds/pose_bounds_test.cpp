@@ -1,3 +1,6 @@
+#include <cmath>
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 #include <oncollide/base/numbers/random.hpp>
@@ -197,6 +200,34 @@ TEST(PoseBounds, EncloseShapes)
             EXPECT_LT((box.max - outer.max).cwiseAbs().maxCoeff(), 0.02 * around.bounds.diagonal());
         }
     }
+}
+
+TEST(PoseBounds, EncloseCylindersAndConesThatLeanALittle)
+{
+    for (int lean = 1; lean <= 52; ++lean)
+        for (std::uint64_t turn = 0; turn < 20; ++turn) {
+            const double angle = std::ldexp(1 + u01(7, std::uint64_t(lean), turn), -lean),
+                         about = 6.28 * u01(8, 1, turn);
+            Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+            pose.linear() =
+                Eigen::AngleAxisd(angle, Eigen::Vector3d(std::cos(about), std::sin(about), 0)).toRotationMatrix();
+            if (turn % 3 == 1) pose.linear() = pose.linear() * Eigen::AngleAxisd(about, Eigen::Vector3d::UnitZ());
+            if (turn % 3 == 2) // along x instead
+                pose.linear() = Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitY()) * pose.linear();
+            const double radius = 0.75, half = 0.5;
+            const Aabb cylinder = PoseBounds(GeometryData(Shape(Cylinder{radius, 2 * half}))).box(pose),
+                       cone = PoseBounds(GeometryData(Shape(Cone{radius, 2 * half}))).box(pose);
+            for (int axis = 0; axis < 3; ++axis) {
+                const long double x = pose(axis, 0), y = pose(axis, 1),
+                                  along = half * static_cast<long double>(pose(axis, 2)),
+                                  across = radius * std::sqrt(x * x + y * y);
+                EXPECT_GE(cylinder.max[axis], std::abs(along) + across) << lean << ' ' << axis;
+                EXPECT_LE(cylinder.min[axis], -std::abs(along) - across) << lean << ' ' << axis;
+                EXPECT_GE(cone.max[axis], std::max(along, across - along)) << lean << ' ' << axis;
+                EXPECT_LE(cone.min[axis], std::min(along, -across - along)) << lean << ' ' << axis;
+                EXPECT_LE(cylinder.max[axis], (std::abs(along) + across) * (1 + 1e-13L));
+            }
+        }
 }
 
 TEST(PoseBounds, NoPointMovesFartherThanTheMotion)
