@@ -5,6 +5,7 @@
 #include <oncollide/samples/generators.hpp>
 
 #include "verify/oracle/exact_distance.hpp"
+#include "verify/trials/approach_trial.hpp"
 #include "verify/trials/bound_trial.hpp"
 
 namespace oncollide::bounds_test {
@@ -29,6 +30,13 @@ std::string name_of_family(const testing::TestParamInfo<NearFamily>& family)
     return name;
 }
 INSTANTIATE_TEST_SUITE_P(Bounds, EveryNearFamily, testing::ValuesIn(near_families()), name_of_family);
+
+TEST(Approach, OfBodiesOfAllKindsLosesNoCollisionInALiveWorld)
+{
+    const tools::Tally tally = tools::try_approaches(20'000, 2);
+    EXPECT_EQ(tally.faults(), 0u) << tally.first_fault;
+    EXPECT_GT(tally.cases, 15000u);
+}
 
 /// A corner above the middle of a triangle whose thickness is 2^-thin of its length.
 TwoTriangles peak_above_sliver(int thin, double height)

@@ -19,6 +19,7 @@
 #include "cli/shard.hpp"
 #include "common/text.hpp"
 #include "peers/narrow/fcl_pair.hpp"
+#include "verify/trials/approach_trial.hpp"
 #include "verify/trials/body_trial.hpp"
 #include "verify/trials/bound_trial.hpp"
 #include "verify/trials/crowd_trial.hpp"
@@ -56,6 +57,7 @@ public:
     {
         for (const TriangleFamily& family : triangle_families()) known_.push_back(family.name);
         for (const NearFamily& family : near_families()) known_.push_back(family.name);
+        known_.push_back(approach_family);
         for (const std::string& name : families_of(cases)) known_.push_back(name);
         for (const char* name : tangent_families) known_.push_back(name);
         for (const char* name : terrain_families) known_.push_back(name);
@@ -163,6 +165,7 @@ std::vector<Tally> try_all(const HardOptions& options, const Choice& chosen, con
                 add(try_triangles(family, std::uint64_t(options.count), rotated, options.threads, fcl_triangles_meet));
     for (const NearFamily& family : near_families())
         if (chosen(family.name)) add(try_bounds(family, std::uint64_t(options.count + 9) / 10, options.threads));
+    if (chosen(approach_family)) add(try_approaches(std::uint64_t(options.count + 9) / 10, options.threads));
     for (const std::string& family : families_of(cases))
         if (chosen(family)) add(try_family(family, cases, options.threads));
     for (const char* family : tangent_families)
