@@ -50,9 +50,9 @@ ConvexDistance ConvexPair::distance(EnoughDistance enough) const
 {
     enough.above += radius_, enough.below += radius_;
     ConvexDistance d = convex_distance(cores_, enough);
-    // The direction between bodies that almost touch is lost in rounding. A portal's direction is not, and where exact
-    // tests decide whether they meet, the distance must say the same.
-    if (radius_ == 0 ? d.lower < 0x1p-20 * d.upper : exact_ && d.lower <= radius_ && d.upper > radius_) {
+    // The direction between bodies that almost touch is lost in rounding. A portal's direction is not; and where the
+    // meeting is certain, the distance must say the same.
+    if (radius_ == 0 ? d.lower < 0x1p-20 * d.upper : d.lower <= radius_ && d.upper > radius_) {
         const ConvexMeeting m = meeting();
         if (m.sign > 0) d.lower = std::min(std::max(d.lower, radius_ + m.bound), d.upper);
         if (m.sign < 0) d.lower = std::min(d.lower, radius_), d.upper = std::min(d.upper, radius_);
