@@ -3,6 +3,7 @@
 #include <oncollide/runs/report_kept.hpp>
 
 #include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/text/plain_number.hpp>
 #include <oncollide/base/text/svg.hpp>
 
 #include <algorithm>
@@ -112,7 +113,7 @@ void draw_times(Svg& svg, std::span<const StageStats> stages, const StageTimes& 
         }
         if (below > top && at - last_note > 64) {
             const double shifted = std::clamp(at, x0 + 30, right - 30);
-            svg.text(shifted, chart_top - 4, Anchor::middle, "tick", fmt::format("↑ {:.3g} ms", below));
+            svg.text(shifted, chart_top - 4, Anchor::middle, "tick", fmt::format("↑ {} ms", plain_measure(below, 3)));
             last_note = at;
         }
     }

@@ -1,5 +1,7 @@
 #include <oncollide/runs/report_kept.hpp>
 
+#include <oncollide/base/text/listed.hpp>
+#include <oncollide/base/text/plain_number.hpp>
 #include <oncollide/base/text/printable.hpp>
 
 #include <algorithm>
@@ -44,12 +46,12 @@ namespace {
 std::string pair_text(const Scene& scene, const PairList::Entry& entry, bool one_frame)
 {
     const PairResult& pair = entry.pair;
-    std::string text =
-        fmt::format("'{}' and '{}'", scene.label(SceneBodyId{pair.a.slot}), scene.label(SceneBodyId{pair.b.slot}));
+    std::string text = fmt::format("'{}' and '{}'", shortened(scene.label(SceneBodyId{pair.a.slot})),
+                                   shortened(scene.label(SceneBodyId{pair.b.slot})));
     if (pair.kind != ContactKind::unknown) text += fmt::format(", {}", name_of(pair.kind));
     if (pair.verdict == Verdict::undecided) text += ", undecided";
     if (pair.verdict != Verdict::colliding && std::isfinite(pair.bound))
-        text += fmt::format(", at most {:.4g} m apart", pair.bound);
+        text += fmt::format(", at most {} m apart", plain_measure(pair.bound, 4));
     if (!one_frame) text += fmt::format(", from frame {}", entry.frame);
     return printable(text);
 }

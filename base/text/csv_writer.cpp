@@ -3,8 +3,23 @@
 
 namespace oncollide {
 
+namespace {
+
+bool begins_formula(std::string_view text)
+{
+    return !text.empty() && std::string_view("=+-@\t\r").find(text[0]) != std::string_view::npos;
+}
+
+} // namespace
+
+std::string_view csv_text(std::string_view field)
+{
+    return field.starts_with('\'') && begins_formula(field.substr(1)) ? field.substr(1) : field;
+}
+
 std::string csv_field(std::string_view text, bool always)
 {
+    if (begins_formula(text)) return csv_field("'" + std::string(text), always);
     const auto needs_care = [](unsigned char c) { return c >= 0x80 || c == ',' || c == '"' || c == '\r' || c == '\n'; };
     if (!always && std::ranges::none_of(text, needs_care)) return std::string(text);
     const std::string field = as_utf8(text);

@@ -13,8 +13,11 @@
 namespace oncollide {
 
 /// `text` as a field of CSV (RFC 4180), quoted only where a reader needs the quotes, or with `always`. Bytes that are
-/// not UTF-8 become U+FFFD.
+/// not UTF-8 become U+FFFD. A text that a spreadsheet would run as a formula, because it begins with = + - @, a tab or
+/// a carriage return, gets an apostrophe in front.
 std::string csv_field(std::string_view text, bool always = false);
+/// The text of a field that csv_field() wrote: without such an apostrophe.
+std::string_view csv_text(std::string_view field);
 
 /// A text that is always quoted, needed or not.
 struct Quoted {

@@ -1,10 +1,10 @@
+#include <oncollide/base/text/listed.hpp>
 #include <oncollide/base/text/near_word.hpp>
 
 #include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 namespace oncollide {
 namespace {
@@ -58,7 +58,7 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string_vi
 std::string valid_names(std::string_view word, const std::vector<std::string_view>& names, std::string_view label)
 {
     const std::string hint = did_you_mean(word, names);
-    return fmt::format("{} {}: {}", hint.empty() ? ";" : hint, label, fmt::join(names, ", "));
+    return fmt::format("{} {}: {}", hint.empty() ? ";" : hint, label, listed(names));
 }
 
 } // namespace oncollide

@@ -1,3 +1,4 @@
+#include <oncollide/base/text/listed.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/base/text/utf8.hpp>
 
@@ -47,6 +48,9 @@ std::string printable_lines(std::string_view text)
     return escape(text, true);
 }
 
-Error::Error(ErrorKind kind, const std::string& message) : std::runtime_error(printable(message)), kind_(kind) {}
+Error::Error(ErrorKind kind, const std::string& message)
+    : std::runtime_error(shortened(printable(message), most_of_a_message)), kind_(kind)
+{
+}
 
 } // namespace oncollide

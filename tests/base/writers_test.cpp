@@ -83,6 +83,22 @@ Rows rows_of(const std::string& text, CsvReader::Style style)
     return rows;
 }
 
+TEST(CsvWriter, NoTextIsAFormulaOfASpreadsheet)
+{
+    for (const std::string formula : {"=1+2", "+1", "-arm", "@sum", "\tx", "\rx"}) {
+        EXPECT_EQ(csv_text(rows_of(csv_field(formula) + "\n", CsvReader::Style::table)[0][0]), formula);
+        EXPECT_EQ(csv_field(formula, true), "\"'" + formula + "\"");
+        TextInMemory text;
+        CsvWriter(text).row(formula, Quoted{formula}, formula.c_str(), std::string_view(formula));
+        EXPECT_EQ(text.text().find(formula[0]), text.text().find('\'') + 1) << text.text();
+    }
+    for (const std::string plain : {"a=1", "'quoted'", "", "1-2", "(=x)"}) EXPECT_EQ(csv_field(plain), plain);
+    TextInMemory numbers;
+    CsvWriter(numbers).row(-1, -0.5, Digits{-2, 3}, Fixed{-3, 1});
+    EXPECT_EQ(numbers.text(), "-1,-0.5,-2,-3.0\n") << "numbers stay numbers";
+    EXPECT_EQ(csv_text("'plain"), "'plain");
+}
+
 TEST(CsvReader, ReadsTablesStrictly)
 {
     const auto read = [](const std::string& text) { return rows_of(text, CsvReader::Style::table); };

@@ -10,6 +10,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
+#include <oncollide/base/text/plain_number.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -131,9 +132,10 @@ std::vector<ResolvedClash> compare_with_baseline(const std::string& file, const 
     auto [before, old_clearance] = read_report(file);
     old_clearance /= unit.millimetres;
     if (old_clearance > clearance * (1 + 1e-9))
-        warnings.push_back(fmt::format("{}: has a clearance of {:.6g} {}, now it is {:.6g} {}: pairs farther apart "
+        warnings.push_back(fmt::format("{}: has a clearance of {} {}, now it is {} {}: pairs farther apart "
                                        "count as resolved",
-                                       file, old_clearance, unit.name, clearance, unit.name));
+                                       file, plain_measure(old_clearance, 6), unit.name, plain_measure(clearance, 6),
+                                       unit.name));
     const std::vector<OldClash*> matches = matches_of(clashes, list, before);
     for (std::size_t i = 0; i < clashes.size(); ++i) {
         if (!matches[i]) continue;

@@ -7,6 +7,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/text/csv_reader.hpp>
+#include <oncollide/base/text/csv_writer.hpp>
 
 #include "clash/parts/name_pattern.hpp"
 
@@ -42,18 +43,12 @@ std::vector<KnownPair> read_pairs(const std::string& file)
 
 } // namespace
 
-std::string name_in_csv(const std::string& name)
-{
-    constexpr std::string_view begin_formulas = "=+-@\t\r";
-    return !name.empty() && begin_formulas.find(name[0]) != begin_formulas.npos ? "'" + name : name;
-}
-
 void ignore_pairs(const std::string& file, const PartList& list, std::vector<Clash>& clashes,
                   std::vector<std::string>& warnings)
 {
     // Rows of a report hold names that are no patterns; a backslash in such a name stands for itself.
     const auto fits = [](const std::string& known, const std::string& name) {
-        return known == name || known == name_in_csv(name) || matches(known, name);
+        return known == name || csv_text(known) == name || matches(known, name);
     };
     for (const KnownPair& known : read_pairs(file)) {
         for (Clash& clash : clashes) {

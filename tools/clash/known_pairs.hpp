@@ -6,9 +6,6 @@
 
 namespace oncollide::tools {
 
-/// A name as CSV reports hold it. One that a spreadsheet would run as a formula gets an apostrophe in front.
-std::string name_in_csv(const std::string& name);
-
 /// Reads known pairs from a CSV file: two names or patterns per row, in either order; further columns and text after
 /// `#` are ignored, so a CSV report can be used, of which resolved clashes do not count. Matching clashes become
 /// `ignored`. Throws Error{bad_data} naming the row.

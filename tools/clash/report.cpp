@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <oncollide/base/text/listed.hpp>
+#include <oncollide/base/text/plain_number.hpp>
 #include <oncollide/base/text/printable.hpp>
 
 #include "common/text.hpp"
@@ -18,13 +20,6 @@ namespace {
 std::string plural(std::size_t count, std::string_view one)
 {
     return fmt::format("{} {}{}", grouped(count), one, count == 1 ? "" : one.ends_with("sh") ? "es" : "s");
-}
-
-std::string shortened(const std::string& name)
-{
-    constexpr std::size_t most = 40;
-    const std::string text = printable(name);
-    return text.size() <= most ? text : "..." + text.substr(text.size() - most + 3);
 }
 
 /// " (2 approved, 1 reviewed)": active clashes that a user has given a status.
@@ -53,7 +48,7 @@ std::size_t ClashReport::count(ClashStatus status, ClashKind kind) const
 
 std::string ClashReport::length(double value) const
 {
-    return fmt::format("{:.4g} {}", value, unit.name);
+    return fmt::format("{} {}", plain_measure(value, 4), unit.name);
 }
 
 std::string time_text(std::int64_t seconds)
@@ -63,16 +58,16 @@ std::string time_text(std::int64_t seconds)
 
 std::string point_text(const Eigen::Vector3d& point)
 {
-    return fmt::format("{:.6g} {:.6g} {:.6g}", point.x(), point.y(), point.z());
+    return fmt::format("{} {} {}", plain_number(point.x(), 6), plain_number(point.y(), 6), plain_number(point.z(), 6));
 }
 
 std::vector<std::string> summary(const ClashReport& r)
 {
     const Eigen::Vector3d size = r.parts.bounds.max - r.parts.bounds.min;
-    std::vector<std::string> lines{
-        fmt::format("{} of {}, {}, {:.4g} x {:.4g} x {:.4g} {}", plural(r.parts.parts.size(), "part"),
-                    plural(r.parts.files.size(), "file"), plural(r.parts.triangles, "triangle"), size.x(), size.y(),
-                    size.z(), r.unit.name)};
+    std::vector<std::string> lines{fmt::format("{} of {}, {}, {} x {} x {} {}", plural(r.parts.parts.size(), "part"),
+                                               plural(r.parts.files.size(), "file"),
+                                               plural(r.parts.triangles, "triangle"), plain_measure(size.x(), 4),
+                                               plain_measure(size.y(), 4), plain_measure(size.z(), 4), r.unit.name)};
     std::vector<std::string> kinds;
     for (const ClashKind kind : clash_kinds)
         if (const std::size_t n = r.count(ClashStatus::fresh, kind))
@@ -125,7 +120,8 @@ std::string clash_table(const ClashReport& r, std::size_t most)
                                      : c.was.empty()               ? ""
                                                                    : fmt::format(" (was {})", printable(c.was));
             rows.push_back({std::to_string(rows.size()), std::string(name_of(c.kind)) + note, measure_text(r, c),
-                            shortened(r.name(c.a)), shortened(r.name(c.b)), point_text(c.where)});
+                            shortened(printable(r.name(c.a)), 40), shortened(printable(r.name(c.b)), 40),
+                            point_text(c.where)});
         }
     if (rows.size() == 1) return "";
     std::array<std::size_t, 6> widths{};

@@ -8,7 +8,6 @@
 #include <oncollide/base/text/json_writer.hpp>
 #include <oncollide/base/text/svg.hpp>
 
-#include "clash/known_pairs.hpp"
 #include "clash/report.hpp"
 #include "common/text.hpp"
 
@@ -66,8 +65,7 @@ Json json_of(const ClashReport& r, const Clash& c)
 /// A name that known_pairs.hpp reads back: there, `#` may begin a comment, and blanks around a field do not count.
 std::string name_field(const std::string& part)
 {
-    const std::string name = name_in_csv(part);
-    return csv_field(name, name.find('#') != name.npos || name.starts_with(' ') || name.ends_with(' '));
+    return csv_field(part, part.find('#') != part.npos || part.starts_with(' ') || part.ends_with(' '));
 }
 
 /// A coordinate or length; empty unless `known`.

@@ -13,6 +13,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/text/listed.hpp>
 #include <oncollide/base/text/printable.hpp>
 
 namespace oncollide::tools {
@@ -88,10 +89,10 @@ int merge(const std::string& out, const std::vector<std::string>& paths)
         if (place) refuse(path, fmt::format("is part {}, the same as {}", part.shard.part, place->path));
         place = std::move(part);
     }
-    std::string missing;
+    std::vector<std::string> missing;
     for (std::size_t k = 0; k < parts.size(); ++k)
-        if (!parts[k]) missing += fmt::format("{}{}/{}", missing.empty() ? "" : ", ", k + 1, parts.size());
-    if (!missing.empty()) throw Error(ErrorKind::no_input, "merge: parts are missing: " + missing);
+        if (!parts[k]) missing.push_back(fmt::format("{}/{}", k + 1, parts.size()));
+    if (!missing.empty()) throw Error(ErrorKind::no_input, "merge: parts are missing: " + listed(missing));
     OutputFile file(out);
     file.write(parts.front()->header + "\n");
     for (auto& part : parts) copy_rows(*part, file);

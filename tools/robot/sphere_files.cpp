@@ -10,6 +10,7 @@
 #include <oncollide/base/text/csv_reader.hpp>
 #include <oncollide/base/text/csv_writer.hpp>
 #include <oncollide/base/text/json_writer.hpp>
+#include <oncollide/base/text/listed.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/scenes/files/mesh/mesh_source.hpp>
 
@@ -56,7 +57,7 @@ SphereModel read_csv_spheres(const std::string& path, const RobotDescription& ro
         for (std::size_t k = 0; k < 4; ++k)
             if (!parse(fields[k + 1], n[k]) || !std::isfinite(n[k]))
                 csv.fail(oncollide::quoted(fields[k + 1]) + " is not a finite number");
-        if (const int i = link_named(fields[0], robot, warnings); i >= 0 && n[3] > 0)
+        if (const int i = link_named(std::string(csv_text(fields[0])), robot, warnings); i >= 0 && n[3] > 0)
             model[static_cast<std::size_t>(i)].push_back({{n[0], n[1], n[2]}, n[3]});
     }
     return model;
@@ -91,7 +92,8 @@ int link_named(const std::string& name, const RobotDescription& robot, std::vect
 {
     const auto found = std::ranges::find(robot.links, name, &RobotLink::name);
     if (found != robot.links.end()) return static_cast<int>(found - robot.links.begin());
-    const std::string warning = fmt::format("the robot has no link '{}'; its spheres are left out", printable(name));
+    const std::string warning =
+        fmt::format("the robot has no link '{}'; its spheres are left out", shortened(printable(name)));
     if (!std::ranges::count(warnings, warning)) warnings.push_back(warning);
     return -1;
 }
