@@ -67,7 +67,6 @@ StoredFrames::StoredFrames(const std::string& results, const std::string& scene,
             fmt::format("the scene has {} bodies, the results have {}", scene_.size(), stored_.header().bodies));
     if (const std::string other = stored_.unlike(scene_.names); !other.empty())
         refuse_scene(fmt::format("the scene has no body '{}' at that number", other));
-    if (stored_.frames().empty()) throw Error(ErrorKind::usage, name_ + ": has no frames");
     if (stored_.frames().back().frame >= std::uint64_t(scene_.frames))
         refuse_scene(fmt::format("the scene has frames 0 to {}, the results end with frame {}", scene_.frames - 1,
                                  stored_.frames().back().frame));

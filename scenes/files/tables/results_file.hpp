@@ -90,11 +90,11 @@ private:
     std::uint64_t chain_ = 0, pairs_ = 0, frames_ = 0; ///< written
 };
 
-/// Results of a run, whether or not it ended normally.
+/// Results of a run, whether or not it ended normally; at least one frame.
 class StoredResults {
 public:
-    /// Throws Error{bad_data} for a file that ResultsFile did not write or that is damaged, and Error{usage} if the
-    /// build or the machine has no HDF5.
+    /// Throws Error{bad_data} for a file that ResultsFile did not write, that is damaged or that holds no frame, and
+    /// Error{usage} if the build or the machine has no HDF5.
     /// @param words  names of verdicts, stages and kinds; its other members are ignored
     StoredResults(const std::filesystem::path& path, const ResultsHeader& words);
     ~StoredResults();

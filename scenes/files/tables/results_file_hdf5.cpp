@@ -228,7 +228,6 @@ void check_header(const std::string& name, const ResultsHeader& found, const Res
 /// The rows before `frame`.
 std::span<const FrameRow> frames_before(const std::string& name, std::span<const FrameRow> rows, std::uint64_t frame)
 {
-    if (rows.empty()) throw Error(ErrorKind::usage, fmt::format("{}: holds no frame; leave out --from-frame", name));
     const std::uint64_t first = rows.front().frame, last = rows.back().frame;
     if (frame <= first || frame > last + 1)
         throw Error(ErrorKind::usage, fmt::format("{}: holds frames {} to {}; it can be continued from frames {} to {}",

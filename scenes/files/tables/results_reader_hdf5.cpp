@@ -198,6 +198,7 @@ StoredResults::StoredResults(const std::filesystem::path& path, const ResultsHea
         open_->read_header(header_);
         open_->frames = open_->rows(name_, "frames", frame_fields(words));
         frames_.resize(open_->frames->size());
+        if (frames_.empty()) throw Hdf5Fault{"it holds no frame"};
         open_->frames->read(0, frames_.size(), frames_.data());
         open_->pairs = open_->rows(name_, "pairs", pair_fields(words)); // after the frames, which it may outrun
         header_.sweeps = open_->find("sweeps").has_value();
@@ -210,7 +211,10 @@ StoredResults::StoredResults(const std::filesystem::path& path, const ResultsHea
                 throw Hdf5Fault{fmt::format("row {} of 'frames' is impossible", k)};
         }
     } catch (const Hdf5Fault& fault) {
-        refuse(name_, "is not a results file of 'oncollide run --pairs', or is damaged: " + fault.what);
+        // A run that is killed early leaves any of these: an empty file, half a header, no frame.
+        refuse(name_, fmt::format("is not a results file of 'oncollide run --pairs', or is damaged, or its run was cut "
+                                  "off before the first frame was done: {}; run the scene again, without --from-frame",
+                                  fault.what));
     }
 }
 
