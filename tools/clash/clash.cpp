@@ -4,7 +4,6 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <optional>
 
@@ -25,6 +24,7 @@
 #include "cli/log.hpp"
 #include "cli/outputs.hpp"
 #include "cli/progress.hpp"
+#include "cli/standard_output.hpp"
 #include "common/zip_bytes.hpp"
 #include "view/view_page.hpp"
 
@@ -59,7 +59,6 @@ void check_out(const ClashOptions& o, const std::vector<std::string>& inputs)
 {
     std::vector<std::pair<const char*, std::string>> files;
     for (const std::string& file : o.out) {
-        if (file.empty()) usage("--out: the file name is empty");
         if (form_of(file) == Form::bcf) check_zip("--out " + file);
         files.emplace_back("--out", file);
     }
@@ -144,10 +143,11 @@ std::int64_t report_time()
 void print(const ClashOptions& o, const ClashReport& report)
 {
     log_warnings(report.warnings);
-    std::ostream& said = std::ranges::count(o.out, "-") ? std::cerr : std::cout;
-    for (const std::string& line : summary(report)) said << printable(line) << "\n";
-    if (const std::string table = clash_table(report, std::size_t(o.list)); !table.empty()) said << "\n" << table;
-    said.flush();
+    std::string text;
+    for (const std::string& line : summary(report)) text += printable(line) + "\n";
+    if (const std::string table = clash_table(report, std::size_t(o.list)); !table.empty()) text += "\n" + table;
+    write_to_stdout(text, std::ranges::count(o.out, "-") > 0);
+    flush_stdout();
 }
 
 int clash(const ClashOptions& o)

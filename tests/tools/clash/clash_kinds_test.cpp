@@ -113,8 +113,7 @@ TEST_F(ClashKinds, OnlySetAAgainstSetBIsCompared)
     EXPECT_EQ(read_json("r.json")["settings"],
               (nlohmann::json{{"touching", false}, {"group", {"c", "b"}}, {"set_a", {"a.off"}}, {"set_b", {"?"}}}));
     EXPECT_TRUE(pairs("r.json").contains("a b crossing new")) << "a path matches, too";
-    outcome = clash({"--set-a", "robot*"});
-    EXPECT_EQ(outcome.code, 0);
+    outcome = clash({"--set-a", "robot*", "--set-a", "a"});
     EXPECT_NE(outcome.err.find("warning: --set-a 'robot*' matches no part"), std::string::npos) << outcome.err;
     outcome = clash({"--group", "bolt", "--group", "node", "--group", "a", "--group", "?"});
     EXPECT_NE(outcome.err.find("warning: --group 'bolt' matches no part"), std::string::npos) << outcome.err;
@@ -122,6 +121,29 @@ TEST_F(ClashKinds, OnlySetAAgainstSetBIsCompared)
         << outcome.err;
     EXPECT_EQ(outcome.err.find("'a'"), std::string::npos) << "it is not the first to match, but it matches";
     expect_error(64, {"clash", "a.off", "b.off", "--set-b", "b"}, {"--set-b: needs --set-a"});
+}
+
+TEST_F(ClashKinds, AnEmptyComparisonIsAnError)
+{
+    small_assembly();
+    const auto refused = [&](std::vector<std::string> more, const std::vector<std::string>& words) {
+        more.insert(more.begin(), {"clash", "a.off", "b.off", "--units", "m"});
+        expect_error(64, more, words);
+    };
+    refused({"--set-a", "*"}, {"--set-a *", "matches all 2 parts", "give --set-b"});
+    refused({"--set-a", "robot*"}, {"--set-a robot*", "matches none of 2 parts"});
+    refused({"--set-a", "a", "--set-b", "cell*"}, {"--set-b cell*", "matches none of 2 parts"});
+    refused({"--set-a", "a", "--set-b", "a"}, {"--set-a and --set-b", "the same one of 2 parts"});
+    refused({"--group", "*"}, {"--group", "no two of 2 parts", "of one group"});
+    refused({"--set-a", "a", "--set-b", "b", "--group", "?"}, {"--group", "no two of 2 parts"});
+    for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{{"--set-a", "*", "--set-b", "*"},
+                                                                                      {"--set-a", "a", "--set-b", "?"},
+                                                                                      {"--group", "a"},
+                                                                                      {"--group", "file"}}) {
+        std::vector<std::string> words{"clash", "a.off", "b.off", "--units", "m"};
+        words.insert(words.end(), more.begin(), more.end());
+        EXPECT_EQ(run(words).code, 1) << more[1] << ": the parts cross";
+    }
 }
 
 TEST_F(ClashKinds, AnObjFileAloneIsDividedIntoItsObjects)

@@ -11,6 +11,8 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
+#include <oncollide/base/text/listed.hpp>
+#include <oncollide/base/text/plain_number.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
@@ -115,8 +117,8 @@ void name_parts(PartList& list, const std::vector<Names>& names)
     for (const auto& [name, parts] : same)
         if (parts.size() > 1)
             list.warnings.push_back(fmt::format("{} parts are named '{}'; the report names them '{}', '{}'{}",
-                                                parts.size(), name, list.parts[parts[0]].name,
-                                                list.parts[parts[1]].name, parts.size() > 2 ? ", ..." : ""));
+                                                parts.size(), shortened(name), shortened(list.parts[parts[0]].name),
+                                                shortened(list.parts[parts[1]].name), parts.size() > 2 ? ", ..." : ""));
 }
 
 /// The file as the folder of the command line names it, or its name.
@@ -140,10 +142,11 @@ void warn_of_units(PartList& list, std::vector<std::pair<double, std::string>> r
     for (std::size_t k = 0; k + 1 < reaches.size(); ++k) {
         if (!(reaches[k].first > 0) || reaches[k + 1].first < much * reaches[k].first) continue;
         list.warnings.push_back(fmt::format(
-            "{}{} lies within {:.3g} {} of the origin, all other files extend to {:.3g} {} or more: metres mixed with "
+            "{}{} lies within {} {} of the origin, all other files extend to {} {} or more: metres mixed with "
             "millimetres? If so, give --units '{}=m'",
-            reaches[0].second, k > 0 ? fmt::format(" (and {} more)", k) : "", reaches[k].first, unit.name,
-            reaches[k + 1].first, unit.name, fs::path(reaches[0].second).filename().string()));
+            reaches[0].second, k > 0 ? fmt::format(" (and {} more)", k) : "", plain_measure(reaches[k].first, 3),
+            unit.name, plain_measure(reaches[k + 1].first, 3), unit.name,
+            fs::path(reaches[0].second).filename().string()));
         return;
     }
 }
@@ -244,7 +247,7 @@ PartList read_parts(const std::vector<std::string>& files, const Units& units, c
                                 files.front(), names.front().own));
     name_parts(list, names);
     make_ids_unique(list);
-    selection.warn();
+    selection.finish();
     warn_of_units(list, std::move(reaches), units.reported());
     return list;
 }

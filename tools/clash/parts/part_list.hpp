@@ -53,7 +53,8 @@ std::vector<std::string> files_of(const std::vector<std::string>& inputs, std::v
 
 /// Reads the parts of files: one part per node of a glTF, COLLADA or 3MF file, one part per other file. Throws the
 /// errors of load_mesh, and Error{bad_data} for a single part.
-/// Patterns match names, node paths and whole paths of parts; a pattern that matches nothing is a warning.
+/// Patterns match names, node paths and whole paths of parts; a pattern that matches nothing is a warning. Throws
+/// Error{usage} if the rules leave no pair of parts to compare.
 PartList read_parts(const std::vector<std::string>& files, const Units& units, const PartRules& rules, int threads);
 
 } // namespace oncollide::tools

@@ -4,7 +4,10 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/base/text/listed.hpp>
+
 #include "clash/parts/name_pattern.hpp"
+#include "cli/arguments.hpp"
 
 namespace oncollide::tools {
 
@@ -55,8 +58,53 @@ void PartSelection::choose(const AssemblyPart& from, Part& part)
     part.sets = static_cast<std::uint8_t>((in_a ? 1 : 0) | (in_b ? 2 : 0));
 }
 
-void PartSelection::warn()
+namespace {
+
+/// The parts of one group that are on one side of the comparison.
+struct Kind {
+    std::uint32_t group;
+    std::uint8_t sets;
+    auto operator<=>(const Kind&) const = default;
+};
+
+/// True if parts of both kinds are compared; without sets, all parts are in both.
+bool compared(const Kind& a, const Kind& b, bool has_sets)
 {
+    const bool crosses = (a.sets & 1 && b.sets & 2) || (a.sets & 2 && b.sets & 1);
+    return (a.group == 0 || a.group != b.group) && (!has_sets || crosses);
+}
+
+} // namespace
+
+void PartSelection::check_pairs() const
+{
+    std::map<Kind, std::size_t> kinds;
+    std::size_t in_a = 0, in_b = 0, in_both = 0;
+    for (const Part& part : list_.parts) {
+        ++kinds[{part.group, part.sets}];
+        in_a += part.sets & 1, in_b += (part.sets & 2) / 2, in_both += part.sets == 3;
+    }
+    for (auto a = kinds.begin(); a != kinds.end(); ++a)
+        for (auto b = a; b != kinds.end(); ++b)
+            if (compared(a->first, b->first, list_.has_sets) && (a != b || a->second > 1)) return;
+    const std::string all = fmt::format("of {} parts", list_.parts.size());
+    if (list_.has_sets && in_a == 0)
+        usage(fmt::format("--set-a {}: matches none {}, so nothing is compared", listed(rules_.set_a), all));
+    if (list_.has_sets && in_b == 0)
+        usage(rules_.set_b.empty()
+                  ? fmt::format("--set-a {}: matches all {}, so no part is left for the other set and nothing is "
+                                "compared; give --set-b",
+                                listed(rules_.set_a), all.substr(3))
+                  : fmt::format("--set-b {}: matches none {}, so nothing is compared", listed(rules_.set_b), all));
+    if (in_both == 1 && in_a == 1 && in_b == 1)
+        usage(fmt::format("--set-a and --set-b: both match the same one {}, so nothing is compared", all));
+    usage(fmt::format("--group: no two {} are compared, since they are of one group{}", all,
+                      list_.has_sets ? " or of one set" : ""));
+}
+
+void PartSelection::finish()
+{
+    check_pairs();
     const auto warn_of = [&](const char* option, const std::vector<std::string>& rules) {
         for (const std::string& rule : rules)
             if (!used_.contains(rule))

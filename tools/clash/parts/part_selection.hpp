@@ -16,12 +16,14 @@ public:
 
     /// Sets the group and the sets of a part, whose file and path are set.
     void choose(const AssemblyPart& from, Part& part);
-    /// Adds a warning for each rule that matched no part.
-    void warn();
+    /// Adds a warning for each rule that matched no part. Throws Error{usage} if the rules leave no pair of parts to
+    /// compare.
+    void finish();
 
 private:
     bool matches_part(const std::string& pattern, const AssemblyPart& from, const Part& part);
     std::uint32_t group_of(const AssemblyPart& from, const Part& part);
+    void check_pairs() const;
     std::uint32_t numbered(const std::string& key, const std::string& name);
 
     PartList& list_;
