@@ -1,14 +1,18 @@
 // oncollide robot: which of many configurations of a robot collide, with itself or with an environment?
 #include "cli/command.hpp"
+#include "cli/log.hpp"
 #include "cli/options.hpp"
 #include "cli/outputs.hpp"
 #include "cli/progress.hpp"
+#include "cli/standard_output.hpp"
+#include "cli/system.hpp"
 #include "common/statistics.hpp"
 #include "play/play.hpp"
 #include "robot/robot_world.hpp"
 
+#include <algorithm>
 #include <array>
-#include <iostream>
+#include <functional>
 #include <memory>
 
 #include <fmt/format.h>
@@ -16,6 +20,8 @@
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/text/csv_writer.hpp>
 #include <oncollide/base/text/json_writer.hpp>
+#include <oncollide/base/text/listed.hpp>
+#include <oncollide/base/text/plain_number.hpp>
 #include <oncollide/base/text/printable.hpp>
 
 namespace oncollide::tools {
@@ -33,11 +39,13 @@ struct RobotCommand {
 struct Checked {
     RobotWorld& environment;
     const Robot& robot;
+    bool motions;
     std::vector<RobotFinding> findings;  ///< of configurations, or of motions
     std::vector<RobotEdgeFinding> edges; ///< times of motions; empty: configurations
-    double seconds;
+    double seconds = 0;
+    bool interrupted = false; ///< findings are those of the first ones only
 
-    const char* item() const { return edges.empty() ? "configuration" : "motion"; }
+    const char* item() const { return motions ? "motion" : "configuration"; }
 
     std::array<std::size_t, 4> counts() const
     {
@@ -51,8 +59,9 @@ struct Checked {
     {
         const RobotFinding& found = findings[i];
         const std::string verdict(name_of(found.verdict));
-        if (edges.empty())
-            return found.verdict == Verdict::colliding ? verdict : fmt::format("{} {:.6g} m", verdict, found.bound);
+        if (!motions)
+            return found.verdict == Verdict::colliding ? verdict
+                                                       : fmt::format("{} {} m", verdict, plain_measure(found.bound, 6));
         const RobotEdgeFinding& edge = edges[i];
         const std::string by = edge.contact_by <= 1 ? fmt::format(" by {:.6g}", edge.contact_by) : "";
         return fmt::format("{}{}, clear until {:.6g}", verdict, by, edge.clear_until);
@@ -74,18 +83,18 @@ void write_json(const std::string& path, const Checked& checked)
                  checked.item() + std::string("s"), checked.findings.size());
     for (const Verdict verdict : {Verdict::separate, Verdict::within, Verdict::colliding, Verdict::undecided})
         json.members(name_of(verdict), counts[static_cast<std::size_t>(verdict)]);
-    json.members("seconds", checked.seconds);
+    json.members("seconds", checked.seconds, "interrupted", checked.interrupted);
     json.key("results"), json.begin_array();
     for (std::size_t i = 0; i < checked.findings.size(); ++i) {
         const RobotFinding& found = checked.findings[i];
         json.line(2);
         json.begin_object();
         json.members(checked.item(), i, "verdict", name_of(found.verdict));
-        if (checked.edges.empty())
+        if (!checked.motions)
             json.members("bound", found.bound);
         else
             json.members("clear_until", checked.edges[i].clear_until);
-        if (!checked.edges.empty() && checked.edges[i].contact_by <= 1)
+        if (checked.motions && checked.edges[i].contact_by <= 1)
             json.members("contact_by", checked.edges[i].contact_by);
         if (found.link != RobotFinding::no_link)
             json.members("link", checked.link(found.link), found.other != RobotFinding::no_link ? "other_link" : "body",
@@ -100,7 +109,7 @@ void write_json(const std::string& path, const Checked& checked)
 void write_csv(const std::string& path, const Checked& checked)
 {
     OutputFile file(path);
-    const bool motions = !checked.edges.empty();
+    const bool motions = checked.motions;
     CsvWriter csv(file, motions ? "motion,verdict,clear_until,contact_by,link,other_link,body"
                                 : "configuration,verdict,bound,link,other_link,body");
     for (std::size_t i = 0; i < checked.findings.size(); ++i) {
@@ -136,11 +145,87 @@ std::string describe(const Checked& checked)
         if (found.verdict == Verdict::separate) continue;
         if (++told > most) continue;
         text += fmt::format("{} {}: {}, link '{}' and {} '{}'\n", checked.item(), i, checked.what(i),
-                            printable(checked.link(found.link)), found.other != RobotFinding::no_link ? "link" : "body",
-                            printable(checked.other(found)));
+                            shortened(printable(checked.link(found.link))),
+                            found.other != RobotFinding::no_link ? "link" : "body",
+                            shortened(printable(checked.other(found))));
     }
     if (told > most) text += fmt::format("and {} more\n", told - most);
     return text;
+}
+
+/// Throws if no pair would be tested: that the robot is free must not be the result.
+void check_pairs(const RobotCommand& options, const RobotDescription& robot, std::size_t bodies)
+{
+    if (options.no_self && options.robot.world.empty())
+        usage("--no-self: needs --world; the robot is compared with nothing");
+    std::vector<std::uint32_t> links; // with collision geometry
+    for (std::uint32_t i = 0; i < robot.links.size(); ++i)
+        if (!robot.links[i].collision.empty()) links.push_back(i);
+    if (links.empty())
+        refuse(options.robot.urdf, "no link has collision geometry, so the robot is compared with nothing");
+    bool tested = bodies > 0;
+    for (std::size_t b = 1; b < links.size() && !tested && !options.no_self; ++b)
+        for (std::size_t a = 0; a < b && !tested; ++a)
+            tested = !std::ranges::binary_search(robot.excluded, std::pair(links[a], links[b]));
+    if (!tested)
+        refuse(options.robot.urdf, fmt::format("the robot is compared with nothing: {} has no body, and {}",
+                                               options.robot.world.empty() ? "the environment" : options.robot.world,
+                                               options.no_self ? "--no-self leaves out pairs of links"
+                                                               : "all pairs of its links are excluded"));
+}
+
+/// Throws for the first configuration that is out of the limits of a joint, or warns of all.
+void check_limits(const RobotCommand& options, const Robot& robot, std::span<const double> numbers, std::size_t count)
+{
+    struct Limits {
+        const RobotJoint* joint;
+        std::size_t number; ///< of the configuration
+    };
+    std::vector<Limits> limits;
+    for (const RobotJoint& joint : robot.description().joints) {
+        const auto found = std::ranges::find(robot.names(), joint.name);
+        if (found != robot.names().end())
+            limits.push_back({&joint, static_cast<std::size_t>(found - robot.names().begin())});
+    }
+    std::size_t out = 0;
+    std::string first;
+    for (std::size_t i = 0; i < count; ++i) {
+        const double* const mine = numbers.data() + i * robot.width();
+        const auto broken = std::ranges::find_if(limits, [&](const Limits& l) {
+            return mine[l.number] < l.joint->lower || mine[l.number] > l.joint->upper;
+        });
+        if (broken == limits.end()) continue;
+        if (++out == 1)
+            first = fmt::format("configuration {}: joint '{}': {} is out of its limits, {} to {}", i,
+                                shortened(printable(broken->joint->name)), mine[broken->number], broken->joint->lower,
+                                broken->joint->upper);
+        if (options.limits) throw Error(ErrorKind::bad_data, first);
+    }
+    if (out && !options.quiet)
+        log(LogLevel::warning, fmt::format("{} of {} configurations {} out of the limits of a joint; the first is {} "
+                                           "(--limits refuses them)",
+                                           out, count, out == 1 ? "is" : "are", first));
+}
+
+/// Checks all items, or until it is interrupted those that are done by then. `check(begin, end)` checks some of them.
+void check_in_chunks(Checked& checked, std::size_t count, std::size_t chunk,
+                     const std::function<void(std::size_t, std::size_t)>& check)
+{
+    const Clock::time_point from = Clock::now();
+    catch_interrupts();
+    std::size_t done = 0;
+    while (done < count && !interrupted()) {
+        const Clock::time_point begin = Clock::now();
+        const std::size_t end = std::min(count, done + chunk);
+        check(done, end);
+        done = end;
+        if (milliseconds_since(begin) < 100) chunk *= 2;
+    }
+    checked.interrupted = done < count;
+    if (!checked.interrupted) release_interrupts();
+    checked.findings.resize(done);
+    if (checked.motions) checked.edges.resize(done);
+    checked.seconds = milliseconds_since(from) / 1e3;
 }
 
 int check_robot(const RobotCommand& options)
@@ -152,36 +237,56 @@ int check_robot(const RobotCommand& options)
     RobotDescription description = open_robot(options.robot);
     RobotWorld environment = open_robot_world(options.robot, settings);
     if (!options.quiet) print_warnings(environment.scene);
+    check_pairs(options, description, environment.scene.size());
     const Robot robot(environment.world(), std::move(description), base_of(options.robot));
     const std::vector<double> numbers = open_configurations(options.configurations, robot);
     const std::size_t width = robot.width(), count = width ? numbers.size() / width : 1;
-    for (std::size_t i = 0; options.limits && i < count; ++i) try { // check() checks the rest
-            robot.check_configuration(std::span(numbers).subspan(i * width, width), true);
-        } catch (const Error& error) {
-            throw Error(error.kind(), fmt::format("configuration {}: {}", i, error.what()));
-        }
+    check_limits(options, robot, numbers, count);
     if (options.path && count < 2)
         throw Error(ErrorKind::usage, "--path: needs two configurations or more (--configurations)");
-    Checked checked{environment, robot, std::vector<RobotFinding>(options.path ? count - 1 : count), {}, 0};
+    const std::size_t items = options.path ? count - 1 : count;
+    Checked checked{environment, robot, options.path, std::vector<RobotFinding>(items), {}};
     const RobotCheck pairs{.self = !options.no_self};
-    const Clock::time_point from = Clock::now();
+    const std::span<const double> all(numbers);
+    const auto findings = [&](std::size_t begin, std::size_t end) {
+        return std::span(checked.findings).subspan(begin, end - begin);
+    };
     if (options.path) {
-        checked.edges.resize(count - 1);
-        const std::span<const double> all(numbers);
-        robot.check_edges(environment.world(), all.first((count - 1) * width), all.subspan(width), checked.edges,
-                          {.pairs = pairs});
-        for (std::size_t i = 0; i + 1 < count; ++i) {
-            const RobotEdgeFinding& edge = checked.edges[i];
-            checked.findings[i] = {0, edge.verdict, edge.link, edge.other, edge.body};
-        }
+        checked.edges.resize(items);
+        const auto threads = static_cast<std::size_t>(thread_count(settings));
+        check_in_chunks(checked, items, threads, [&](std::size_t begin, std::size_t end) {
+            const std::size_t numbers_of_them = (end - begin) * width;
+            const auto edges = std::span(checked.edges).subspan(begin, end - begin);
+            robot.check_edges(environment.world(), all.subspan(begin * width, numbers_of_them),
+                              all.subspan((begin + 1) * width, numbers_of_them), edges, {.pairs = pairs});
+            std::ranges::transform(edges, findings(begin, end).begin(), [](const RobotEdgeFinding& edge) {
+                return RobotFinding{0, edge.verdict, edge.link, edge.other, edge.body};
+            });
+        });
     } else {
-        robot.check(environment.world(), numbers, checked.findings, pairs);
+        check_in_chunks(checked, items, 1024, [&](std::size_t begin, std::size_t end) {
+            robot.check(environment.world(), all.subspan(begin * width, (end - begin) * width), findings(begin, end),
+                        pairs);
+        });
     }
-    checked.seconds = milliseconds_since(from) / 1e3;
-    if (!options.json.empty()) write_json(options.json, checked);
-    if (!options.csv.empty()) write_csv(options.csv, checked);
-    if (!options.quiet) (options.json == "-" || options.csv == "-" ? std::cerr : std::cout) << describe(checked);
-    if (const int code = say_file_faults(environment.world())) return code;
+    write_all({[&] {
+                   if (!options.json.empty()) write_json(options.json, checked);
+               },
+               [&] {
+                   if (!options.csv.empty()) write_csv(options.csv, checked);
+               }});
+    if (!options.quiet) write_to_stdout(describe(checked), options.json == "-" || options.csv == "-");
+    const int code = say_file_faults(environment.world());
+    if (checked.interrupted) {
+        std::vector<std::string> files;
+        for (const std::string& file : {options.json, options.csv})
+            if (!file.empty()) files.push_back(file == "-" ? "standard output" : file);
+        log(LogLevel::error,
+            fmt::format("interrupted after {} of {} {}s{}", checked.findings.size(), items, checked.item(),
+                        files.empty() ? "" : "; their results are in " + listed(files)));
+        return interrupted_code;
+    }
+    if (code) return code;
     const auto counts = checked.counts();
     if (counts[static_cast<std::size_t>(Verdict::colliding)]) return 1;
     return counts[static_cast<std::size_t>(Verdict::separate)] == checked.findings.size() ? 0 : 2;
@@ -195,7 +300,8 @@ void add_robot(Arguments app)
     auto options = std::make_shared<RobotCommand>();
     add_robot_options(sub, options->robot);
     add_configuration_options(sub, options->configurations);
-    sub.add_flag("--limits", options->limits, "refuse a configuration that is out of the limits of a joint");
+    sub.add_flag("--limits", options->limits,
+                 "refuse a configuration that is out of the limits of a joint (default: warn)");
     sub.add_flag("--path", options->path, "check the whole motions from each configuration to the next, without gaps");
     sub.add_flag("--no-self", options->no_self, "only against the environment");
     add_accuracy_options(sub, options->settings);
@@ -205,7 +311,7 @@ void add_robot(Arguments app)
     sub.add_flag("--quiet", options->quiet, "print only errors; the exit code is the result");
     sub.footer("Exit codes: 0 all configurations or motions separate, 1 one or more colliding, 2 one or more within or "
                "undecided,\n"
-               "64 and above: error.\n"
+               "64 and above: error. Ctrl-C stops early; the results so far are written, and the exit code is 130.\n"
                "Examples:\n"
                "  oncollide robot panda.urdf --srdf panda.srdf --state ready\n"
                "  oncollide robot panda.urdf --srdf panda.srdf --world shelf.json --group panda_arm \\\n"

@@ -1,7 +1,6 @@
 #include "robot/robot_spheres.hpp"
 
 #include <algorithm>
-#include <iostream>
 
 #include <fmt/format.h>
 
@@ -15,6 +14,7 @@
 
 #include "cli/log.hpp"
 #include "cli/outputs.hpp"
+#include "cli/standard_output.hpp"
 #include "robot/robot_world.hpp"
 #include "robot/sphere_files.hpp"
 #include "robot/sphere_page.hpp"
@@ -232,22 +232,33 @@ int robot_spheres(const RobotSpheresOptions& o)
     const CoverJudgement all = all_of(rows);
     if (o.judge.empty() && !all.complete)
         throw Error(ErrorKind::internal, fmt::format("{}: the spheres do not cover {} m2", o.urdf, all.uncovered_most));
-    if (!o.yaml.empty()) save_yaml_spheres(o.yaml, surfaces.robot, model);
-    if (!o.out.empty()) save_urdf_spheres(o.out, surfaces.robot, model);
-    if (!o.csv.empty()) save_csv_spheres(o.csv, surfaces.robot, model);
-    if (!o.levels.empty()) write_levels(o.levels, rows);
-    if (!o.json.empty()) write_json(o.json, surfaces.robot, rows);
-    if (!o.html.empty()) write_page(o, surfaces, model, rows);
+    write_all({[&] {
+                   if (!o.yaml.empty()) save_yaml_spheres(o.yaml, surfaces.robot, model);
+               },
+               [&] {
+                   if (!o.out.empty()) save_urdf_spheres(o.out, surfaces.robot, model);
+               },
+               [&] {
+                   if (!o.csv.empty()) save_csv_spheres(o.csv, surfaces.robot, model);
+               },
+               [&] {
+                   if (!o.levels.empty()) write_levels(o.levels, rows);
+               },
+               [&] {
+                   if (!o.json.empty()) write_json(o.json, surfaces.robot, rows);
+               },
+               [&] {
+                   if (!o.html.empty()) write_page(o, surfaces, model, rows);
+               }});
     if (!o.quiet) {
         const bool taken = o.json == "-" || o.csv == "-" || o.levels == "-" || o.yaml == "-" || o.out == "-";
-        std::ostream& to = taken ? std::cerr : std::cout;
-        to << table(rows);
-        if (all.complete)
-            to << "Every triangle is in a sphere: a check with these spheres misses no collision, and refuses only\n"
-                  "configurations that are within the over-reach.\n";
-        else
-            to << "A check with these spheres misses collisions of the uncovered surface, up to the depth of the "
-                  "gap.\n";
+        write_to_stdout(table(rows), taken);
+        write_to_stdout(all.complete
+                            ? "Every triangle is in a sphere: a check with these spheres misses no collision, and "
+                              "refuses only\nconfigurations that are within the over-reach.\n"
+                            : "A check with these spheres misses collisions of the uncovered surface, up to the depth "
+                              "of the gap.\n",
+                        taken);
     }
     return all.complete ? 0 : 1;
 }

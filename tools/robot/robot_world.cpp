@@ -6,6 +6,7 @@
 
 #include "cli/options.hpp"
 #include "common/numbers.hpp"
+#include <oncollide/base/text/listed.hpp>
 #include <oncollide/base/text/near_word.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
@@ -36,7 +37,7 @@ RobotDescription open_robot(const RobotOptions& options)
     RobotReading reading{.srdf = options.srdf, .packages = {}};
     for (const std::string& package : options.packages) {
         const std::size_t at = package.find('=');
-        if (at == 0 || at == package.npos)
+        if (at == 0 || at >= package.size() - 1)
             throw Error(ErrorKind::usage, fmt::format("--package: '{}' is not NAME=FOLDER", printable(package)));
         reading.packages[package.substr(0, at)] = package.substr(at + 1);
     }
@@ -132,10 +133,9 @@ std::vector<std::size_t> columns_of(const ConfigurationOptions& options, const R
                fmt::format("has {} columns; {} has {} numbers: {}", table.columns,
                            options.group.empty() ? "a configuration" : "group " + printable(options.group),
                            columns.size(), [&] {
-                               std::string list;
-                               for (const std::size_t i : columns)
-                                   list += (list.empty() ? "" : ", ") + printable(names[i]);
-                               return list;
+                               std::vector<std::string_view> list;
+                               for (const std::size_t i : columns) list.push_back(names[i]);
+                               return printable(listed(list));
                            }()));
     return columns;
 }

@@ -42,8 +42,81 @@ TEST_F(RobotCommandLine, TellsWhichConfigurationsCollide)
     EXPECT_EQ(json.at("results").at(2).at("body"), "wall.obj");
     EXPECT_NE(outcome.out.find("2,colliding,0,"), std::string::npos) << outcome.out;
     EXPECT_EQ(robot({"--world", "wall.obj", "--no-self", "--configurations", "q.csv"}).code, 1);
-    EXPECT_EQ(robot({"--configurations", "q.csv", "--no-self"}).code, 0);
     EXPECT_EQ(robot({"--state", "bent"}).code, 0);
+}
+
+TEST_F(RobotCommandLine, WarnsOfConfigurationsOutOfTheLimitsOfJoints)
+{
+    folder_.write("q.csv", "turn,elbow,slide\n9,0,0.05\n0,2.9,0.05\n0,0,0.05\n0,0,0.2\n");
+    const Outcome outcome = robot({"--configurations", "q.csv"});
+    EXPECT_EQ(outcome.err, "oncollide: warning: 2 of 4 configurations are out of the limits of a joint; the first is "
+                           "configuration 1: joint 'elbow': 2.9 is out of its limits, -3 to 2.5 (--limits refuses "
+                           "them)\n");
+    EXPECT_LE(outcome.code, 1);
+    EXPECT_EQ(robot({"--configurations", "q.csv", "--quiet"}).err, "");
+    expect_error(65, with({"--configurations", "q.csv", "--limits"}),
+                 {"configuration 1", "joint 'elbow'", "2.9 is out of its limits"});
+}
+
+TEST_F(RobotCommandLine, AComparisonWithNothingIsAnError)
+{
+    expect_error(64, with({"--no-self"}), {"--no-self: needs --world"});
+    folder_.write("bare.urdf", R"(<robot name="bare"><link name="a"/></robot>)");
+    expect_error(65, {"robot", "bare.urdf"}, {"bare.urdf", "no link has collision geometry"});
+    folder_.write("one.urdf", R"(<robot name="one"><link name="a"><collision><geometry><sphere radius="1"/></geometry>
+                                 </collision></link></robot>)");
+    folder_.write("empty.json", R"({"geometries": {}, "bodies": []})");
+    expect_error(65, {"robot", "one.urdf"}, {"compared with nothing", "the environment has no body"});
+    expect_error(65, {"robot", "one.urdf", "--world", "empty.json", "--no-self"}, {"empty.json has no body"});
+}
+
+TEST_F(RobotCommandLine, NamesInItsTableAreNoFormulas)
+{
+    folder_.write("r.urdf", R"(<robot name="r">
+        <link name="=1+2"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
+        <joint name="j" type="fixed"><parent link="=1+2"/><child link="mid"/></joint><link name="mid"/>
+        <joint name="k" type="fixed"><parent link="mid"/><child link="@b"/></joint>
+        <link name="@b"><collision><geometry><sphere radius="0.1"/></geometry></collision></link></robot>)");
+    EXPECT_EQ(run({"robot", "r.urdf", "--csv", "r.csv"}).code, 2 - 1);
+    const std::string csv = folder_.read("r.csv");
+    EXPECT_NE(csv.find("\"'=1+2\""), std::string::npos) << csv;
+    EXPECT_NE(csv.find("\"'@b\""), std::string::npos) << csv;
+    // A model of spheres is read back with the links' own names.
+    ASSERT_EQ(run({"spheres", "r.urdf", "--max-error", "10cm", "--csv", "s.csv"}).code, 0);
+    EXPECT_NE(folder_.read("s.csv").find("\"'=1+2\""), std::string::npos);
+    const Outcome judged = run({"spheres", "r.urdf", "--judge", "s.csv"});
+    EXPECT_EQ(judged.code, 0) << judged.err;
+    EXPECT_EQ(judged.err, "");
+}
+
+TEST_F(RobotCommandLine, AnInterruptKeepsWhatWasFinished)
+{
+    folder_.write("wall.obj", "v 0.3 -2 0.4\nv 0.3 2 0.4\nv 0.3 0 2\nf 1 2 3\n");
+    std::string rows = "turn,elbow,slide\n";
+    for (int k = 0; k < 400'000; ++k) rows += k % 2 ? "0,0,0.05\n" : "0.3,1.2,0.05\n";
+    folder_.write("q.csv", rows);
+    for (const bool path : {false, true}) {
+        Surroundings around;
+        around.meanwhile = [&](pid_t child) {
+            ::usleep(path ? 1'500'000 : 400'000);
+            ::kill(child, SIGINT);
+        };
+        std::vector<std::string> words =
+            with({"--world", "wall.obj", "--configurations", "q.csv", "--csv", "r.csv", "--json", "r.json"});
+        if (path) words.push_back("--path");
+        const Outcome outcome = run(words, around);
+        if (outcome.code != 130) continue; // it was done, or had not begun
+        const nlohmann::json json = read_json("r.json");
+        const auto done = json.at(path ? "motions" : "configurations").get<std::size_t>();
+        EXPECT_TRUE(json.at("interrupted").get<bool>());
+        EXPECT_LT(done, 400'000u);
+        EXPECT_EQ(json.at("results").size(), done);
+        EXPECT_NE(outcome.err.find(fmt::format("oncollide: interrupted after {} of ", done)), std::string::npos)
+            << outcome.err;
+        EXPECT_NE(outcome.err.find("their results are in r.json, r.csv"), std::string::npos) << outcome.err;
+        const std::string csv = folder_.read("r.csv");
+        EXPECT_EQ(std::size_t(std::ranges::count(csv, '\n')), done + 1);
+    }
 }
 
 TEST_F(RobotCommandLine, SetsTheNamedColumnsOverTheState)
@@ -82,7 +155,6 @@ TEST_F(RobotCommandLine, RefusesConfigurationsThatDoNotFit)
     folder_.write("nan.csv", "0,0,0.05\n1,nan,3\n");
     expect_error(65, with({"--configurations", "nan.csv"}), {"nan.csv: line 2", "'nan'"});
     folder_.write("limit.csv", "0,2.9,0.05\n");
-    EXPECT_EQ(robot({"--configurations", "limit.csv", "--no-self"}).code, 0);
     expect_error(65, with({"--configurations", "limit.csv", "--limits"}),
                  {"configuration 0", "joint 'elbow'", "2.9 is out of its limits"});
     folder_.write("short.npy", "\x93NUMPY");
