@@ -16,7 +16,7 @@ struct Part {
 constexpr Part parts[] = {{"OpenGL", ONCOLLIDE_HAS_GL},       {"FCL", ONCOLLIDE_HAS_FCL},
                           {"OctoMap", ONCOLLIDE_HAS_OCTOMAP}, {"OpenMP", ONCOLLIDE_HAS_OPENMP},
                           {"GDAL", ONCOLLIDE_HAS_GDAL},       {"HDF5", ONCOLLIDE_HAS_HDF5},
-                          {"XML", ONCOLLIDE_HAS_XML}};
+                          {"XML", ONCOLLIDE_HAS_XML},         {"MPI", ONCOLLIDE_HAS_MPI}};
 
 std::string parts_that(bool are_built)
 {

@@ -3,10 +3,14 @@
 #include "cli/command.hpp"
 #include "cli/options.hpp"
 #include "cli/outputs.hpp"
+#include "cli/standard_output.hpp"
 #include "cli/system.hpp"
+#include "common/zip_bytes.hpp"
+#include "peers/narrow/narrow_peer.hpp"
+#include "view/three_js.hpp"
 
+#include <algorithm>
 #include <cstdlib>
-#include <iostream>
 #include <memory>
 
 #include <Eigen/Core>
@@ -16,6 +20,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/files/paths.hpp>
+#include <oncollide/base/text/listed.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
@@ -107,6 +112,40 @@ void say_loaded_libraries([[maybe_unused]] Findings& found)
 #endif
 }
 
+/// What pages, archives and tables of other programs need.
+void say_files(Findings& found)
+{
+    try {
+        found.say("pages in 3D", "three.js in " + read_three_js().folder);
+    } catch (const Error& missing) {
+        found.say("pages in 3D", missing.what());
+    }
+    const std::string zip = zip_version();
+    found.say("zip files",
+              zip.empty() ? "left out of this build (ONCOLLIDE_XML=OFF): no BCF, no 3MF" : "libzip " + zip);
+#ifdef ONCOLLIDE_YAML_VERSION
+    found.say("YAML files", "yaml-cpp " ONCOLLIDE_YAML_VERSION);
+#else
+    found.say("YAML files", "left out of this build (Debian's libyaml-cpp-dev)");
+#endif
+    say_loaded_libraries(found);
+}
+
+/// The libraries that benchmarks compare with.
+void say_peers(Findings& found)
+{
+    const std::vector<MissingPeer> missing = narrow_contenders().missing;
+    std::vector<std::string> there{"FCL"}, absent;
+    for (const char* library : {"Embree", "Bullet", "ODE", "CGAL"}) {
+        const auto lacks = std::ranges::find(missing, library, &MissingPeer::library);
+        if (lacks == missing.end())
+            there.push_back(library);
+        else
+            absent.push_back(fmt::format("{} (Debian: {})", library, lacks->package));
+    }
+    found.say("peers", listed(there) + (absent.empty() ? "" : "; without " + listed(absent)));
+}
+
 /// Opens every device: only an open device reports its renderer.
 void say_gpus(Findings& found)
 {
@@ -167,19 +206,20 @@ int doctor(const DoctorOptions& options)
                     EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, ONCOLLIDE_FCL_VERSION,
                     ONCOLLIDE_OCTOMAP_VERSION, ONCOLLIDE_QHULL_VERSION, FMT_VERSION / 10000, FMT_VERSION / 100 % 100,
                     FMT_VERSION % 100, ONCOLLIDE_JSON_VERSION, ONCOLLIDE_CLI11_VERSION, ONCOLLIDE_PNG_VERSION, expat));
-    say_loaded_libraries(found);
+    say_files(found);
+    say_peers(found);
     say("self-test", fault.empty() ? "passed" : "FAILED: " + fault);
-    std::cout << found.text();
+    write_to_stdout(found.text());
     if (!options.report.empty()) {
         say_surroundings(found);
         OutputFile file(options.report);
         file.write(found.text());
         file.commit();
         if (options.report != "-")
-            std::cout << fmt::format(
+            write_to_stdout(fmt::format(
                 "\nWritten to {}. Check its contents, then attach it to your bug report together with the command "
                 "and its output.\n",
-                printable(options.report));
+                printable(options.report)));
     }
     return fault.empty() ? 0 : int(ErrorKind::internal);
 }

@@ -58,6 +58,11 @@ std::string zip_bytes(const std::vector<std::pair<std::string, std::string>>& fi
     return bytes_of(source.get());
 }
 
+std::string zip_version()
+{
+    return zip_libzip_version();
+}
+
 void check_zip(const std::string&) {}
 
 } // namespace oncollide::tools

@@ -11,6 +11,9 @@ namespace oncollide::tools {
 /// Throws Error{internal}; in a build without libzip Error{usage}.
 std::string zip_bytes(const std::vector<std::pair<std::string, std::string>>& files, std::int64_t time);
 
+/// The version of libzip; "" in a build without it.
+std::string zip_version();
+
 /// Throws as zip_bytes in a build without libzip. @param option  that needs it
 void check_zip(const std::string& option);
 

@@ -5,6 +5,11 @@
 
 namespace oncollide::tools {
 
+std::string zip_version()
+{
+    return {};
+}
+
 void check_zip(const std::string& option)
 {
     throw Error(ErrorKind::usage, option + ": this is a build without libzip: install Debian's libexpat1-dev and "

@@ -35,7 +35,7 @@ ThreeJs read_three_js()
                                     "ONCOLLIDE_THREE to a folder that holds three.min.js (release 111) and "
                                     "examples/js/controls/OrbitControls.js",
                                     file.string()));
-    return {script_from(library), script_from(controls)};
+    return {folder.string(), script_from(library), script_from(controls)};
 }
 
 } // namespace oncollide::tools

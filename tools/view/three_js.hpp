@@ -5,6 +5,7 @@ namespace oncollide::tools {
 
 /// The library that draws on pages.
 struct ThreeJs {
+    std::string folder;            ///< where it was found
     std::string library, controls; ///< JavaScript, safe between <script> and </script>
 };
 
