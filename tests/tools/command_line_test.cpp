@@ -29,6 +29,32 @@ TEST_F(CommandLine, VersionIsTheProjectVersionAndTellsOfTheBuild)
     EXPECT_NE(lowered.out.find("(in use: baseline)"), std::string::npos) << lowered.out;
 }
 
+TEST_F(CommandLine, HelpAndVersionAreCommandsToo)
+{
+    EXPECT_EQ(run({"version"}).out, run({"--version"}).out);
+    EXPECT_EQ(run({"help"}).out, run({"--help"}).out);
+    EXPECT_EQ(run({"help", "bench", "many"}).out, run({"bench", "many", "--help"}).out);
+    EXPECT_NE(run({"help", "run"}).out.find("Usage: oncollide run "), std::string::npos);
+    expect_error(64, {"help", "rnu"}, {"unknown command 'rnu'"});
+}
+
+TEST_F(CommandLine, DoctorListsEveryOptionalPart)
+{
+    const Outcome outcome = run({"doctor"}, {.folder = {}, .environment = {{"ONCOLLIDE_THREE", "/no/folder"}}});
+    for (const char* topic : {"\nparts ", "\npages in 3D ", "\nzip files ", "\nYAML files ", "\nHDF5 files ",
+                              "\nGeoTIFF files ", "\npeers ", "\ndata ", "\nGPU", "FCL", "Embree", "Bullet", "ODE",
+                              "CGAL", "OctoMap", "OpenMP", "GDAL", "XML", "MPI"})
+        EXPECT_NE(outcome.out.find(topic), std::string::npos) << topic << "\n" << outcome.out;
+    EXPECT_NE(outcome.out.find("/no/folder/three.min.js: not found"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("libjs-three"), std::string::npos) << outcome.out;
+    std::filesystem::create_directories(folder_ / "three/examples/js/controls");
+    folder_.write("three/three.min.js", "x"), folder_.write("three/examples/js/controls/OrbitControls.js", "x");
+    const std::string folder = folder_ / "three";
+    EXPECT_NE(run({"doctor"}, {.folder = {}, .environment = {{"ONCOLLIDE_THREE", folder}}})
+                  .out.find("pages in 3D   three.js in " + folder + "\n"),
+              std::string::npos);
+}
+
 TEST_F(CommandLine, UnknownCommandsAndOptionsAreUsageErrorsWithAHint)
 {
     expect_error(64, {}, {"demo", "run"});
@@ -172,6 +198,13 @@ TEST_F(CommandLine, EveryLengthMayHaveAUnit)
     EXPECT_EQ(settings["max_error"], 0.009);
     EXPECT_EQ(settings["clearance"], 0.1 * 25.4 / 1000);
     EXPECT_EQ(json_of({"check", "c.off", "c.off", "--clearance", "2 cm"})["settings"]["clearance"], 0.02);
+    EXPECT_EQ(json_of({"check", "c.off", "c.off", "--clearance", "2", "cm"})["settings"]["clearance"], 0.02);
+    EXPECT_EQ(json_of({"check", "--clearance", "2", "cm", "c.off", "c.off"})["settings"]["clearance"], 0.02);
+    write_cube("d.off");
+    EXPECT_EQ(run({"clash", "c.off", "d.off", "--units", "m", "--tolerance", "2", "mm", "-o", "clash.json"}).code, 1);
+    EXPECT_EQ(read_json("clash.json")["tolerance"], 0.002);
+    expect_error(64, {"check", "c.off", "d.off", "--clearance", "2", "feet"}, {"unexpected argument 'feet'"});
+    expect_error(64, {"run", "many", "--threads", "2", "mm"}, {"unexpected argument 'mm'"});
     EXPECT_EQ(json_of({"spheres", "c.off", "--directions", "10", "--max-error", "600mm"})["depth"],
               json_of({"spheres", "c.off", "--directions", "10", "--max-error", "0.6"})["depth"]);
     EXPECT_EQ(run({"check", "c.off", "c.off", "--distance", "1mm"}).out,

@@ -1,6 +1,7 @@
 // oncollide bench read: speed of reading files of meshes and scenes.
 #include "bench/bench.hpp"
 #include "bench/mesh_files.hpp"
+#include "cli/log.hpp"
 #include "cli/options.hpp"
 #include "common/text.hpp"
 
@@ -82,7 +83,7 @@ std::size_t read_count(const fs::path& path)
 ReadRow read_repeatedly(const fs::path& path, int repeats)
 {
     ReadRow row;
-    for (int i = 0; i < repeats && !interrupted(); ++i) {
+    for (int i = 0; i == 0 || (i < repeats && !interrupted()); ++i) {
         trim_memory();
         const std::size_t before = resident_memory();
         forget_peak_memory();
@@ -114,10 +115,13 @@ public:
             options_.repeats);
         say("{:<12}{:>10}{:>14}{:>10}{:>10}{:>16}{:>9}{:>10}{:>12}\n", "", "MB", "triangles", "ms", "wall ms",
             "per second", "MB / s", "peak MB", "bytes each");
-        for (const std::string& file : options_.files) report(file, read_repeatedly(file, options_.repeats), "");
+        for (const std::string& file : options_.files)
+            if (!interrupted()) report(file, read_repeatedly(file, options_.repeats), "");
         if (options_.files.empty()) run_styles();
         csv_.commit();
-        return interrupted() ? 130 : 0;
+        if (!interrupted()) return 0;
+        log(LogLevel::error, "interrupted; the rows so far were written");
+        return interrupted_code;
     }
 
 private:

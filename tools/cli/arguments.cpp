@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
-#include <iostream>
 #include <optional>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -13,6 +13,7 @@
 #include <oncollide/base/text/near_word.hpp>
 
 #include "cli/lengths.hpp"
+#include "cli/standard_output.hpp"
 #include "cli/system.hpp"
 
 namespace oncollide::tools {
@@ -85,18 +86,27 @@ const CLI::App& chosen_in(const CLI::App& app)
     return *chosen;
 }
 
+/// "bench many: " and "(oncollide bench many --help)", the ends of a message about a command.
+std::pair<std::string, std::string> ends_for(const CLI::App& command)
+{
+    std::string path;
+    const CLI::App* at = &command;
+    for (; at->get_parent(); at = at->get_parent()) path = at->get_name() + (path.empty() ? "" : " ") + path;
+    return {path.empty() ? "" : path + ": ",
+            fmt::format("({} {}{}--help)", at->get_name(), path, path.empty() ? "" : " ")};
+}
+
+[[noreturn]] void refuse(const CLI::App& command, const std::string& why)
+{
+    const auto [place, help] = ends_for(command);
+    usage(fmt::format("{}{} {}", place, why, help));
+}
+
 /// One line that says why the command line was refused.
 std::string explain(const CLI::App& app, const CLI::ParseError& error)
 {
-    const CLI::App* chosen = &app;
-    std::string path; // "bench many "
-    while (!chosen->get_subcommands().empty()) {
-        chosen = chosen->get_subcommands().front();
-        path += chosen->get_name() + " ";
-    }
-    const CLI::App& command = *chosen;
-    const std::string place = path.empty() ? "" : path.substr(0, path.size() - 1) + ": ";
-    const std::string help = fmt::format("({} {}--help)", app.get_name(), path);
+    const CLI::App& command = chosen_in(app);
+    const auto [place, help] = ends_for(command);
     const std::vector<std::string> extras = app.remaining(true);
     if (dynamic_cast<const CLI::ExtrasError*>(&error) && !extras.empty()) {
         const std::string word = extras.front().substr(0, extras.front().find('='));
@@ -116,6 +126,69 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error)
     if (const std::size_t at = text.find(": At Most 1 required"); at != std::string::npos)
         text = text.substr(0, at) + " is given more than once";
     return fmt::format("{}{} {}", place, text, help);
+}
+
+/// An empty value comes from an unset variable of the shell; to most commands it would mean that nothing was given.
+[[noreturn]] void refuse_empty(const CLI::App& command, const CLI::Option& option)
+{
+    refuse(command, option.get_name() + ": the value is empty; is a shell variable not set?");
+}
+
+/// Options were checked by words_of().
+void check_positions(const CLI::App& command)
+{
+    for (const CLI::App* at = &command; at; at = at->get_parent())
+        for (const CLI::Option* option : at->get_options())
+            if (option->get_positional() && std::ranges::count(option->results(), "")) refuse_empty(*at, *option);
+}
+
+/// True for "1,,2" and the empty list. CLI11 skips empty parts.
+bool has_empty_part(const std::string& list, char comma)
+{
+    return (comma + list + comma).find(std::string(2, comma)) != std::string::npos;
+}
+
+bool is_number(const std::string& text)
+{
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc{} && end == text.data() + text.size();
+}
+
+/// The words of the command line in a form that CLI11 reads as people mean it.
+std::vector<std::string> words_of(const CLI::App& app, std::vector<std::string> given)
+{
+    if (given.front() == "version") given.front() = "--version";
+    if (given.front() == "help") given.erase(given.begin()), given.push_back("--help");
+    std::vector<std::string> words;
+    const CLI::App* command = &app;
+    const CLI::Option* option = nullptr; // the next word is its value
+    for (std::size_t i = 0; i < given.size(); ++i) {
+        std::string word = given[i];
+        if (option) {
+            const bool length = option->get_type_name() == "M" || option->get_type_name() == "LENGTH";
+            const bool has_unit = i + 1 < given.size() && is_number(word) && find_unit(given[i + 1]);
+            if (length && has_unit) word += given[++i]; // 2 mm
+            if (word.empty() || (option->get_delimiter() && has_empty_part(word, option->get_delimiter())))
+                refuse_empty(*command, *option);
+            option = nullptr;
+        } else if (word == "--") {
+            words.insert(words.end(), given.begin() + std::ptrdiff_t(i), given.end());
+            break;
+        } else if (word.starts_with("-")) {
+            const bool no_value = word.starts_with("--") && word.find('=') == word.size() - 1;
+            option = command->get_option_no_throw(no_value ? word.substr(0, word.size() - 1) : word);
+            if (option && option->get_items_expected_max() == 0) option = nullptr;
+            // CLI11 would take the word after "--option=" for the value.
+            if (option && no_value) refuse_empty(*command, *option);
+        } else if (const auto below =
+                       command->get_subcommands([&](const CLI::App* each) { return each->get_name() == word; });
+                   !below.empty()) {
+            command = below.front();
+        }
+        words.push_back(word);
+    }
+    return words;
 }
 
 /// CLI11 reads -1 as 2^64 - 1, and clamps numbers that are too large.
@@ -168,12 +241,6 @@ Option Option::length()
 Option Option::needs(Option other)
 {
     option_->needs(other.option_);
-    return *this;
-}
-
-Option Option::check(std::function<std::string(const std::string&)> fault)
-{
-    option_->check(fault);
     return *this;
 }
 
@@ -276,30 +343,30 @@ Command CommandLine::parse(int argc, char** argv)
     const std::vector<std::string> names = command_names(*app_);
     const auto refuse = [](const std::string& why) { throw Error(ErrorKind::usage, why); };
     if (argc < 2) refuse("no command given; try 'oncollide demo', or one of: " + joined(names));
-    const std::string first = argv[1];
+    std::vector<std::string> words = words_of(*app_, {argv + 1, argv + argc});
+    const std::string first = words.front();
     const auto nothing = [] { return 0; };
-    if (first == "help") {
-        std::cout << help_text(describe(*app_, ""), terminal_width());
-        return nothing;
-    }
     const auto is_first = [&](const CLI::App* command) { return command->get_name() == first; };
     if (!first.starts_with("-") && std::as_const(*app_).get_subcommands(is_first).empty())
         refuse(fmt::format("unknown command '{}'{}", first, valid_names(first, views(names), "commands")));
     try {
-        app_->parse(argc, argv);
+        std::ranges::reverse(words); // as CLI11 wants them
+        app_->parse(std::move(words));
     } catch (const CLI::CallForHelp&) {
         const CLI::App* command = &chosen_in(*app_);
         std::string above;
         for (const CLI::App* over = command->get_parent(); over; over = over->get_parent())
             above = over->get_name() + " " + above;
-        std::cout << help_text(describe(*command, above), terminal_width());
+        write_to_stdout(help_text(describe(*command, above), terminal_width()));
         return nothing;
     } catch (const CLI::Success& wanted) { // --version
-        app_->exit(wanted, std::cout, std::cerr);
+        write_to_stdout(fmt::format("{}\n", wanted.what()));
         return nothing;
     } catch (const CLI::ParseError& error) {
+        check_positions(chosen_in(*app_)); // rather than of what is missing after them
         refuse(explain(*app_, error));
     }
+    check_positions(chosen_in(*app_));
     if (!chosen_) refuse("no command given; commands: " + joined(names));
     return chosen_;
 }

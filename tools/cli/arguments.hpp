@@ -24,8 +24,6 @@ public:
     Option separated_by(char comma); ///< one argument holds all values
     Option length();                 ///< a number of metres, or with a unit, such as 1mm
     Option needs(Option other);
-    /// @param fault  returns the fault of a value; "" if it is valid
-    Option check(std::function<std::string(const std::string&)> fault);
     bool given() const; ///< valid after the command line was parsed
 
 private:
@@ -65,7 +63,8 @@ public:
     Arguments add_command(const std::string& name, const std::string& summary);
     /// @param names  "--long" or "--long,--alias", or the name of a positional argument; then, after a space, the word
     ///               for its value in --help. `value` must outlive the command.
-    /// For int, long, double, std::uint64_t, std::string, optionals of these, vectors of int and of std::string.
+    /// For int, long, double, std::uint64_t, std::string, optionals of these, vectors of int and of std::string. An
+    /// empty value is a usage error.
     template <class Value>
     Option add_option(const std::string& names, Value& value, const std::string& help);
     Option add_flag(const std::string& name, bool& value, const std::string& help);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/text/listed.hpp>
 #include <oncollide/base/text/near_word.hpp>
 #include <oncollide/base/text/printable.hpp>
 
@@ -64,7 +65,8 @@ void log(LogLevel level, std::string_view text)
     if (level > LogLevel::note)
         label += fmt::format(" {}: {:.3f} s:", level_names[std::size_t(level)],
                              std::chrono::duration<double>(std::chrono::steady_clock::now() - program_begin).count());
-    write_to_stderr(fmt::format("{}{} {}\n", terminal ? clear_line : "", label, printable(text)));
+    write_to_stderr(
+        fmt::format("{}{} {}\n", terminal ? clear_line : "", label, shortened(printable(text), most_of_a_message)));
 }
 
 void log_warnings(const std::vector<std::string>& warnings)

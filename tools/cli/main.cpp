@@ -4,10 +4,10 @@
 #include "cli/log.hpp"
 #include "cli/outputs.hpp"
 #include "cli/progress.hpp"
+#include "cli/standard_output.hpp"
 #include "cli/system.hpp"
 
 #include <filesystem>
-#include <iostream>
 
 #include <oncollide/base/error.hpp>
 
@@ -39,8 +39,8 @@ int main(int argc, char** argv)
         tools::prepare_process();
         tools::set_log_level();
         tools::watch_files(), tools::show_reading(false);
-        int code = tools::parse_and_run(argc, argv);
-        if (!std::cout.flush()) throw Error(ErrorKind::cannot_write, "standard output: cannot write");
+        const int code = tools::parse_and_run(argc, argv);
+        tools::check_stdout();
         return code;
     } catch (const Error& error) {
         log(LogLevel::error, error.what());

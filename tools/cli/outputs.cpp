@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iostream>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,6 +16,7 @@
 #include <oncollide/base/files/output_file.hpp>
 
 #include "cli/log.hpp"
+#include "cli/standard_output.hpp"
 #include "cli/system.hpp"
 
 namespace oncollide::tools {
@@ -62,13 +64,9 @@ void watch_files()
 
 void add_output_options(Arguments command, OutputOptions& o)
 {
-    // An empty name means "not given" in OutputOptions; on the command line it would come from an unset shell variable.
-    const auto named = [](const std::string& file) {
-        return std::string(file.empty() ? "the file name is empty" : "");
-    };
     command.group("Results");
     const auto add = [&](const char* option, std::string& file, const char* what) {
-        command.add_option(fmt::format("{} FILE", option), file, what).check(named);
+        command.add_option(fmt::format("{} FILE", option), file, what);
     };
     add("--json", o.json, "write results as JSON; '-' is standard output");
     add("--csv", o.csv, "write one CSV row per frame and pair");
@@ -114,6 +112,18 @@ void check_files(const std::vector<std::pair<const char*, std::string>>& files, 
     }
 }
 
+void write_all(std::initializer_list<std::function<void()>> writes)
+{
+    std::optional<Error> first;
+    for (const auto& write : writes) try {
+            write();
+        } catch (const Error& error) {
+            if (first) log(LogLevel::error, error.what());
+            if (!first) first = error;
+        }
+    if (first) throw *first;
+}
+
 ReportParts parts_of(const OutputOptions& o)
 {
     ReportParts parts{
@@ -135,12 +145,24 @@ void write_outputs(const Report& report, const OutputOptions& o, const std::stri
 {
     const bool stdout_taken = o.json == "-" || o.csv == "-" || o.trace == "-" || o.picture == "-";
     // The table first: if the disk is full after a long run, the numbers are at least on the screen.
-    if (!o.quiet) report.print_table(stdout_taken ? std::cerr : std::cout);
-    std::cout.flush();
-    if (!o.json.empty()) report.write_json(o.json);
-    if (!o.csv.empty()) report.write_csv(o.csv, csv_line);
-    if (!o.trace.empty()) report.write_trace(o.trace);
-    if (!o.picture.empty()) report.write_picture(o.picture);
+    if (!o.quiet) {
+        std::ostringstream table;
+        report.print_table(table);
+        write_to_stdout(table.str(), stdout_taken);
+    }
+    flush_stdout();
+    write_all({[&] {
+                   if (!o.json.empty()) report.write_json(o.json);
+               },
+               [&] {
+                   if (!o.csv.empty()) report.write_csv(o.csv, csv_line);
+               },
+               [&] {
+                   if (!o.trace.empty()) report.write_trace(o.trace);
+               },
+               [&] {
+                   if (!o.picture.empty()) report.write_picture(o.picture);
+               }});
     if (const std::string names = names_of(o); !names.empty()) log(LogLevel::info, "written: " + names);
 }
 

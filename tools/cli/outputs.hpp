@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <initializer_list>
 #include <stdexcept>
 #include <string>
@@ -28,6 +29,9 @@ void check_outputs(const OutputOptions& options, const std::string& input);
 ReportParts parts_of(const OutputOptions& options);
 /// The files, for a message: "a.json, b.csv"; empty if there are none.
 std::string names_of(const OutputOptions& options);
+/// Calls each of `writes`, even after one throws: an output that cannot be written does not take others with it. Throws
+/// the first Error, and prints further ones.
+void write_all(std::initializer_list<std::function<void()>> writes);
 /// Writes the stage table to standard output (to standard error if results go to standard output), then every file.
 /// @param csv_line  first line of the CSV file, with its line break
 void write_outputs(const Report& report, const OutputOptions& options, const std::string& csv_line = {});

@@ -70,12 +70,10 @@ std::size_t terminal_width()
 
 void prepare_process()
 {
-    // open() returns the lowest free number.
-    for (int file = ::open("/dev/null", O_RDWR); file >= 0; file = ::open("/dev/null", O_RDWR))
-        if (file > STDERR_FILENO) {
-            ::close(file);
-            break;
-        }
+    // open() returns the lowest free number. Opened for reading, standard output refuses what is written to it.
+    for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+        if (::fcntl(file, F_GETFD) < 0) [[maybe_unused]]
+            const int opened = ::open("/dev/null", file == STDERR_FILENO ? O_WRONLY : O_RDONLY);
     std::signal(SIGXFSZ, SIG_IGN);
     for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGQUIT, SIGXCPU}) {
         struct sigaction old {};
@@ -88,6 +86,10 @@ void prepare_process()
                 return;
             }
             remove_unfinished_files();
+            if (number == SIGINT || number == SIGTERM || number == SIGHUP) {
+                constexpr std::string_view said = "oncollide: interrupted\n";
+                [[maybe_unused]] const auto written = ::write(STDERR_FILENO, said.data(), said.size());
+            }
             std::signal(number, SIG_DFL);
             std::raise(number); // takes effect when this handler returns
         };

@@ -2,6 +2,7 @@
 #include "cli/log.hpp"
 #include "cli/options.hpp"
 #include "cli/progress.hpp"
+#include "cli/standard_output.hpp"
 #include "cli/system.hpp"
 #include "common/numbers.hpp"
 #include "play/play.hpp"
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <optional>
 
@@ -19,6 +19,7 @@
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/text/csv_writer.hpp>
+#include <oncollide/base/text/plain_number.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/pipeline/results.hpp>
 #include <oncollide/runs/report_kept.hpp>
@@ -80,7 +81,7 @@ std::string describe(const Scene& scene, const Settings& settings, const PairRes
             return fmt::format(
                 "separate: {} touch without crossing, and touching pairs are ignored (--ignore-touching).", both);
         if (const double gap = std::max(pair.bound, settings.clearance); gap > 0)
-            return fmt::format("separate: {} are at least {:.6g} m apart (certified).", both, gap);
+            return fmt::format("separate: {} are at least {} m apart (certified).", both, plain_measure(gap, 6));
         return fmt::format("separate: {} do not meet (tested triangle by triangle).", both);
     case Verdict::colliding:
         switch (pair.kind) {
@@ -97,15 +98,17 @@ std::string describe(const Scene& scene, const Settings& settings, const PairRes
     case Verdict::within:
         if (settings.clearance > 0 && pair.bound <= settings.clearance)
             return fmt::format(
-                "within {:.6g} m{}: {} are at most that far apart (certified), inside the clearance of {:.6g} m.",
-                pair.bound, pair.kind == ContactKind::near ? " (near)" : "", both, settings.clearance);
-        return fmt::format("within {:.6g} m: {} are at most that far apart (certified), and may or may not collide. "
+                "within {} m{}: {} are at most that far apart (certified), inside the clearance of {} m.",
+                plain_measure(pair.bound, 6), pair.kind == ContactKind::near ? " (near)" : "", both,
+                plain_measure(settings.clearance, 6));
+        return fmt::format("within {} m: {} are at most that far apart (certified), and may or may not collide. "
                            "A smaller --max-error narrows the bound{}.",
-                           pair.bound, both, exact_level(settings) == ExactLevel::off ? "; --exact on decides" : "");
+                           plain_measure(pair.bound, 6), both,
+                           exact_level(settings) == ExactLevel::off ? "; --exact on decides" : "");
     case Verdict::undecided:
         return fmt::format(
-            "undecided: {} are at most {:.6g} m apart (certified); a budget was used up before the pair was decided.",
-            both, pair.bound);
+            "undecided: {} are at most {} m apart (certified); a budget was used up before the pair was decided.", both,
+            plain_measure(pair.bound, 6));
     }
     return {};
 }
@@ -169,8 +172,8 @@ std::string describe(const Scene& scene, const PairSweep& sweep)
     if (sweep.contact_by == 0)
         return fmt::format("{}: {} are in contact at time 0{}.", word, both,
                            sweep.separating ? ", and apart soon after" : "");
-    return fmt::format("{}: {} first meet {} (certified), at ({:.6g}, {:.6g}, {:.6g}).", word, both, time, at.x(),
-                       at.y(), at.z());
+    return fmt::format("{}: {} first meet {} (certified), at ({}, {}, {}).", word, both, time, plain_number(at.x(), 6),
+                       plain_number(at.y(), 6), plain_number(at.z(), 6));
 }
 
 std::string describe_distance(const Scene& scene, const World& world, double tolerance)
@@ -179,7 +182,8 @@ std::string describe_distance(const Scene& scene, const World& world, double tol
     const std::string a = describe(d.a, printable(scene.label(SceneBodyId{0}))),
                       b = describe(d.b, printable(scene.label(SceneBodyId{1})));
     if (d.upper == 0) return fmt::format("distance: 0, {} meets {}.", a, b);
-    return fmt::format("distance: from {:.12g} to {:.12g} m (certified), between {} and {}.", d.lower, d.upper, a, b);
+    return fmt::format("distance: from {} to {} m (certified), between {} and {}.", plain_number(d.lower, 12),
+                       plain_number(d.upper, 12), a, b);
 }
 
 int check_pair(const CheckOptions& options)
@@ -217,16 +221,21 @@ int check_pair(const CheckOptions& options)
         frame.pairs.empty()
             ? PairResult{{Verdict::separate, ContactKind::unknown, settings.clearance}, StageId::bounds, {}, {}}
             : frame.pairs.front();
-    std::ostream& said = options.json == "-" ? std::cerr : std::cout;
+    const bool taken = options.json == "-" || options.contacts == "-";
     if (!options.quiet)
-        said << tinted_verdict(frame.sweeps.empty() ? describe(scene, settings, pair)
-                                                    : describe(scene, frame.sweeps.front()),
-                               pair.verdict, options.json == "-")
-             << "\n";
+        write_to_stdout(tinted_verdict(frame.sweeps.empty() ? describe(scene, settings, pair)
+                                                            : describe(scene, frame.sweeps.front()),
+                                       pair.verdict, taken) +
+                            "\n",
+                        taken);
     if (!options.quiet && options.distance)
-        said << describe_distance(scene, pipeline.world(), *options.distance) << "\n";
-    if (!options.json.empty()) report.write_json(options.json);
-    if (contacts) write_contacts(pipeline.world(), *contacts);
+        write_to_stdout(describe_distance(scene, pipeline.world(), *options.distance) + "\n", taken);
+    write_all({[&] {
+                   if (!options.json.empty()) report.write_json(options.json);
+               },
+               [&] {
+                   if (contacts) write_contacts(pipeline.world(), *contacts);
+               }});
     if (const int code = say_file_faults(pipeline.world())) return code;
     return pair.verdict == Verdict::separate ? 0 : pair.verdict == Verdict::colliding ? 1 : 2;
 }

@@ -2,12 +2,12 @@
 #include "cli/cooked_tiles.hpp"
 #include "cli/outputs.hpp"
 #include "cli/progress.hpp"
+#include "cli/standard_output.hpp"
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <chrono>
-#include <iostream>
 #include <memory>
 #include <optional>
 #include <tuple>
@@ -91,14 +91,14 @@ int check_file(const CookOptions& options)
     if (options.mesh.ends_with(".json")) {
         const TilesSize size = check_tiles(options.mesh);
         if (!options.quiet)
-            std::cout << fmt::format("{}: whole: {} tiles, {} triangles, {:.1f} MB\n", printable(options.mesh),
-                                     size.tiles, size.triangles, double(size.bytes) / 1e6);
+            write_to_stdout(fmt::format("{}: whole: {} tiles, {} triangles, {:.1f} MB\n", printable(options.mesh),
+                                        size.tiles, size.triangles, double(size.bytes) / 1e6));
         return 0;
     }
     const CookedSize size = check_cooked(options.mesh);
     if (!options.quiet)
-        std::cout << fmt::format("{}: whole: {} chunk{}, {:.1f} MB\n", printable(options.mesh), size.chunks,
-                                 size.chunks == 1 ? "" : "s", double(size.bytes) / 1e6);
+        write_to_stdout(fmt::format("{}: whole: {} chunk{}, {:.1f} MB\n", printable(options.mesh), size.chunks,
+                                    size.chunks == 1 ? "" : "s", double(size.bytes) / 1e6));
     return 0;
 }
 
@@ -132,8 +132,8 @@ int cook_into_tiles(const CookOptions& options)
         options.out, tiles.size(), [&](std::size_t i) { return std::pair(tiles.name(i), tiles.mesh(i)); },
         options.quiet);
     if (!options.quiet)
-        std::cout << fmt::format("{}: {} triangles in {} tiles, {:.1f} MB\n", printable(index.string()), size.triangles,
-                                 size.tiles, double(size.bytes) / 1e6);
+        write_to_stdout(fmt::format("{}: {} triangles in {} tiles, {:.1f} MB\n", printable(index.string()),
+                                    size.triangles, size.tiles, double(size.bytes) / 1e6));
     return 0;
 }
 
@@ -174,10 +174,10 @@ int cook(const CookOptions& options)
     const auto seconds = [](auto time) { return std::chrono::duration<double>(time).count(); };
     const char* const part = kind == CookedKind::map ? "node" : "triangle";
     if (!options.quiet)
-        std::cout << fmt::format(
+        write_to_stdout(fmt::format(
             "{}: {} {}s in {} chunk{}, {:.1f} MB, {:.2f} bytes per {}; read in {:.2f} s, cooked in {:.2f} s\n",
             printable(options.out), parts, part, size.chunks, size.chunks == 1 ? "" : "s", double(size.bytes) / 1e6,
-            double(size.bytes) / double(parts), part, seconds(read - begin), seconds(end - read));
+            double(size.bytes) / double(parts), part, seconds(read - begin), seconds(end - read)));
     return 0;
 }
 

@@ -1,5 +1,6 @@
 #include "cli/command.hpp"
 #include "cli/outputs.hpp"
+#include "cli/standard_output.hpp"
 #include "play/play.hpp"
 #include "render/flat_picture.hpp"
 #include "render/framing.hpp"
@@ -10,7 +11,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -177,12 +177,12 @@ int demo(const DemoOptions& options)
     settings.exact = ExactLevel::predicates;
     settings.bounding_volume = BoundingVolume::sphere; // the paper's
     settings.threads = 0;
-    std::cout << fmt::format(
+    write_to_stdout(fmt::format(
         "Machine parts tumble in halls on a plain of masts, and drones fly between the masts: {} bodies, {} "
         "geometries, {} frames.\n"
         "Four levels find the pairs that collide. Each level works on the pairs that the level before left over.\n\n",
-        scene.size(), scene.geometries.size(), frames);
-    std::cout.flush();
+        scene.size(), scene.geometries.size(), frames));
+    flush_stdout();
     Pipeline pipeline(scene, settings);
     Report report(scene, pipeline, parts_of(outputs));
     LastPairs last;
@@ -200,16 +200,16 @@ int demo(const DemoOptions& options)
     if (page) page->close();
     draw_hall(scene, pipeline.world(), last.pairs, collision);
     write_outputs(report, outputs);
-    std::cout << printable_lines(fmt::format("\nWritten to {0}/:\n"
-                                             "  page.html      {1}\n"
-                                             "  collision.png  parts that collide in the last frame; triangles that "
-                                             "meet are red\n"
-                                             "  picture.svg    stages and times, for a browser\n"
-                                             "  results.json   settings, counts and every pair of every frame\n"
-                                             "  results.csv    the same pairs as a table\n"
-                                             "  trace.json     for https://ui.perfetto.dev or chrome://tracing\n"
-                                             "To open them: xdg-open {2}\n",
-                                             folder.string(), page_line, (page ? page_file : collision).string()));
+    write_to_stdout(printable_lines(fmt::format("\nWritten to {0}/:\n"
+                                                "  page.html      {1}\n"
+                                                "  collision.png  parts that collide in the last frame; triangles that "
+                                                "meet are red\n"
+                                                "  picture.svg    stages and times, for a browser\n"
+                                                "  results.json   settings, counts and every pair of every frame\n"
+                                                "  results.csv    the same pairs as a table\n"
+                                                "  trace.json     for https://ui.perfetto.dev or chrome://tracing\n"
+                                                "To open them: xdg-open {2}\n",
+                                                folder.string(), page_line, (page ? page_file : collision).string())));
     return code;
 }
 

@@ -3,6 +3,7 @@
 #include "cli/options.hpp"
 #include "cli/progress.hpp"
 #include "cli/shard.hpp"
+#include "play/compared.hpp"
 #include "play/pairs_file.hpp"
 #include "play/play_ranks.hpp"
 
@@ -91,6 +92,11 @@ int run(const RunOptions& options)
     show_reading(options.outputs.quiet);
     Scene scene = open_scene(options.scene);
     if (!options.outputs.quiet) print_warnings(scene);
+    if (const std::string why = why_nothing_is_compared(scene); !why.empty()) {
+        const std::string said = fmt::format("{}: {}, so nothing is compared", options.scene.scene, why);
+        if (options.exit_code) throw Error(ErrorKind::bad_data, said);
+        if (!options.outputs.quiet) log(LogLevel::warning, said);
+    }
 
     if (options.from_frame >= scene.frames)
         usage(fmt::format("--from-frame {}: the scene has frames 0 to {}", options.from_frame, scene.frames - 1));
@@ -146,8 +152,7 @@ void add_run(Arguments app)
                  "along the shorter arc, from each key of its motion to the next");
     const Option view =
         sub.add_option("--view FILE.html", options->view,
-                       "write one HTML page that shows the run in 3D, frame by frame; needs Debian's libjs-three")
-            .check([](const std::string& file) { return std::string(file.empty() ? "the file name is empty" : ""); });
+                       "write one HTML page that shows the run in 3D, frame by frame; needs Debian's libjs-three");
     add_view_limit(sub, options->view_limit).needs(view);
     sub.add_option(
         "--pairs FILE.h5", options->outputs.pairs,

@@ -1,8 +1,8 @@
 #include "cli/command.hpp"
 #include "cli/options.hpp"
 #include "cli/outputs.hpp"
+#include "cli/standard_output.hpp"
 
-#include <iostream>
 #include <memory>
 
 #include <fmt/format.h>
@@ -26,7 +26,7 @@ int list_scenes()
     std::size_t longest = 0;
     for (const CatalogueEntry& entry : catalogue()) longest = std::max(longest, entry.name.size());
     for (const CatalogueEntry& entry : catalogue())
-        std::cout << fmt::format("{:<{}}  {}\n", entry.name, longest, entry.summary);
+        write_to_stdout(fmt::format("{:<{}}  {}\n", entry.name, longest, entry.summary));
     return 0;
 }
 
@@ -40,8 +40,8 @@ int write_scene(const WriteOptions& options)
     const Scene scene = open_scene(options.scene);
     print_warnings(scene);
     save_scene(scene, options.out);
-    std::cout << fmt::format("{}: {} bodies, {} geometries, {} frames\n", printable(options.out), scene.size(),
-                             scene.geometries.size(), scene.frames);
+    write_to_stdout(fmt::format("{}: {} bodies, {} geometries, {} frames\n", printable(options.out), scene.size(),
+                                scene.geometries.size(), scene.frames));
     return 0;
 }
 

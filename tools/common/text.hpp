@@ -1,5 +1,4 @@
 #pragma once
-#include <iostream>
 #include <span>
 #include <string>
 #include <utility>
@@ -8,9 +7,11 @@
 #include <fmt/format.h>
 
 #include "cli/options.hpp"
+#include "cli/standard_output.hpp"
 #include "common/statistics.hpp"
 
 #include <oncollide/base/text/csv_writer.hpp>
+#include <oncollide/base/text/plain_number.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 
@@ -37,7 +38,7 @@ std::string describe(const Settings& settings, const std::string& accuracy = {})
 template <class... Args>
 void say(fmt::format_string<Args...> format, Args&&... args)
 {
-    std::cout << printable_lines(fmt::format(format, std::forward<Args>(args)...));
+    write_to_stdout(printable_lines(fmt::format(format, std::forward<Args>(args)...)));
 }
 
 } // namespace oncollide::tools

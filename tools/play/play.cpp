@@ -5,7 +5,6 @@
 #include <condition_variable>
 #include <cstdlib>
 #include <functional>
-#include <iostream>
 #include <mutex>
 #include <system_error>
 #include <thread>
@@ -16,12 +15,11 @@
 
 #include "cli/log.hpp"
 #include "cli/progress.hpp"
+#include "cli/standard_output.hpp"
 #include "cli/system.hpp"
 
 namespace oncollide::tools {
 namespace {
-
-constexpr int interrupted_code = 130; // the shells' code for Ctrl-C
 
 /// Ends the program if it is interrupted and the current frame does not end in time. A thread checks every 50 ms, and
 /// writes the results of the completed frames. Without a thread, the program waits for the frame.
@@ -90,7 +88,7 @@ std::string describe(const FrameView& frame)
         log(LogLevel::error, "interrupted " + told(outputs, done, all));
         write_outputs(report, outputs);
         for (FrameSink* sink : sinks) sink->close();
-        std::cout.flush();
+        check_stdout();
     } catch (const Error& error) {
         log(LogLevel::error, error.what());
         code = int(error.kind());

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <condition_variable>
 #include <cstdlib>
-#include <iostream>
 #include <mutex>
 #include <thread>
 
@@ -16,6 +15,7 @@
 
 #include "cli/log.hpp"
 #include "cli/progress.hpp"
+#include "cli/standard_output.hpp"
 #include "cli/system.hpp"
 
 namespace oncollide::tools {
@@ -178,7 +178,7 @@ private:
         if (run.frame() == frames) return release_interrupts(), 0;
         if (ranks_.rank() == 0)
             log(LogLevel::error, fmt::format("interrupted after {} of {} frames", run.frame(), frames));
-        return 130;
+        return interrupted_code;
     }
 
     void report(RankedRun& run, int frames)
@@ -193,14 +193,14 @@ private:
             run.frame() < frames ? " (interrupted)" : "", ranks_.size(), ranks_.size() == 1 ? "" : "es");
         together(ranks_, [&] {
             if (ranks_.rank() != 0) return;
-            if (speaks_)
-                std::cout << printable(title) << "\n\n"
-                          << stage_table(stages)
-                          << "sums of all processes, with ghosts; ms: the maximum of all "
-                             "processes\n\n"
-                          << rank_table(ranks)
-                          << fmt::format("regions    cut {} time{}\n", run.rebuilds(), run.rebuilds() == 1 ? "" : "s")
-                          << verdict_line(verdicts) << fmt::format("hash       {:016x}\n", hash) << std::flush;
+            if (speaks_) {
+                write_to_stdout(fmt::format(
+                    "{}\n\n{}sums of all processes, with ghosts; ms: the maximum of all processes\n\n{}regions    cut "
+                    "{} time{}\n{}hash       {:016x}\n",
+                    printable(title), stage_table(stages), rank_table(ranks), run.rebuilds(),
+                    run.rebuilds() == 1 ? "" : "s", verdict_line(verdicts), hash));
+                flush_stdout();
+            }
             if (!options_.csv.empty()) write_rank_csv(options_.csv, ranks);
             if (!outputs_.trace.empty()) write_rank_trace(outputs_.trace, "oncollide " + title, phases);
         });

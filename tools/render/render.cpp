@@ -1,11 +1,11 @@
 #include "cli/command.hpp"
+#include "cli/standard_output.hpp"
 #include "render/png.hpp"
 #include "render/ray_picture.hpp"
 #include "render/render_plan.hpp"
 #include "verify/trees/grown_tree.hpp"
 
 #include <algorithm>
-#include <iostream>
 #include <memory>
 
 #include <fmt/format.h>
@@ -92,10 +92,10 @@ void render_rays(Scene& scene, const RenderOptions& options, const Settings& set
         save_png(drawn, image.file);
     }
     if (!options.quiet)
-        (options.out == "-" ? std::cerr : std::cout)
-            << fmt::format("{}: {} rays, {} hits, {:.2f} microseconds per ray on {} threads\n", printable(options.out),
-                           pictures.rays(), pictures.hits(), 1e3 * pictures.milliseconds() / double(pictures.rays()),
-                           thread_count(settings));
+        write_to_stdout(fmt::format("{}: {} rays, {} hits, {:.2f} microseconds per ray on {} threads\n",
+                                    printable(options.out), pictures.rays(), pictures.hits(),
+                                    1e3 * pictures.milliseconds() / double(pictures.rays()), thread_count(settings)),
+                        options.out == "-");
 }
 
 int render(const RenderOptions& options)
@@ -129,9 +129,10 @@ int render(const RenderOptions& options)
         if (!twice) see(panels);
         save_png(draw(painter, panels.pictures, view.camera(framing), plan), image.file);
         if (!options.quiet)
-            (image.file == "-" ? std::cerr : std::cout)
-                << fmt::format("{}: {} spheres, {} of them red{}\n", printable(image.file), panels.spheres, panels.red,
-                               panels.meeting ? fmt::format("; {} triangles that meet", panels.meeting) : "");
+            write_to_stdout(fmt::format("{}: {} spheres, {} of them red{}\n", printable(image.file), panels.spheres,
+                                        panels.red,
+                                        panels.meeting ? fmt::format("; {} triangles that meet", panels.meeting) : ""),
+                            image.file == "-");
     });
     return 0;
 }

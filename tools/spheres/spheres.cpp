@@ -1,13 +1,13 @@
 // oncollide spheres: the spheres and OBBs of a mesh's trees, and how closely they fit the mesh.
 #include "cli/command.hpp"
 #include "cli/options.hpp"
+#include "cli/standard_output.hpp"
 #include "robot/robot_spheres.hpp"
 #include "verify/trees/box_levels.hpp"
 #include "verify/trees/grown_tree.hpp"
 #include "verify/trees/level_quality.hpp"
 
 #include <algorithm>
-#include <iostream>
 #include <memory>
 
 #include <fmt/format.h>
@@ -18,6 +18,7 @@
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/text/csv_writer.hpp>
 #include <oncollide/base/text/json_writer.hpp>
+#include <oncollide/base/text/plain_number.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 
@@ -91,31 +92,34 @@ double volume_of(const RootCell& root)
 }
 
 void print_table(const Judged& judged, const GrownTree& tree, const ObbTree& boxes, const SpheresOptions& options,
-                 std::ostream& to)
+                 bool stdout_taken)
 {
-    to << fmt::format(
-        "mesh       {}: {} triangles, {}; longest side {:.6g} m\n"
+    std::string text = fmt::format(
+        "mesh       {}: {} triangles, {}; longest side {} m\n"
         "spheres    depth {}; {} cells stored, {} bytes\n"
         "boxes      {} nodes, {} bytes; every triangle has its own box on the last level\n"
         "over-reach worst, mean, certified: largest distance of a sphere's or box's points from the surface, m\n"
         "           worst out, mean out: only points outside a closed mesh, in thousandths of the longest side\n"
         "volume     sum of all spheres or boxes, relative to the root cell\n",
-        printable(options.mesh), judged.mesh.triangles.size(), judged.closed ? "closed" : "open", judged.side,
-        tree.depth(), tree.tree().size(), tree.bytes(), boxes.nodes(), boxes.bytes());
+        printable(options.mesh), judged.mesh.triangles.size(), judged.closed ? "closed" : "open",
+        plain_measure(judged.side, 6), tree.depth(), tree.tree().size(), tree.bytes(), boxes.nodes(), boxes.bytes());
     const double cell = volume_of(tree.tree().root());
     const auto out = [&](double length) {
         return judged.closed ? fmt::format("{:.2f}", 1000 * length / judged.side) : std::string("-");
     };
     for (const Row& row : judged.rows) {
         if (row.level == 0)
-            to << fmt::format("\n{:>5}  {:<6}{:>9}{:>12}{:>12}{:>12}{:>12}{:>10}{:>10}{:>9}  {}\n", "level", "kind",
-                              "count", "radius", "worst", "mean", "certified", "worst out", "mean out", "volume",
-                              "uncovered");
+            text += fmt::format("\n{:>5}  {:<6}{:>9}{:>12}{:>12}{:>12}{:>12}{:>10}{:>10}{:>9}  {}\n", "level", "kind",
+                                "count", "radius", "worst", "mean", "certified", "worst out", "mean out", "volume",
+                                "uncovered");
         const LevelQuality& q = row.quality;
-        to << fmt::format("{:>5}  {:<6}{:>9}{:>12.4g}{:>12.4g}{:>12.4g}{:>12.4g}{:>10}{:>10}{:>9.4f}  {}\n", row.level,
-                          row.name(), row.volumes.size(), row.radius(), q.worst.either, q.mean.either, row.certified,
-                          out(q.worst.beyond), out(q.mean.beyond), q.volume / cell, uncovered(q));
+        text +=
+            fmt::format("{:>5}  {:<6}{:>9}{:>12}{:>12}{:>12}{:>12}{:>10}{:>10}{:>9.4f}  {}\n", row.level, row.name(),
+                        row.volumes.size(), plain_measure(row.radius(), 4), plain_measure(q.worst.either, 4),
+                        plain_measure(q.mean.either, 4), plain_measure(row.certified, 4), out(q.worst.beyond),
+                        out(q.mean.beyond), q.volume / cell, uncovered(q));
     }
+    write_to_stdout(text, stdout_taken);
 }
 
 std::vector<std::string> columns(BoundingVolume kind, bool closed)
@@ -243,10 +247,16 @@ int spheres(const SpheresOptions& options)
     ObbTree boxes(mesh);
     judge(judged, tree, boxes, options);
     const bool stdout_taken = options.csv == "-" || options.json == "-" || options.levels == "-";
-    if (!options.quiet) print_table(judged, tree, boxes, options, stdout_taken ? std::cerr : std::cout);
-    if (!options.csv.empty()) write_csv(options.csv, judged, kind);
-    if (!options.levels.empty()) write_levels(options.levels, judged, tree, boxes);
-    if (!options.json.empty()) write_json(options.json, options, judged, tree.depth(), kind);
+    if (!options.quiet) print_table(judged, tree, boxes, options, stdout_taken);
+    write_all({[&] {
+                   if (!options.csv.empty()) write_csv(options.csv, judged, kind);
+               },
+               [&] {
+                   if (!options.levels.empty()) write_levels(options.levels, judged, tree, boxes);
+               },
+               [&] {
+                   if (!options.json.empty()) write_json(options.json, options, judged, tree.depth(), kind);
+               }});
     // The measured distances are rounded according to the mesh's coordinates.
     const double rounding = 1e-14 * mesh.bounds.min.cwiseAbs().cwiseMax(mesh.bounds.max.cwiseAbs()).maxCoeff();
     for (const Row& row : judged.rows) {

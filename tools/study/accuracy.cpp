@@ -1,6 +1,7 @@
 // oncollide accuracy SCENE: a study whose table says whether every collision is found and every bound holds.
 #include "cli/command.hpp"
 #include "common/text.hpp"
+#include "play/compared.hpp"
 #include "study/play.hpp"
 #include "verify/setting_variants.hpp"
 
@@ -173,6 +174,8 @@ int accuracy(const AccuracyOptions& options)
         StudyWorkload workload({.what = {one.scene}, .scene = one, .every = options.every});
         name = workload.title;
         if (options.count == 1) print_warnings(workload.scene);
+        if (const std::string why = why_nothing_is_compared(workload.scene); !why.empty())
+            refuse(options.scene.scene, why + ", so there is nothing to judge");
         const std::uint64_t before = violations();
         backend = play(workload, options, variants);
         if (options.count > 1 && violations() > before) say("FAULT      first seen with --seed {}\n", *one.seed);

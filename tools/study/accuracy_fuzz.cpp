@@ -2,7 +2,6 @@
 #include "cli/command.hpp"
 #include "common/text.hpp"
 
-#include <iostream>
 #include <memory>
 #include <optional>
 
@@ -15,6 +14,7 @@
 
 #include "cli/outputs.hpp"
 #include "cli/progress.hpp"
+#include "cli/standard_output.hpp"
 #include "verify/trials/differential.hpp"
 #include "verify/trials/sweep_trial.hpp"
 
@@ -66,15 +66,15 @@ int fuzz(const FuzzOptions& options)
     const auto first =
         first_faulty_seed(options.seed, std::uint64_t(options.scenes), threads, [&] { progress.step(); });
     if (!first) {
-        std::cout << fmt::format("{} scenes, seeds {} to {}: no fault\n", options.scenes, options.seed,
-                                 options.seed + std::uint64_t(options.scenes) - 1);
+        write_to_stdout(fmt::format("{} scenes, seeds {} to {}: no fault\n", options.scenes, options.seed,
+                                    options.seed + std::uint64_t(options.scenes) - 1));
         return of_sweeps;
     }
     const DrawnScene drawn = draw_scene(*first),
                      small = shrunk(drawn, [](const DrawnScene&d) { return !fault_in(d).empty(); });
     save_scene(small.scene, options.out);
-    std::cout << fmt::format("seed {}: {}\nreduced to {} bodies: {}\noncollide run {} {}\n", *first, fault_in(drawn),
-                             small.scene.size(), fault_in(small), options.out, options_of(small.settings));
+    write_to_stdout(fmt::format("seed {}: {}\nreduced to {} bodies: {}\noncollide run {} {}\n", *first, fault_in(drawn),
+                                small.scene.size(), fault_in(small), options.out, options_of(small.settings)));
     return int(ErrorKind::internal);
 }
 

@@ -17,6 +17,7 @@
 #include <oncollide/samples/generators.hpp>
 
 #include "cli/shard.hpp"
+#include "cli/standard_output.hpp"
 #include "common/text.hpp"
 #include "peers/narrow/fcl_pair.hpp"
 #include "verify/trials/approach_trial.hpp"
@@ -148,7 +149,7 @@ void print_row(const Tally& t)
     say("{:<34}{:>9}{:>11}{:>8}{:>7}{:>9}{:>9}{:>8}{:>9}{:>12}{:>11}\n", t.family, t.cases, t.results, t.missed,
         t.wrong, t.false_positives, t.bounds, t.broken, t.changed, t.fcl_missed, t.fcl_false);
     if (!t.first_fault.empty()) say("FAULT      {}\n", t.first_fault);
-    std::cout.flush();
+    flush_stdout();
 }
 
 std::vector<Tally> try_all(const HardOptions& options, const Choice& chosen, const std::vector<BodyCase>& cases)

@@ -1,7 +1,6 @@
 // oncollide accuracy manifolds: the claims of manifolds, judged by rational arithmetic.
 #include "cli/command.hpp"
 
-#include <iostream>
 #include <memory>
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 #include <oncollide/base/threads/parallel.hpp>
 
 #include "cli/progress.hpp"
+#include "cli/standard_output.hpp"
 #include "verify/trials/manifold_trial.hpp"
 
 namespace oncollide::tools {
@@ -29,12 +29,12 @@ int judge_manifolds(const ManifoldFuzzOptions& options)
     const ManifoldTally tally =
         try_manifolds(options.seed, std::uint64_t(options.pairs),
                       options.threads ? options.threads : hardware_threads(), [&] { progress.step(); });
-    std::cout << fmt::format("{} pairs, {} cross, {} contacts; {} of one region, judged in all claims\n"
-                             "{} needed rational arithmetic; {} were not in general position\n{} faults\n",
-                             tally.pairs, tally.met, tally.contacts, tally.whole, tally.exact, tally.special,
-                             tally.faults);
+    write_to_stdout(fmt::format("{} pairs, {} cross, {} contacts; {} of one region, judged in all claims\n"
+                                "{} needed rational arithmetic; {} were not in general position\n{} faults\n",
+                                tally.pairs, tally.met, tally.contacts, tally.whole, tally.exact, tally.special,
+                                tally.faults));
     if (tally.faults == 0) return 0;
-    std::cout << fmt::format("first: seed {}: {}\n", tally.seed, tally.fault);
+    write_to_stdout(fmt::format("first: seed {}: {}\n", tally.seed, tally.fault));
     return int(ErrorKind::internal);
 }
 

@@ -2,6 +2,7 @@
 #include "cli/command.hpp"
 #include "cli/lengths.hpp"
 #include "cli/shard.hpp"
+#include "cli/standard_output.hpp"
 #include "cli/system.hpp"
 
 #include <algorithm>
@@ -182,7 +183,7 @@ int accuracy_study(const StudyOptions& o)
         grouped(study.triangles), study.size, grouped(study.colliding));
     for (const std::string& note : study.left_out) say("left out   {}\n", note);
     print_study(study);
-    std::cout.flush();
+    flush_stdout();
     write_file(o.csv, [&](OutputFile& file) {
         file.write(shard.line(fmt::format("accuracy study, {}; {} variants, {} frames, warm-up {}, settings {:016x}",
                                           printable(study.title), all, study.frames, study.warm_up,

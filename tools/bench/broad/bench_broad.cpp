@@ -4,6 +4,7 @@
 #include "bench/broad/broad_race.hpp"
 #include "cli/options.hpp"
 #include "cli/shard.hpp"
+#include "cli/standard_output.hpp"
 #include "common/line_plot.hpp"
 #include "common/text.hpp"
 
@@ -68,9 +69,9 @@ double delimitation_ms(const RaceRow& row)
 
 PlotAxes axes(bool per_box)
 {
-    if (per_box) return {"boxes", "ns per box and frame", [](double ns) { return fmt::format("{:.3g} ns", ns); }};
+    if (per_box) return {"boxes", "ns per box and frame", [](double ns) { return plain_measure(ns, 3) + " ns"; }};
     return {"boxes", "ms per frame",
-            [](double ms) { return ms >= 1000 ? fmt::format("{:.3g} s", ms / 1e3) : fmt::format("{:.3g} ms", ms); }};
+            [](double ms) { return ms >= 1000 ? plain_measure(ms / 1e3, 3) + " s" : plain_measure(ms, 3) + " ms"; }};
 }
 
 class BroadBench {
@@ -140,7 +141,7 @@ private:
         say("\n{}, {} boxes ({} static), seed {}: frames {} to {}\n", printable(scene.name),
             grouped(scene.boxes.size()), grouped(statics), options_.seed, std::max<std::uint64_t>(2, frames / 3 + 1),
             frames);
-        std::cout.flush();
+        flush_stdout();
         const RaceResult result = race(scene, contenders_.all, threads_, frames, frames / 3);
         print(scene, result);
         for (const RaceRow& row : result.rows) {
@@ -167,7 +168,7 @@ private:
             wrong_ |= !match;
         }
         say("\n");
-        std::cout.flush();
+        flush_stdout();
     }
 
     void record(const BoxScene& scene, const RaceRow& row)

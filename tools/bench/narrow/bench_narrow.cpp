@@ -3,6 +3,7 @@
 #include "bench/narrow/narrow_report.hpp"
 #include "cli/options.hpp"
 #include "cli/shard.hpp"
+#include "cli/standard_output.hpp"
 #include "common/text.hpp"
 
 #include <algorithm>
@@ -114,7 +115,7 @@ void print_settings(const NarrowOptions& options, const NarrowResult& result, co
         result.mesh_a, grouped(result.triangles_a), result.mesh_b, grouped(result.triangles_b),
         grouped(result.workload.poses.size()), grouped(std::uint64_t(colliding)),
         options.use_poses ? "" : fmt::format(", seed {}", options.seed), options.repeats);
-    std::cout.flush();
+    flush_stdout();
 }
 
 /// Removes contenders that crash on meshes with too few triangles, and prints their names.

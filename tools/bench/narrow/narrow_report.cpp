@@ -212,7 +212,7 @@ void draw_narrow_plot(OutputFile& file, const NarrowResult& result)
     }
     draw_line_plot(file, panels,
                    {"distance, % of the diagonal of the first mesh", "microseconds, median",
-                    [](double us) { return fmt::format("{:.3g} us", us); }, result.workload.groups});
+                    [](double us) { return plain_measure(us, 3) + " us"; }, result.workload.groups});
 }
 
 } // namespace oncollide::tools

@@ -4,6 +4,7 @@
 #include "bench/paper/octant_candidate.hpp"
 #include "bench/paper/paper_methods.hpp"
 #include "cli/options.hpp"
+#include "cli/standard_output.hpp"
 #include "common/text.hpp"
 
 #include <memory>
@@ -102,7 +103,7 @@ public:
         const double seconds = milliseconds_since(began_) / 1e3;
         say("\nfaults     {}; {:.0f} s in all\n", faults_, seconds);
         const bool after = options_.json.empty();
-        if (after) std::cout << '\n' << std::flush;
+        if (after) say("\n"), flush_stdout();
         OutputFile file(after ? "-" : options_.json);
         report_.write_json(file, gpu_, limits, sizes_.name, options_.limit_s, seconds);
         file.commit();

@@ -2,6 +2,7 @@
 #include "bench/bench.hpp"
 #include "bench/paper/octant_candidate.hpp"
 #include "cli/options.hpp"
+#include "cli/standard_output.hpp"
 #include "common/text.hpp"
 
 #include <algorithm>
@@ -82,7 +83,7 @@ private:
                 const double ms = candidate.measure(rows, row_ms * double(rows) > 200 ? 1 : options_.repeats).ms;
                 row_ms = ms / double(rows);
                 say("{:>12.4f}", 8e-3 * double(rows) / ms);
-                std::cout.flush();
+                flush_stdout();
                 record("speed", mesh, contender.name, rows, 8e3 * double(rows) / ms, ms);
             }
             say("\n");

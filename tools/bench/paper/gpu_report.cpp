@@ -5,6 +5,7 @@
 #include <oncollide/base/threads/parallel.hpp>
 
 #include "cli/build_info.hpp"
+#include "cli/standard_output.hpp"
 #include "cli/system.hpp"
 #include "common/text.hpp"
 
@@ -15,7 +16,7 @@ std::string shown(const GpuReport::Value& value)
 {
     struct Show {
         std::string operator()(std::uint64_t n) const { return grouped(n); }
-        std::string operator()(double x) const { return fmt::format("{:.4g}", x); }
+        std::string operator()(double x) const { return plain_measure(x, 4); }
         std::string operator()(const std::string& text) const { return text; }
         std::string operator()(bool b) const { return b ? "yes" : "NO"; }
     };
@@ -42,7 +43,7 @@ void GpuReport::row(const std::string& what, const std::string& backend, const V
     say("{:<26}{:<24}", what, backend);
     for (const auto& [name, value] : values) say("{:>18}", shown(value));
     say("\n");
-    std::cout.flush();
+    flush_stdout();
 }
 
 void GpuReport::leave_out(const std::string& why)

@@ -121,7 +121,7 @@ void write_plot(const std::string& path, const std::vector<Row>& rows, const std
         }
         panels.push_back({rows[first].environment + ", " + rows[first].bodies_of, {fcl, ours}});
     }
-    PlotAxes axes{"error, metres", "ms per frame", [](double ms) { return fmt::format("{:.3g} ms", ms); }};
+    PlotAxes axes{"error, metres", "ms per frame", [](double ms) { return plain_measure(ms, 3) + " ms"; }};
     for (const Dial& dial : dials) axes.x_names.push_back(dial.text);
     OutputFile file(path);
     draw_line_plot(file, panels, axes);
