@@ -19,7 +19,7 @@ std::string_view csv_text(std::string_view field)
 
 std::string csv_field(std::string_view text, bool always)
 {
-    if (begins_formula(text)) return csv_field("'" + std::string(text), always);
+    if (begins_formula(text)) return csv_field(fmt::format("'{}", text), always);
     const auto needs_care = [](unsigned char c) { return c >= 0x80 || c == ',' || c == '"' || c == '\r' || c == '\n'; };
     if (!always && std::ranges::none_of(text, needs_care)) return std::string(text);
     const std::string field = as_utf8(text);

@@ -25,7 +25,7 @@ std::string plain_measure(double value, int digits)
     std::string text = plain_number(value, digits);
     const std::size_t begin = value < 0, point = std::min(text.find_first_not_of("0123456789", begin), text.size());
     if (point - begin < 5) return text;
-    for (std::size_t at = point; at > begin + 3;) text.insert(at -= 3, ",");
+    for (std::size_t at = point; at > begin + 3;) text.insert(at -= 3, 1, ',');
     return text;
 }
 

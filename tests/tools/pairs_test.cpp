@@ -251,7 +251,7 @@ TEST_F(Pairs, AreRefusedWhereTheyCannotBeWrittenOrContinued)
     EXPECT_EQ(folder_.list(), std::vector<std::string>{"p.h5"});
 }
 
-/// Whatever a killed run has left of its file: each stage of it gets the same code and the same cure.
+/// A killed run leaves an empty file, half a header or no frame. Each gets the same code and the same cure.
 TEST_F(Pairs, OfARunThatWasKilledBeforeItsFirstFrameAreRefusedAlike)
 {
     ASSERT_EQ(run(city(1, {"--pairs", "p.h5"})).code, 0);

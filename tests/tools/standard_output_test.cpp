@@ -1,4 +1,4 @@
-// A standard output that is closed or full: what a command could not print is an error of every command.
+// A standard output that is closed or full is an error of every command that prints to it.
 #include <fmt/ranges.h>
 
 #include "cli/command.hpp"

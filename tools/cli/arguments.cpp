@@ -363,7 +363,7 @@ Command CommandLine::parse(int argc, char** argv)
         write_to_stdout(fmt::format("{}\n", wanted.what()));
         return nothing;
     } catch (const CLI::ParseError& error) {
-        check_positions(chosen_in(*app_)); // rather than of what is missing after them
+        check_positions(chosen_in(*app_)); // they come before any missing argument
         refuse(explain(*app_, error));
     }
     check_positions(chosen_in(*app_));

@@ -8,11 +8,11 @@ namespace oncollide::tools {
 /// @param taken  results have standard output to themselves ("-"): print to standard error
 void write_to_stdout(std::string_view text, bool taken = false);
 
-/// Hands what was printed to its reader: before a long computation, or before results that take longer to write.
+/// Hands the text printed so far to its reader. Call it before a long computation.
 void flush_stdout();
 
-/// Throws Error{cannot_write} if anything that was printed could not be written, because standard output is closed, its
-/// disk is full, and so on.
+/// Throws Error{cannot_write} if any text printed so far could not be written, for instance because standard output is
+/// closed or its disk is full.
 void check_stdout();
 
 } // namespace oncollide::tools

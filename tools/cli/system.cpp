@@ -70,7 +70,7 @@ std::size_t terminal_width()
 
 void prepare_process()
 {
-    // open() returns the lowest free number. Opened for reading, standard output refuses what is written to it.
+    // open() returns the lowest free number. Opened for reading, standard output refuses all text.
     for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
         if (::fcntl(file, F_GETFD) < 0) [[maybe_unused]]
             const int opened = ::open("/dev/null", file == STDERR_FILENO ? O_WRONLY : O_RDONLY);

@@ -112,7 +112,7 @@ void say_loaded_libraries([[maybe_unused]] Findings& found)
 #endif
 }
 
-/// What pages, archives and tables of other programs need.
+/// Reports the libraries that pages, archives and tables of other programs need.
 void say_files(Findings& found)
 {
     try {

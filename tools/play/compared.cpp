@@ -8,7 +8,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// What decides whether a body is compared with another.
+/// The properties that decide whether a body is compared with another.
 struct Kind {
     bool is_static;
     std::uint32_t layer, mask, group;

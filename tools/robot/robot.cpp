@@ -43,7 +43,7 @@ struct Checked {
     std::vector<RobotFinding> findings;  ///< of configurations, or of motions
     std::vector<RobotEdgeFinding> edges; ///< times of motions; empty: configurations
     double seconds = 0;
-    bool interrupted = false; ///< findings are those of the first ones only
+    bool interrupted = false; ///< there are findings of the first ones only
 
     const char* item() const { return motions ? "motion" : "configuration"; }
 
@@ -207,7 +207,7 @@ void check_limits(const RobotCommand& options, const Robot& robot, std::span<con
                                            out, count, out == 1 ? "is" : "are", first));
 }
 
-/// Checks all items, or until it is interrupted those that are done by then. `check(begin, end)` checks some of them.
+/// Checks all items; after an interrupt, the remaining ones are left out. `check(begin, end)` checks some of them.
 void check_in_chunks(Checked& checked, std::size_t count, std::size_t chunk,
                      const std::function<void(std::size_t, std::size_t)>& check)
 {
