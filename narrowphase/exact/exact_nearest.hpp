@@ -9,7 +9,7 @@ namespace oncollide {
 // triangles that are nearly segments (docs/stability.md#numerical-stability). Cost: 1 to 10 microseconds, 100 and more if the
 // coordinates' magnitudes are more than 2^200 apart.
 
-/// Of two triangles that do not meet.
+/// The nearest points of two triangles that do not meet.
 NearestPoints exact_nearest_points(const TrianglePoints& a, const TrianglePoints& b);
 
 /// A point and the nearest point of a triangle.
@@ -19,7 +19,7 @@ struct ExactOnTriangle {
 };
 ExactOnTriangle exact_nearest_on(const TrianglePoints& triangle, const Eigen::Vector3d& point);
 
-/// Of the segments pq and cd: the parameters of the nearest points, p + s (q - p) and c + t (d - c), and their
+/// The parameters of the nearest points of the segments pq and cd, p + s (q - p) and c + t (d - c), and their
 /// distance.
 struct NearestOfSegments {
     double s, t, distance;

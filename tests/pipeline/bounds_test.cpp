@@ -109,7 +109,7 @@ TEST(NearFeatures, ListEdgesThatCrossAtAnyAngle)
         }
 }
 
-/// What an exact verdict says and what the distance says are one truth.
+/// An exact verdict and the distance agree.
 TEST(KissingBoxes, InACommonRotationAreNoDistanceApartIfTheyCollide)
 {
     int colliding = 0;

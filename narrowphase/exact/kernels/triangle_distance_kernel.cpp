@@ -149,7 +149,7 @@ public:
 
 private:
     Corners a_, b_; ///< relative to the nearest point of a
-    F64 least_;     ///< what a slab must be wide, in metres
+    F64 least_;     ///< the least width of a slab, in metres
     I64 shown_;
 };
 

@@ -11,7 +11,7 @@ namespace oncollide::oracle {
 class ExactDistance {
 public:
     ExactDistance(const TrianglePoints& a, const TrianglePoints& b);
-    /// Of the segments from a[0] to a[1] and from b[0] to b[1].
+    /// The segments go from a[0] to a[1] and from b[0] to b[1].
     using SegmentPoints = std::array<Eigen::Vector3d, 2>;
     ExactDistance(const SegmentPoints& a, const SegmentPoints& b);
     ~ExactDistance();

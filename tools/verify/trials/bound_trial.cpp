@@ -162,7 +162,7 @@ private:
         if (!nearest && !meet_) tally_.fault(&Tally::missed, what("near_features() lacks the nearest", dhat));
     }
 
-    /// Moves a, first towards b. What a live World remembers must not change a verdict.
+    /// Moves a, first towards b. The gap that a live World remembers must not change a verdict.
     void try_moves(Yard& live, double gap, Vector3d toward)
     {
         if (!(toward.norm() > 0)) toward = draw_.vector();
