@@ -61,7 +61,7 @@ private:
             skins += nodes_[i].has("skin");
             const std::uint32_t mesh = read_mesh(nodes_[i]);
             const GltfInstances instances(document_, buffers_, nodes_[i]);
-            expansion_.expect(instances.size()), expansion_.expect_parts(instances.size(), instances.written());
+            expansion_.expect_parts(instances.size(), instances.written()), expansion_.expect(instances.size());
             for (std::size_t k = 0; k < instances.size(); ++k) visit(i, mesh, poses[i] * instances.pose(k));
         }
         if (skins > 0)
