@@ -117,6 +117,46 @@ TEST_F(View, ALimitThinsOutAndSaysSo)
         {"--view-limit", "100,000 bodies", "or more"});
 }
 
+/// Rows of three overlapping balls: more pairs than fit, then a limit with room for all of them.
+TEST_F(View, PairsThatDoNotFitAreCountedAndTheirBodiesKeepTheirColours)
+{
+    constexpr int rows = 8000;
+    std::string bodies;
+    for (int row = 0; row < rows; ++row)
+        for (const double x : {0.0, 0.8, 1.6})
+            bodies += fmt::format(R"(,{{"geometry": "ball", "position": [{}, {}, {}]}})", x + 4 * (row % 20),
+                                  2 * (row / 20 % 20), 2 * (row / 400));
+    folder_.write("balls.json",
+                  R"({"geometries": {"ball": {"shape": {"kind": "sphere", "radius": 0.5}}}, "bodies": [)" +
+                      bodies.substr(1) + R"(, {"geometry": "ball", "position": [-9, 0, 0]}]})");
+    const auto page = [&](const char* limit) {
+        const Outcome outcome = run_without_three({"run", "balls.json", "--view", "x.html", "--view-limit", limit});
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return outcome.err;
+    };
+    const std::string few = page("2"), left_out = " of 16,000 pairs of frame 0 are left out";
+    EXPECT_NE(few.find(left_out), std::string::npos) << few;
+    EXPECT_NE(few.find("--view-limit allows 2.0 MB"), std::string::npos) << few;
+    const std::size_t size = folder_.read("x.html").size();
+    EXPECT_LT(size, 2'000'000u);
+    EXPECT_GT(size, 1'500'000u) << "what fits is there";
+    const nlohmann::json h = header(), frame = h.at("frames")[0];
+    const std::size_t pairs = frame.at("pairs"), lacking = frame.at("left_out");
+    EXPECT_EQ(pairs + lacking, 16'000u);
+    EXPECT_GT(pairs, 1000u);
+    EXPECT_GT(lacking, 1000u);
+    EXPECT_NE(h.at("notes").dump().find(left_out), std::string::npos) << h.at("notes");
+    // The last bytes of the frame: the rank of each body's worst pair.
+    const std::string bytes = decoded_base64(block("f0")), ranks = bytes.substr(bytes.size() - 3 * rows - 1);
+    EXPECT_EQ(ranks, std::string(3 * rows, '\4') + '\0') << "all but the last body collide";
+
+    const std::string all = page("4");
+    EXPECT_EQ(all.find("left out"), std::string::npos) << all;
+    EXPECT_EQ(header().at("frames")[0].at("pairs"), 16'000);
+    EXPECT_EQ(header().at("frames")[0].at("left_out"), 0);
+    EXPECT_EQ(header().at("notes"), nlohmann::json::array());
+}
+
 TEST_F(View, LargeMeshesAreSimplified)
 {
     folder_.write("scene.json", R"({"geometries": {"ball": {"mesh": {"generate": {"kind": "sphere", "radius": 0.5,

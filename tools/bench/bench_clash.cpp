@@ -96,6 +96,7 @@ Times run(const std::vector<std::string>& files, const PlantedAssembly& planted,
 {
     const Units units({"mm"});
     const int threads = o.threads ? o.threads : hardware_threads();
+    PainterProcess painter;
     const ClashSettings settings{.clearance = PlantedOptions{}.clearance, .threads = threads};
     Times times{};
     LapTimer timer;
@@ -108,7 +109,7 @@ Times run(const std::vector<std::string>& files, const PlantedAssembly& planted,
     write_json(json, report), json.commit();
     times.report = timer.lap();
     OutputFile page(folder / "report.html");
-    write_page(page, report, draw_clashes(report, std::size_t(o.pictures), true)), page.commit();
+    write_page(page, report, draw_clashes(report, painter, std::size_t(o.pictures), true)), page.commit();
     times.page = timer.lap();
     faults = faults_of(planted, parts, found.list);
     return times;

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -93,14 +94,22 @@ std::string link_from(const std::string& from, const std::string& file)
     return "./" + url;
 }
 
-void write_reports(const ClashOptions& o, ClashReport& report)
+bool has_pictures(const std::pair<std::string, Form>& report)
+{
+    return report.second == Form::page || report.second == Form::bcf;
+}
+
+void write_reports(const ClashOptions& o, ClashReport& report, PainterProcess& painter)
 {
     std::optional<ClashPictures> drawn;
+    std::string missing_in; // files
     const auto pictures = [&]() -> const ClashPictures& {
-        if (!drawn) drawn = draw_clashes(report, std::size_t(o.pictures), o.quiet);
+        if (!drawn) drawn = draw_clashes(report, painter, std::size_t(o.pictures), o.quiet);
         return *drawn;
     };
-    for (const auto& [name, form] : reports_of(o)) {
+    std::vector<std::pair<std::string, Form>> reports = reports_of(o);
+    std::ranges::stable_partition(reports, std::not_fn(has_pictures)); // numbers do not wait for pictures
+    for (const auto& [name, form] : reports) {
         OutputFile file(name);
         switch (form) {
         case Form::json:
@@ -118,11 +127,14 @@ void write_reports(const ClashOptions& o, ClashReport& report)
             break;
         case Form::bcf:
             write_bcf(file, report, pictures());
-            if (!o.quiet && !drawn->note.empty()) log(LogLevel::note, fmt::format("{}: {}", name, drawn->note));
+            if (!o.quiet && !drawn->failed && !drawn->note.empty())
+                log(LogLevel::note, fmt::format("{}: {}", name, drawn->note));
             break;
         }
         file.commit();
+        if (has_pictures({name, form}) && drawn->failed) missing_in += (missing_in.empty() ? "" : ", ") + name;
     }
+    if (!o.quiet && !missing_in.empty()) log(LogLevel::warning, fmt::format("{}: {}", missing_in, drawn->note));
     if (o.view.empty()) return;
     const std::string summary = write_clash_view(o.view, report, std::size_t(o.view_limit) * 1'000'000);
     if (!o.quiet) log(LogLevel::note, summary);
@@ -168,6 +180,7 @@ int clash(const ClashOptions& o)
     if (o.set_a.empty() && !o.set_b.empty()) usage("--set-b: needs --set-a");
     const std::int64_t time = report_time();
     const PartRules rules{o.groups, o.set_a, o.set_b, o.inputs, std::size_t(o.most_parts)};
+    PainterProcess painter;
     PartList parts = read_parts(files, units, rules, o.threads ? o.threads : hardware_threads());
     Clashes found = find_clashes(parts, settings);
     warnings.insert(warnings.end(), parts.warnings.begin(), parts.warnings.end());
@@ -179,7 +192,7 @@ int clash(const ClashOptions& o)
                        o.baseline, o.ignore, std::move(resolved), std::move(warnings),
                        rules,      time};
     if (!o.quiet) print(o, report);
-    write_reports(o, report);
+    write_reports(o, report, painter);
     return report.count(ClashStatus::fresh) ? 1 : 0;
 }
 

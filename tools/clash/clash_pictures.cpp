@@ -91,7 +91,7 @@ Aabb box_of(const PartList& parts, std::uint32_t part)
     return box;
 }
 
-void paste(Painter& painter, const Picture& picture, Image& image, int column)
+void paste(PainterProcess& painter, const Picture& picture, Image& image, int column)
 {
     const std::vector<std::uint8_t> pixels = painter.draw(picture);
     for (int y = 0; y < side; ++y)
@@ -135,7 +135,7 @@ ClashView plain_view(const PartList& parts, const Clash& clash)
             std::max(0.9 * box.diagonal(), 0.15 * std::min(size(clash.a), size(clash.b)))};
 }
 
-Image draw(Painter& painter, const ClashReport& report, const Clash& clash, const Scenery& scenery)
+Image draw(PainterProcess& painter, const ClashReport& report, const Clash& clash, const Scenery& scenery)
 {
     const auto& [subject, box_a, box_b, part, view] = scenery;
     const PartList& parts = report.parts;
@@ -170,7 +170,7 @@ Image draw(Painter& painter, const ClashReport& report, const Clash& clash, cons
 
 } // namespace
 
-ClashPictures draw_clashes(const ClashReport& report, std::size_t most, bool quiet)
+ClashPictures draw_clashes(const ClashReport& report, PainterProcess& painter, std::size_t most, bool quiet)
 {
     ClashPictures pictures;
     const std::vector<Clash>& list = report.found.list;
@@ -188,27 +188,30 @@ ClashPictures draw_clashes(const ClashReport& report, std::size_t most, bool qui
     if (wanted > shown.size())
         pictures.note = fmt::format("Pictures of the {} most severe clashes of {}; --pictures N draws more.",
                                     grouped(shown.size()), grouped(wanted));
-    try {
-        Painter painter;
-        Progress progress("pictures", shown.size(), quiet);
-        // Drawn one by one, packed in parallel: packing takes as long as drawing.
-        constexpr std::size_t batch = 16;
-        for (std::size_t begin = 0; begin < shown.size(); begin += batch) {
-            std::vector<Image> images;
+    Progress progress("pictures", shown.size(), quiet);
+    // Drawn one by one, packed in parallel: packing takes as long as drawing.
+    constexpr std::size_t batch = 16;
+    for (std::size_t begin = 0; begin < shown.size() && !pictures.failed; begin += batch) {
+        std::vector<Image> images;
+        try {
             for (std::size_t k = begin; k < std::min(begin + batch, shown.size()); ++k, progress.step()) {
                 const Scenery scenery = scenery_of(report, list[shown[k]]);
-                pictures.views[shown[k]] = scenery.view;
                 images.push_back(draw(painter, report, list[shown[k]], scenery));
+                pictures.views[shown[k]] = scenery.view;
             }
-            parallel_chunks(images.size(), 1, thread_count(report.found.world->settings()),
-                            [&](std::size_t from, std::size_t to, int) {
-                                for (std::size_t k = from; k < to; ++k)
-                                    pictures.images[shown[begin + k]] = packed_png(images[k]);
-                            });
+        } catch (const Error& error) {
+            if (error.kind() != ErrorKind::no_gpu) throw;
+            const std::size_t drawn = begin + images.size();
+            pictures.failed = true;
+            pictures.note = fmt::format(
+                "{}: {}", drawn ? fmt::format("Pictures of only {} clashes", grouped(drawn)) : "No pictures",
+                error.what());
         }
-    } catch (const Error& error) {
-        if (error.kind() != ErrorKind::no_gpu) throw;
-        pictures.note = fmt::format("No pictures: {}", error.what());
+        parallel_chunks(images.size(), 1, thread_count(report.found.world->settings()),
+                        [&](std::size_t from, std::size_t to, int) {
+                            for (std::size_t k = from; k < to; ++k)
+                                pictures.images[shown[begin + k]] = packed_png(images[k]);
+                        });
     }
     return pictures;
 }

@@ -39,6 +39,7 @@ std::string write_clash_view(const std::string& file, const ClashReport& report,
     ViewPage page(scene, pipeline,
                   {.file = file,
                    .most_bytes = most_bytes,
+                   .frames = 1,
                    .threads = thread_count(pipeline.settings()),
                    .metres = 1e-3 * report.unit.millimetres});
     page.add(pipeline.step(scene));

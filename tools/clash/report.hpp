@@ -58,6 +58,7 @@ struct ClashPictures {
     std::vector<std::string> images; ///< PNG files, in the order of Clashes::list; empty if there is none
     std::vector<ClashView> views;    ///< the same for all clashes
     std::string note;                ///< why pictures are missing; empty: each clash has one
+    bool failed = false;             ///< they could not be drawn
 };
 /// Writes one self-contained page.
 void write_page(OutputFile& file, const ClashReport& report, const ClashPictures& pictures);

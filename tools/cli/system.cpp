@@ -145,6 +145,13 @@ std::size_t system_memory()
     return std::size_t(sysconf(_SC_PHYS_PAGES)) * std::size_t(sysconf(_SC_PAGESIZE));
 }
 
+std::size_t memory_limit()
+{
+    rlimit most{};
+    const bool limited = ::getrlimit(RLIMIT_AS, &most) == 0 && most.rlim_cur != RLIM_INFINITY;
+    return limited ? std::size_t(most.rlim_cur) : 0;
+}
+
 std::size_t peak_memory()
 {
     rusage usage{};
@@ -223,6 +230,11 @@ std::string system_name()
 }
 
 std::size_t system_memory()
+{
+    return 0;
+}
+
+std::size_t memory_limit()
 {
     return 0;
 }

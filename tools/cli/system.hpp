@@ -34,6 +34,8 @@ std::string processor_name();
 /// The operating system and its version, and the machine's memory in bytes; "unknown" and 0 if not available.
 std::string system_name();
 std::size_t system_memory();
+/// The limit of this process's address space (ulimit -v), in bytes; 0: none, or unknown.
+std::size_t memory_limit();
 /// The most memory that this process has held, and the memory it holds now, in bytes; 0: unknown.
 std::size_t peak_memory();
 /// Restarts the maximum of peak_memory(). Does nothing if the system does not support it.

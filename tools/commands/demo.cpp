@@ -198,8 +198,8 @@ int demo(const DemoOptions& options)
     }
     const int code = play(scene, pipeline, report, frames, outputs, 0, sinks);
     if (page) page->close();
+    write_outputs(report, outputs); // before the picture, whose memory may not suffice
     draw_hall(scene, pipeline.world(), last.pairs, collision);
-    write_outputs(report, outputs);
     write_to_stdout(printable_lines(fmt::format("\nWritten to {0}/:\n"
                                                 "  page.html      {1}\n"
                                                 "  collision.png  parts that collide in the last frame; triangles that "

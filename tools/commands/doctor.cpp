@@ -8,10 +8,12 @@
 #include "common/zip_bytes.hpp"
 #include "peers/narrow/narrow_peer.hpp"
 #include "view/three_js.hpp"
+#include "render/graphics_process.hpp"
 
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
+#include <sstream>
 
 #include <Eigen/Core>
 #include <dlfcn.h>
@@ -146,22 +148,36 @@ void say_peers(Findings& found)
     found.say("peers", listed(there) + (absent.empty() ? "" : "; without " + listed(absent)));
 }
 
-/// Opens every device: only an open device reports its renderer.
+/// The platforms of all devices, one per line.
+std::string gpu_platforms()
+{
+    std::string lines;
+    for (const GpuDevice& device : gpu_devices()) lines += device.platform + "\n";
+    return lines;
+}
+
+std::string gpu_text(int number)
+{
+    const GpuInfo info = describe_gpu(number);
+    return fmt::format("{}{}; OpenGL {}; context in {:.0f} ms", info.renderer,
+                       info.software ? " (software: slower than --backend cpu)" : "", info.version, info.start_ms);
+}
+
+/// Opens every device: only an open device reports its renderer. Each in a process of its own: a driver that crashes
+/// is a finding.
 void say_gpus(Findings& found)
 {
     try {
-        const std::vector<GpuDevice> devices = gpu_devices();
-        for (std::size_t i = 0; i < devices.size(); ++i) {
-            std::string answer;
+        std::istringstream platforms(GraphicsProcess([](std::string_view) { return gpu_platforms(); }).request({}));
+        int number = 0;
+        for (std::string platform; std::getline(platforms, platform); ++number) {
+            std::string what;
             try {
-                const GpuInfo info = describe_gpu(int(i));
-                answer = fmt::format("{}{}; OpenGL {}; context in {:.0f} ms", info.renderer,
-                                     info.software ? " (software: slower than --backend cpu)" : "", info.version,
-                                     info.start_ms);
+                what = GraphicsProcess([number](std::string_view) { return gpu_text(number); }).request({});
             } catch (const Error& error) {
-                answer = fmt::format("cannot be used: {}", error.what());
+                what = fmt::format("cannot be used: {}", error.what());
             }
-            found.say(fmt::format("GPU {}", i), fmt::format("{}: {}", devices[i].platform, answer));
+            found.say(fmt::format("GPU {}", number), fmt::format("{}: {}", platform, what));
         }
     } catch (const Error& error) {
         found.say("GPU", error.what());

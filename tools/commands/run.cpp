@@ -38,13 +38,14 @@ struct RunOptions {
 };
 
 /// The page of --view; null: not requested.
-std::unique_ptr<ViewPage> view_page(const RunOptions& options, const Scene& scene, const Pipeline& pipeline)
+std::unique_ptr<ViewPage> view_page(const RunOptions& options, const Scene& scene, const Pipeline& pipeline, int frames)
 {
     if (options.view.empty()) return nullptr;
     return std::make_unique<ViewPage>(scene, pipeline,
                                       ViewPage::Options{.file = options.view,
                                                         .most_bytes = std::size_t(options.view_limit) * 1'000'000,
                                                         .separate = options.outputs.separate,
+                                                        .frames = std::size_t(frames),
                                                         .threads = thread_count(pipeline.settings())});
 }
 
@@ -111,7 +112,7 @@ int run(const RunOptions& options)
     if (!options.outputs.pairs.empty())
         pairs.emplace(options.outputs.pairs, options.scene, scene, pipeline, first, options.outputs.separate);
     Report report(scene, pipeline, parts_of(options.outputs));
-    const std::unique_ptr<ViewPage> page = view_page(options, scene, pipeline);
+    const std::unique_ptr<ViewPage> page = view_page(options, scene, pipeline, int(end) - first);
     std::vector<FrameSink*> sinks;
     if (pairs) sinks.push_back(&*pairs);
     if (page) sinks.push_back(page.get());

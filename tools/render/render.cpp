@@ -1,5 +1,6 @@
 #include "cli/command.hpp"
 #include "cli/standard_output.hpp"
+#include "render/painter_process.hpp"
 #include "render/png.hpp"
 #include "render/ray_picture.hpp"
 #include "render/render_plan.hpp"
@@ -60,7 +61,7 @@ void play(Scene& scene, const RenderOptions& options, const Settings& settings, 
 }
 
 /// Draws panels side by side. Columns that no panel covers are background.
-Image draw(Painter& painter, std::vector<ScenePicture>& panels, const Camera& camera, const RenderPlan& plan)
+Image draw(PainterProcess& painter, std::vector<ScenePicture>& panels, const Camera& camera, const RenderPlan& plan)
 {
     Image image = blank(plan.width, plan.height);
     for (std::size_t k = 0; k < panels.size(); ++k) {
@@ -103,6 +104,7 @@ int render(const RenderOptions& options)
     Settings settings = settings_from(options.settings);
     if (!settings.depth && !settings.max_error && !options.rays) settings.depth = 6; // the sphere-trees are drawn
     const View view(options);
+    PainterProcess painter(settings.gpu);
     SceneOptions source = options.scene;
     source.on_demand = options.rays;
     Scene scene = open_scene(source);
@@ -116,7 +118,7 @@ int render(const RenderOptions& options)
         render_rays(scene, options, settings, plan, view);
         return 0;
     }
-    Painter painter(settings.gpu);
+    painter.open();
 
     // All images share a camera, whose position is known only after all pictures were seen.
     Framing framing(plan.width / plan.panels(), plan.height);

@@ -1,6 +1,7 @@
 #include "robot/robot_spheres.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -15,6 +16,7 @@
 #include "cli/log.hpp"
 #include "cli/outputs.hpp"
 #include "cli/standard_output.hpp"
+#include "render/painter_process.hpp"
 #include "robot/robot_world.hpp"
 #include "robot/sphere_files.hpp"
 #include "robot/sphere_page.hpp"
@@ -197,13 +199,14 @@ void write_json(const std::string& path, const RobotDescription& robot, const st
     file.commit();
 }
 
-void write_page(const RobotSpheresOptions& options, const Surfaces& surfaces, const SphereModel& model,
-                const std::vector<Row>& rows)
+/// Returns why pictures are missing; empty: none is.
+std::string write_page(const RobotSpheresOptions& options, const Surfaces& surfaces, const SphereModel& model,
+                        const std::vector<Row>& rows, PainterProcess& painter)
 {
     std::vector<JudgedLink> links;
     for (const Row& row : rows) links.push_back({row.link, &surfaces.links[row.number], model[row.number], row.judged});
     const std::string of = options.judge.empty() ? "spheres" : std::filesystem::path(options.judge).filename().string();
-    write_sphere_page(options.html, fmt::format("{}: {}", surfaces.robot.name, of), table(rows), links);
+    return write_sphere_page(options.html, fmt::format("{}: {}", surfaces.robot.name, of), table(rows), links, painter);
 }
 
 } // namespace
@@ -222,6 +225,8 @@ int robot_spheres(const RobotSpheresOptions& o)
                  {"--json", o.json},
                  {"--html", o.html}},
                 {o.urdf, o.judge});
+    std::optional<PainterProcess> painter;
+    if (!o.html.empty()) painter.emplace();
     const Surfaces surfaces = surfaces_of(o);
     std::vector<std::string> warnings;
     const SphereModel model = !o.judge.empty() ? load_sphere_model(o.judge, surfaces.robot, warnings)
@@ -246,9 +251,6 @@ int robot_spheres(const RobotSpheresOptions& o)
                },
                [&] {
                    if (!o.json.empty()) write_json(o.json, surfaces.robot, rows);
-               },
-               [&] {
-                   if (!o.html.empty()) write_page(o, surfaces, model, rows);
                }});
     if (!o.quiet) {
         const bool taken = o.json == "-" || o.csv == "-" || o.levels == "-" || o.yaml == "-" || o.out == "-";
@@ -260,6 +262,9 @@ int robot_spheres(const RobotSpheresOptions& o)
                               "of the gap.\n",
                         taken);
     }
+    if (painter) // last: other results do not wait for pictures
+        if (const std::string missing = write_page(o, surfaces, model, rows, *painter); !missing.empty() && !o.quiet)
+            log(LogLevel::warning, fmt::format("{}: {}", o.html, missing));
     return all.complete ? 0 : 1;
 }
 

@@ -11,8 +11,8 @@
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/text/svg.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
-#include <oncollide/narrowphase/gl/picture.hpp>
 
+#include "cli/log.hpp"
 #include "cli/system.hpp"
 #include "common/text.hpp"
 #include "render/png.hpp"
@@ -73,7 +73,7 @@ bool has_mark(const JudgedLink& link)
 }
 
 /// The link from the side of its worst gap; on the right with its spheres.
-std::string draw(Painter& painter, const JudgedLink& link)
+std::string draw(PainterProcess& painter, const JudgedLink& link)
 {
     Aabb box;
     for (const Corners& triangle : link.surface->triangles())
@@ -134,25 +134,31 @@ DividedSurface divide(const LinkSurface& surface, std::span<const CoverSphere> s
     return parts;
 }
 
-void write_sphere_page(const std::string& path, const std::string& title, const std::string& table,
-                       std::span<const JudgedLink> links)
+std::string write_sphere_page(const std::string& path, const std::string& title, const std::string& table,
+                              std::span<const JudgedLink> links, PainterProcess& painter)
 {
     OutputFile file(path);
     begin_page(file, title, command_text());
     file.print("<pre>{}</pre>\n", xml_escaped(table));
     heading(file, "Links");
-    try {
-        Painter painter;
-        paragraph(file, "Orange: the surface outside all spheres. Red: the worst gap, from the surface to the nearest "
-                        "sphere. On the right the same with the spheres.");
-        for (const JudgedLink& link : links) show_picture(file, {caption(link), draw(painter, link)});
-    } catch (const Error& error) {
-        if (error.kind() != ErrorKind::no_gpu) throw;
-        paragraph(file, fmt::format("No pictures: {}", error.what()));
-        for (const JudgedLink& link : links) paragraph(file, caption(link));
+    paragraph(file, "Orange: the surface outside all spheres. Red: the worst gap, from the surface to the nearest "
+                    "sphere. On the right the same with the spheres.");
+    std::string missing;
+    std::size_t drawn = 0;
+    for (const JudgedLink& link : links) {
+        std::string png;
+        try {
+            if (missing.empty()) png = draw(painter, link), ++drawn;
+        } catch (const Error& error) {
+            if (error.kind() != ErrorKind::no_gpu) throw;
+            missing = fmt::format("{}ictures: {}", drawn ? "Not all p" : "No p", error.what());
+            paragraph(file, missing);
+        }
+        png.empty() ? paragraph(file, caption(link)) : show_picture(file, {caption(link), png});
     }
     end_page(file, describe_program("spheres"));
     file.commit();
+    return missing;
 }
 
 } // namespace oncollide::tools

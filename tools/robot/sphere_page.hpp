@@ -5,6 +5,8 @@
 
 #include <oncollide/robots/spheres/sphere_judge.hpp>
 
+#include "render/painter_process.hpp"
+
 namespace oncollide::tools {
 
 /// A link with the spheres of a model, and their judgement.
@@ -23,9 +25,9 @@ struct DividedSurface {
 DividedSurface divide(const LinkSurface& surface, std::span<const CoverSphere> spheres, double edge);
 
 /// Writes a page with a table and a picture of each link: the surface outside all spheres orange, the worst gap marked.
-/// Without a renderer it has no pictures, and says so.
 /// @param table  lines of plain text
-void write_sphere_page(const std::string& path, const std::string& title, const std::string& table,
-                       std::span<const JudgedLink> links);
+/// Returns why pictures are missing, as the page says, too; empty: none is.
+std::string write_sphere_page(const std::string& path, const std::string& title, const std::string& table,
+                              std::span<const JudgedLink> links, PainterProcess& painter);
 
 } // namespace oncollide::tools

@@ -1,6 +1,7 @@
 // oncollide accuracy study: time against error of a scene, with other libraries for comparison, as a table and a page.
 #include "cli/command.hpp"
 #include "cli/lengths.hpp"
+#include "cli/log.hpp"
 #include "cli/shard.hpp"
 #include "cli/standard_output.hpp"
 #include "cli/system.hpp"
@@ -9,6 +10,7 @@
 #include <charconv>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -157,7 +159,10 @@ std::string names_of(const std::vector<StudyPeer>& peers)
 int accuracy_study(const StudyOptions& o)
 {
     check_range("--repeats", o.repeats, 1, 1000), check_range("--warm-up", o.warm_up, 0);
-    const std::size_t all = variants_of(o, 1).size(); // refuses wrong options before anything is read
+    const std::vector<StudyVariant> planned = variants_of(o, 1); // refuses wrong options before anything is read
+    const std::size_t all = planned.size();
+    std::optional<PainterProcess> painter;
+    if (!o.html.empty()) painter.emplace(planned.front().settings.gpu);
     std::vector<PeerKind> peers = peers_from_names(o.peers);
     const Shard shard = shard_from(o.shard);
     check_parts(shard, all, "variants");
@@ -192,7 +197,9 @@ int accuracy_study(const StudyOptions& o)
     });
     write_file(o.json, [&](OutputFile& file) { write_study_json(file, study, about); });
     write_file(o.html, [&](OutputFile& file) {
-        write_study_page(file, study, draw_study_pictures(workload, study), command_text(), about);
+        const StudyPictures pictures = draw_study_pictures(workload, study, *painter);
+        if (!pictures.missing.empty()) log(LogLevel::warning, fmt::format("{}: {}", o.html, pictures.missing));
+        write_study_page(file, study, pictures, command_text(), about);
     });
     return study.faulty() ? int(ErrorKind::internal) : 0;
 }

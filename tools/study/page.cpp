@@ -83,8 +83,8 @@ void write_tables(OutputFile& file, const Study& study)
 void write_pictures(OutputFile& file, const StudyPictures& pictures)
 {
     heading(file, "The worst false positives, and missed collisions");
-    if (!pictures.none.empty()) return paragraph(file, "No pictures: " + pictures.none);
-    if (pictures.all.empty()) return paragraph(file, "There were none.");
+    if (!pictures.missing.empty()) paragraph(file, pictures.missing);
+    if (pictures.all.empty()) return pictures.missing.empty() ? paragraph(file, "There were none.") : void();
     paragraph(file, "Left: both bodies; right: their nearest points. Red spheres, the darkest in print, touched "
                     "spheres of the other body; bodies separated by OBBs are shown without spheres.");
     for (const StudyPicture& picture : pictures.all) show_picture(file, picture);

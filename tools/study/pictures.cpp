@@ -63,7 +63,7 @@ std::optional<Eigen::Vector3d> nearest_place(const Scene& scene, BodyPair pair)
     return 0.5 * (centre(pair.a, found.a.triangle) + centre(pair.b, found.b.triangle));
 }
 
-StudyPicture draw(StudyWorkload& workload, const Scenario& scenario, Painter& painter)
+StudyPicture draw(StudyWorkload& workload, const Scenario& scenario, PainterProcess& painter)
 {
     const Settings& settings = scenario.row->variant.settings;
     const BodyPair pair = scenario.at.pair;
@@ -109,18 +109,19 @@ StudyPicture draw(StudyWorkload& workload, const Scenario& scenario, Painter& pa
 
 } // namespace
 
-StudyPictures draw_study_pictures(StudyWorkload& workload, const Study& study)
+StudyPictures draw_study_pictures(StudyWorkload& workload, const Study& study, PainterProcess& painter)
 {
     StudyPictures result;
     const std::vector<Scenario> chosen = choose(study);
+    if (chosen.empty()) return result;
     try {
-        Painter painter(study.rows.front().variant.settings.gpu);
+        painter.open();
         Progress progress("picture", chosen.size());
         for (const Scenario& scenario : chosen)
             result.all.push_back(draw(workload, scenario, painter)), progress.step();
     } catch (const Error& error) {
         if (error.kind() != ErrorKind::no_gpu) throw;
-        result.none = error.what();
+        result.missing = fmt::format("{}ictures: {}", result.all.empty() ? "No p" : "Not all p", error.what());
     }
     return result;
 }

@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "render/painter_process.hpp"
 #include "study/study.hpp"
 #include "study/workload.hpp"
 
@@ -13,12 +14,11 @@ struct StudyPicture {
 
 struct StudyPictures {
     std::vector<StudyPicture> all;
-    std::string none; ///< why there are none; empty if pictures are possible
+    std::string missing; ///< "No pictures: ..." or "Not all pictures: ..." with the reason; empty: none is missing
 };
 
 /// Draws missed pairs, and the worst false positives of each series at its largest and its smallest error: both bodies
-/// from afar, and their nearest points. The workload is played again up to each frame. Draws nothing without a
-/// renderer.
-StudyPictures draw_study_pictures(StudyWorkload& workload, const Study& study);
+/// from afar, and their nearest points. The workload is played again up to each frame.
+StudyPictures draw_study_pictures(StudyWorkload& workload, const Study& study, PainterProcess& painter);
 
 } // namespace oncollide::tools

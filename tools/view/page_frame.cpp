@@ -91,6 +91,18 @@ std::vector<PairResult> PageFrames::chosen(std::span<const PairResult> pairs) co
     return all;
 }
 
+/// The worst verdict of each body's pairs: 0: it is in none, else 1 + weight().
+std::vector<std::uint8_t> PageFrames::worst_of_bodies(std::span<const PairResult> pairs) const
+{
+    std::vector<std::uint8_t> worst(scene_.size());
+    for (const PairResult& pair : pairs) {
+        if (!separate_ && pair.verdict == Verdict::separate) continue;
+        for (const BodyId body : {pair.a, pair.b})
+            worst[index(body)] = std::max(worst[index(body)], std::uint8_t(1 + weight(pair.verdict)));
+    }
+    return worst;
+}
+
 /// The sweeps of chosen pairs; null: there is none, or it found no contact.
 std::vector<const PairSweep*> PageFrames::sweeps_of(const FrameView& view, std::span<const PairResult> chosen)
 {
@@ -174,7 +186,11 @@ PageFrame PageFrames::make(const FrameView& view)
     const std::vector<const PairSweep*> sweeps = sweeps_of(view, pairs);
     const Places places = places_of(pairs, sweeps);
     std::vector<DelimitedRegion> regions = pipeline_.inspect().regions;
+    const std::size_t all_regions = regions.size();
     if (regions.size() > most_regions) regions.resize(most_regions); // the deepest levels come last
+    std::uint64_t listed = 0;
+    for (std::size_t v = 0; v < verdicts.size(); ++v) listed += v || separate_ ? verdicts[v] : 0;
+    const std::uint64_t left_out = listed - pairs.size();
 
     std::vector<float> positions, bounds, errors, boxes, times;
     std::vector<std::int16_t> turns;
@@ -202,6 +218,10 @@ PageFrame PageFrames::make(const FrameView& view)
     for (const PairResult& pair : pairs) small.push_back(std::uint8_t(pair.kind));
     for (const DelimitedRegion& region : regions) small.push_back(std::uint8_t(region.level));
     for (const DelimitedRegion& region : regions) small.push_back(region.rejected);
+    if (left_out) {
+        const std::vector<std::uint8_t> worst = worst_of_bodies(view.pairs);
+        small.insert(small.end(), worst.begin(), worst.end());
+    }
 
     PageFrame frame;
     frame.block.add(positions), frame.block.add(a), frame.block.add(b), frame.block.add(bounds);
@@ -209,16 +229,15 @@ PageFrame PageFrames::make(const FrameView& view)
     frame.block.add(places.apart), frame.block.add(times), frame.block.add(places.curve),
         frame.block.add(places.of_curve);
     frame.block.add(boxes), frame.block.add(turns), frame.block.add(small);
-    std::uint64_t listed = 0;
-    for (std::size_t v = 0; v < verdicts.size(); ++v) listed += v || separate_ ? verdicts[v] : 0;
     frame.header = {{"frame", view.frame},
                     {"ms", number(view.ms)},
                     {"hash", fmt::format("{:016x}", view.hash)},
                     {"pairs", pairs.size()},
-                    {"left_out", listed - pairs.size()},
+                    {"left_out", left_out},
                     {"swept", swept},
                     {"curve", places.of_curve.size()},
                     {"regions", regions.size()},
+                    {"regions_left_out", all_regions - regions.size()},
                     {"verdicts", verdicts},
                     {"stages", stages_json(view.stages)},
                     {"levels", levels_json(view.delimitation)}};

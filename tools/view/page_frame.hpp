@@ -20,7 +20,8 @@ struct PageFrame {
 /// Turns frames into page data.
 class PageFrames {
 public:
-    /// Keeps references to both. @param most_pairs  pairs per frame; beyond it pairs are left out, separate ones first
+    /// Keeps references to both. @param most_pairs  pairs per frame; beyond it pairs are left out, separate ones first,
+    /// and the frame has the worst verdict of each body instead
     PageFrames(const Scene& scene, const Pipeline& pipeline, bool separate, std::size_t most_pairs);
 
     /// `view`: the frame that the pipeline ran last.
@@ -33,7 +34,7 @@ public:
     const std::vector<std::uint64_t>& touched() const { return touched_; }
 
     /// Bytes of a frame without pairs.
-    std::size_t least_bytes() const { return 20 * moving_.size() + 512; }
+    std::size_t least_bytes() const { return 20 * moving_.size() + scene_.size() + 512; }
     static constexpr std::size_t bytes_of_pair = 51;
 
 private:
@@ -45,6 +46,7 @@ private:
         std::vector<std::uint32_t> of_curve; ///< the pair of each segment
     };
     std::vector<PairResult> chosen(std::span<const PairResult> pairs) const;
+    std::vector<std::uint8_t> worst_of_bodies(std::span<const PairResult> pairs) const;
     static std::vector<const PairSweep*> sweeps_of(const FrameView& view, std::span<const PairResult> chosen);
     Places places_of(std::span<const PairResult> pairs, std::span<const PairSweep* const> sweeps) const;
 

@@ -42,6 +42,7 @@ int view(const ViewOptions& o)
                   {.file = o.out,
                    .most_bytes = std::size_t(o.limit) * 1'000'000,
                    .separate = frames.separate(),
+                   .frames = std::size_t(last - first + 1),
                    .threads = o.threads,
                    .results = o.results});
     catch_interrupts();

@@ -14,6 +14,7 @@
 #include <oncollide/runs/report.hpp>
 
 #include "common/base64.hpp"
+#include "view/page_about.hpp"
 #include "view/page_model.hpp"
 #include "view/page_text.hpp"
 #include "view/page_trees.hpp"
@@ -27,6 +28,7 @@ constexpr std::size_t bytes_of_body = 25, bytes_of_triangle = 16;
 constexpr std::size_t bytes_of_header = 800, bytes_of_geometry = 600;        ///< as JSON, with the coarsest meshes
 constexpr std::uint64_t most_triangles = 1'500'000, most_of_model = 250'000; ///< browsers draw this many easily
 constexpr std::size_t most_of_level = 3000;                                  ///< volumes of trees
+constexpr std::size_t most_bytes_of_trees = 12 * most_of_level * 4 / 3 + 32 * most_of_level * 8 / 7; ///< of a geometry
 
 std::size_t encoded(std::size_t bytes)
 {
@@ -59,13 +61,6 @@ std::string megabytes(std::size_t bytes)
 json columns_of(const Eigen::Vector3d& v)
 {
     return {v.x(), v.y(), v.z()};
-}
-
-std::string accuracy_text(const Settings& s, double metres)
-{
-    if (s.depth) return fmt::format("depth {} of the sphere-trees", *s.depth);
-    if (s.max_error) return fmt::format("{:g} m", *s.max_error * metres);
-    return "1 % of the smaller body";
 }
 
 /// The largest limit per geometry such that all geometries together have at most `most`.
@@ -108,7 +103,7 @@ void check_view(const char* option, const std::string& file, int limit, const Ou
 struct ViewPage::Shown {
     json geometries = json::array(), notes = json::array();
     std::vector<std::pair<std::string, std::string>> blocks; ///< by name, base64
-    std::uint64_t simplified = 0, triangles = 0, shown_triangles = 0;
+    std::uint64_t simplified = 0, triangles = 0, shown_triangles = 0, without_trees = 0;
     std::size_t taken = 0; ///< bytes of the blocks
 
     void add(std::string name, const PageBlock& block)
@@ -138,9 +133,9 @@ ViewPage::ViewPage(const Scene& scene, const Pipeline& pipeline, const Options& 
     for (std::size_t body = 0; body < scene.size(); ++body) names += scene.names[body].size() + 3;
     names_ = names < room_ / 5;
     if (names_) room_ -= names;
-    frames_room_ = room_ / 5 * 3;
+    frames_room_ = room_ - std::min(room_ / 5 * 2, room_for_geometries());
     const std::size_t poses = encoded(frames_->least_bytes()) + bytes_of_header;
-    const std::size_t most_pairs = std::max(frames_room_ / 2, poses) - poses;
+    const std::size_t most_pairs = std::max(frames_room_ / (options.frames == 1 ? 1 : 2), poses) - poses;
     frames_ =
         std::make_unique<PageFrames>(scene, pipeline, options.separate, most_pairs * 3 / 4 / PageFrames::bytes_of_pair);
 }
@@ -165,6 +160,25 @@ void ViewPage::thin_out()
         kept_bytes_ += kept_[to++].block.size() + bytes_of_header;
     }
     kept_.resize(to);
+}
+
+/// Bytes of all meshes and trees, at most.
+std::size_t ViewPage::room_for_geometries() const
+{
+    std::uint64_t triangles = 0;
+    for (const Geometry& geometry : scene_.geometries) triangles += std::min(page_triangles(geometry), most_of_model);
+    // Coarser meshes take three sevenths more.
+    return encoded(std::min(triangles, most_triangles) * bytes_of_triangle) * 10 / 7 +
+           encoded(most_bytes_of_trees) * scene_.geometries.size();
+}
+
+ViewPage::LeftOut ViewPage::most_left_out() const
+{
+    LeftOut most;
+    for (const Kept& kept : kept_)
+        if (const std::uint64_t pairs = kept.header.at("left_out"); pairs > most.pairs)
+            most = {kept.header.at("frame"), pairs, pairs + kept.header.at("pairs").get<std::uint64_t>()};
+    return most;
 }
 
 std::size_t ViewPage::room_left() const
@@ -216,18 +230,15 @@ void ViewPage::add_all_trees(Shown& shown) const
         if (frames_->touched()[g]) order.push_back(g);
     std::stable_sort(order.begin(), order.end(),
                      [&](std::uint32_t x, std::uint32_t y) { return frames_->touched()[x] > frames_->touched()[y]; });
-    std::size_t without = 0;
     for (const std::uint32_t g : order) {
-        constexpr std::size_t most_bytes_of_trees = 12 * most_of_level * 4 / 3 + 32 * most_of_level * 8 / 7;
         if (shown.taken + encoded(most_bytes_of_trees) > room_left()) {
-            ++without;
+            ++shown.without_trees;
             continue;
         }
         const PageTrees trees = make_page_trees(scene_.geometries.share(g), most_of_level, options_.threads);
         if (!trees.spheres.empty()) add_levels(shown, g, "spheres", trees.spheres);
         if (!trees.boxes.empty()) add_levels(shown, g, "boxes", trees.boxes);
     }
-    if (without) shown.notes.push_back(fmt::format("There was no room for the trees of {} geometries.", without));
 }
 
 /// @param name  "spheres" or "boxes"
@@ -255,26 +266,6 @@ void ViewPage::add_levels(Shown& shown, std::uint32_t g, std::string_view name,
     shown.add(fmt::format("{}{}", name[0], g), block);
 }
 
-json ViewPage::about() const
-{
-    const Settings& s = pipeline_.settings();
-    json rows = json::array();
-    rows.push_back({"Accuracy (max_error)", accuracy_text(s, options_.metres)});
-    rows.push_back({"Decided exactly (--exact)", name_of(exact_level(s))});
-    rows.push_back({"Clearance", fmt::format("{:g} m", s.clearance * options_.metres)});
-    rows.push_back({"Inside of meshes (--mode)", s.mode == Mode::solid ? "included: solid" : "not included: surface"});
-    rows.push_back({"Refined with", wants_obbs(s) ? "oriented boxes (OBB trees)" : "sphere-trees (OCST)"});
-    if (options_.results.empty()) {
-        rows.push_back({"Threads", fmt::format("{}", thread_count(s))});
-        rows.push_back({"Backend", pipeline_.inspect().backend});
-    } else {
-        rows.push_back({"Results", printable(options_.results)});
-    }
-    rows.push_back({"Result hash", fmt::format("{:016x}", pipeline_.hash())});
-    rows.push_back({"oncollide", version});
-    return rows;
-}
-
 void ViewPage::summarize(const Shown& shown, std::size_t size)
 {
     summary_ = fmt::format("{}: {}, ", printable(options_.file), megabytes(size));
@@ -284,15 +275,29 @@ void ViewPage::summarize(const Shown& shown, std::size_t size)
         summary_ +=
             fmt::format("; {} geometr{} shown simplified, {} of {} triangles", shown.simplified,
                         shown.simplified == 1 ? "y" : "ies", grouped(shown.shown_triangles), grouped(shown.triangles));
-    if (step_ > 1) summary_ += fmt::format("; --view-limit allows {}", megabytes(options_.most_bytes));
+    const LeftOut lacks = most_left_out();
+    if (lacks.pairs)
+        summary_ += fmt::format("; {} of {} pairs of frame {} are left out", grouped(lacks.pairs), grouped(lacks.of),
+                                lacks.frame);
+    if (!names_) summary_ += "; bodies by number, without names";
+    if (shown.without_trees) summary_ += fmt::format("; without the trees of {} geometries", shown.without_trees);
+    if (step_ > 1 || lacks.pairs || !names_ || shown.without_trees)
+        summary_ += fmt::format("; --view-limit allows {}", megabytes(options_.most_bytes));
 }
 
-/// Adds notes about frames, names and triangles that the page lacks.
+/// Adds notes about what the page lacks.
 void ViewPage::add_notes(Shown& made) const
 {
     if (step_ > 1)
         made.notes.push_back(fmt::format("The page shows one frame in {}, {} of {}, to stay below {}.", step_,
                                          kept_.size(), grouped(seen_), megabytes(options_.most_bytes)));
+    if (const LeftOut lacks = most_left_out(); lacks.pairs)
+        made.notes.push_back(
+            fmt::format("{} of {} pairs of frame {} are left out, to stay below {}. Their bodies have the colours of "
+                        "all pairs.",
+                        grouped(lacks.pairs), grouped(lacks.of), lacks.frame, megabytes(options_.most_bytes)));
+    if (made.without_trees)
+        made.notes.push_back(fmt::format("There was no room for the trees of {} geometries.", made.without_trees));
     if (made.simplified)
         made.notes.push_back(
             fmt::format("{} geometr{} shown simplified, with {} of {} triangles. Results refer to the full "
@@ -318,7 +323,7 @@ json ViewPage::header_of(Shown& made) const
                    {"metres", options_.metres},
                    {"geometries", std::move(made.geometries)},
                    {"notes", made.notes},
-                   {"about", about()}};
+                   {"about", page_about(pipeline_, options_.metres, options_.results)}};
     header["frames"] = json::array();
     for (const Kept& frame : kept_) header["frames"].push_back(frame.header);
     if (names_) {

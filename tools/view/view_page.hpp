@@ -22,14 +22,15 @@ void check_view(const char* option, const std::string& file, int limit, const Ou
 /// A run as one HTML page: the scene in 3D, frame by frame, with verdicts, pairs and trees. It needs no network. Format
 /// and limits: docs/view.md.
 ///
-/// The page has a size limit. If a run does not fit, only every second, fourth, eighth ... frame is kept, meshes are
-/// simplified, and deep levels of trees are left out; the page and summary() say so.
+/// The page has a size limit. If a run does not fit, only every second, fourth, eighth ... frame is kept, pairs of
+/// large frames are left out, meshes are simplified, and trees are left out; the page and summary() say so.
 class ViewPage final : public FrameSink {
 public:
     struct Options {
         std::string file;                    ///< file to write
         std::size_t most_bytes = 40'000'000; ///< size limit of the file
         bool separate = false;               ///< also keep separate pairs
+        std::size_t frames = 0;              ///< that will come; 0: not known
         int threads = 1;
         double metres = 1;     ///< per unit of the scene
         std::string results{}; ///< results file of the frames; empty: they come from a run
@@ -51,9 +52,14 @@ private:
         std::string block; ///< base64
     };
     struct Shown; ///< data that is made when the page is written
+    /// The kept frame that lacks the most pairs.
+    struct LeftOut {
+        std::uint64_t frame = 0, pairs = 0, of = 0; ///< of: pairs that it would list
+    };
+    std::size_t room_for_geometries() const;
     std::size_t room_left() const;
+    LeftOut most_left_out() const;
     void thin_out();
-    nlohmann::json about() const;
     Shown shown() const;
     void add_model(Shown& shown, std::uint32_t g, std::uint64_t cap) const;
     void add_all_trees(Shown& shown) const;

@@ -85,7 +85,8 @@ function frameAt(k) {
     nearest: c.take(Float32Array, n), apart: c.take(Float32Array, n), times: c.take(Float32Array, h.swept ? 2 * n : 0), curve: c.take(Float32Array, 6 * h.curve),
     ofCurve: c.take(Uint32Array, h.curve), regions: c.take(Float32Array, 6 * h.regions), turn: c.take(Int16Array, 4 * m),
     verdict: c.take(Uint8Array, n), stage: c.take(Uint8Array, n), kind: c.take(Uint8Array, n),
-    level: c.take(Uint8Array, h.regions), rejected: c.take(Uint8Array, h.regions), header: h, pairs: n};
+    level: c.take(Uint8Array, h.regions), rejected: c.take(Uint8Array, h.regions),
+    worst: c.take(Uint8Array, h.left_out ? header.bodies : 0), header: h, pairs: n}; // worst: ranks of all bodies where pairs are left out
   findPlaces(frame);
   decoded.set(k, frame);
   if (decoded.size > 12) decoded.delete(decoded.keys().next().value);
@@ -108,7 +109,7 @@ function showFrame(frame) {
     for (let k = 0; k < 4; ++k) turn[4 * b + k] = frame.turn[4 * i + k];
     findMiddle(b);
   }
-  verdict.fill(0);
+  verdict.fill(0), verdict.set(frame.worst);
   for (let p = 0; p < frame.pairs; ++p) {
     const rank = RANK_OF_VERDICT[frame.verdict[p]], a = frame.a[p], b = frame.b[p];
     verdict[a] = Math.max(verdict[a], rank), verdict[b] = Math.max(verdict[b], rank);

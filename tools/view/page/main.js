@@ -119,6 +119,7 @@ function lookOf() {
   const rgb = (c) => [255 * c.r, 255 * c.g, 255 * c.b], tint = RANKS.map((name) => rgb(palette[name])), grey = tint[0], land = rgb(palette.ground);
   const chosen = selectedBodies().length > 0, glass = state.tree !== "none" && chosen, related = new Uint8Array(state.only >= 0 ? bodies.count : 0);
   for (let p = 0; state.only >= 0 && p < frame.pairs; ++p) if (frame.verdict[p] === state.only) related[frame.a[p]] = related[frame.b[p]] = 1;
+  for (let b = 0; b < (state.only >= 0 ? frame.worst.length : 0); ++b) if (frame.worst[b] === RANK_OF_VERDICT[state.only]) related[b] = 1;
   const own = new Map(), hue = (b) => {
     if (!own.has(b)) own.set(b, rgb(new THREE.Color().setHSL((b * 0.618034) % 1, 0.42, isDark() ? 0.6 : 0.62)));
     return own.get(b);
@@ -178,12 +179,13 @@ function fillSelection() {
   const box = document.querySelector("#selection > div"), chosen = selectedBodies();
   if (!chosen.length) return box.replaceChildren(element("p.hint", {}, "Click a body or a pair. ", element("kbd", {}, "N"), " goes to the next pair."));
   const parts = [];
-  if (state.pair) parts.push(...(chosenPair >= 0 ? pairFacts(frame, chosenPair) : [element("p.hint", {}, "These two are not a pair in this frame" + (header.separate ? "." : ", or are separate."))]), ...chosen.map((b) => bodyLink(b, chooseBody)));
+  if (state.pair) parts.push(...(chosenPair >= 0 ? pairFacts(frame, chosenPair) : [element("p.hint", {}, "These two are not a pair in this frame" + (header.separate ? "" : ", or are separate") + (frame.header.left_out ? ", or are left out: the page has reached its size limit." : "."))]), ...chosen.map((b) => bodyLink(b, chooseBody)));
   else {
     parts.push(bodyLink(state.body, fit), bodyFacts(state.body));
     const own = [];
     for (let p = 0; p < frame.pairs && own.length < 30; ++p) if (frame.a[p] === state.body || frame.b[p] === state.body) own.push(pairButton(frame, p, -1, choosePair));
     parts.push(element("ul", {id: "own"}, ...own));
+    if (frame.header.left_out && bodies.verdict[state.body]) parts.push(element("p.hint", {}, "Pairs may be missing here: the page has reached its size limit."));
   }
   const deepest = (kind) => Math.max(...chosen.map((b) => deepestLevel(bodies.geometry[b], kind))), kinds = ["spheres", "boxes"].filter((k) => deepest(k) >= 0);
   const press = (text, on, act, title) => element("button", {onclick: act, ariaPressed: String(on), title: title || ""}, text);
@@ -212,7 +214,7 @@ function fillShow() {
     toggle("links", "Pairs: lines to both bodies, a mark at the pair", "L"), toggle("curves", "Where surfaces meet", "C"), toggle("bounds", "Bounds to scale: spheres of that radius", "B"),
     toggle("labels", "Labels: bound and stage of each pair", "T"), toggle("regions", "Regions tested (delimitation)", "R"),
     state.regions ? (levels.length ? element("div.row", {}, element("span.soft", {}, "Level"), element("select", {onchange: (e) => ((state.regionLevel = +e.target.value), changed()), ariaLabel: "Level of the regions"},
-      element("option", {value: -1}, "all"), ...levels.map((l) => element("option", {value: l, selected: l === state.regionLevel}, String(l)))), element("small", {}, "blue: kept, grey: ruled out")) : element("p.hint", {}, "None in this frame: " + (frame.header.stages[1][4] || "no region was tested") + ".")) : null,
+      element("option", {value: -1}, "all"), ...levels.map((l) => element("option", {value: l, selected: l === state.regionLevel}, String(l)))), element("small", {}, "blue: kept, grey: ruled out" + (frame.header.regions_left_out ? `; ${grouped(frame.header.regions_left_out)} deep ones are not shown` : ""))) : element("p.hint", {}, "None in this frame: " + (frame.header.stages[1][4] || "no region was tested") + ".")) : null,
     element("div.row", {}, element("span.soft", {}, "Colour bodies by"), element("select", {onchange: (e) => ((state.colours = e.target.value), (dirty = true)), ariaLabel: "Colour bodies by"},
       ...[["verdict", "verdict"], ["body", "body"]].map(([v, t]) => element("option", {value: v, selected: v === state.colours}, t)))));
 }

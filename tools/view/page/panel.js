@@ -38,7 +38,8 @@ function fillLegend(frame, only, choose) {
     const name = VERDICTS[v], shown = v !== 0 || header.separate;
     return element("li", {}, element("button", {onclick: () => choose(only === v ? -1 : v), ariaPressed: String(only === v), disabled: !shown, title: VERDICT_TEXT[name][1] + (shown ? "" : "; listed with --separate")},
       element("span.swatch." + name), VERDICT_TEXT[name][0], element("b", {}, grouped(counts[v]))));
-  }), element("li.hide-low", {}, element("button", {disabled: true}, element("span.swatch"), "No pair here")));
+  }), element("li.hide-low", {}, element("button", {disabled: true}, element("span.swatch"), "No pair here")),
+    ...(frame.header.left_out ? [element("li", {id: "left-out"}, element("button", {disabled: true, title: "The page has reached its size limit: these pairs have no marks and are not listed. Their bodies have the right colours."}, element("span"), "Pairs left out", element("b", {}, grouped(frame.header.left_out))))] : []));
 }
 
 function pairButton(frame, p, chosen, choose) {
@@ -63,7 +64,7 @@ function fillPairs(frame, shown, chosen, search, choose, chooseBody) {
       if (has(b)) ++more, rows.push(element("li", {}, element("button", {onclick: () => chooseBody(b)}, element("span.swatch." + RANKS[bodies.verdict[b]]), element("span.names", {}, nameOf(b)), element("span.bound", {}, "body"))));
   if (!rows.length) rows.push(element("li.note", {}, wanted ? "No match in this frame." : "No pair in this frame" + (header.separate ? "." : " except separate ones.")));
   if (found > MOST_LISTED) rows.push(element("li.note", {}, `and ${grouped(found - MOST_LISTED)} more`));
-  if (frame.header.left_out) rows.push(element("li.note", {}, `${grouped(frame.header.left_out)} pairs of this frame are left out: the page has reached its size limit.`));
+  if (frame.header.left_out) rows.push(element("li.note", {}, `${grouped(frame.header.left_out)} pairs of this frame are left out: the page has reached its size limit. Their bodies have the right colours.`));
   list.replaceChildren(...rows);
 }
 

@@ -1,0 +1,63 @@
+#include "render/backend_trial.hpp"
+
+#include <map>
+#include <string>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include <oncollide/pipeline/world.hpp>
+
+#include "cli/log.hpp"
+#include "cli/system.hpp"
+#include "render/graphics_process.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+/// Plays two crossing pyramids, whose trees grow through all of the driver. Returns why `auto`
+/// chose the CPU; empty: it did not.
+std::string play_two_bodies(const Settings& like)
+{
+    World world({.backend = like.backend, .gpu = like.gpu, .viewport = like.viewport});
+    const ModelId pyramid = world.add(
+        make_mesh("trial", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}));
+    world.add_body({.model = pyramid});
+    world.add_body({.model = pyramid, .pose = Eigen::Isometry3d(Eigen::Translation3d(0.2, 0.1, 0.1))});
+    world.step();
+    return world.inspect().backend_note;
+}
+
+/// What became of `auto`.
+struct Tried {
+    bool passed = false; ///< with the GPU
+    std::string note;    ///< why the CPU was chosen
+};
+
+Tried tried(const Settings& settings)
+{
+    try {
+        const std::string note =
+            GraphicsProcess([&](std::string_view) { return play_two_bodies(settings); }).request({});
+        return {.passed = note.empty(), .note = note};
+    } catch (const Error& error) {
+        if (error.kind() != ErrorKind::no_gpu || settings.backend != BackendKind::automatic) throw;
+        return {.note = fmt::format("auto: the CPU was chosen; {}", error.what())};
+    }
+}
+
+} // namespace
+
+void try_backend(Settings& settings)
+{
+    if (settings.backend == BackendKind::cpu || memory_limit() == 0) return;
+    // Only once, when options are read: later there are threads, which a copy of the process would not have.
+    static std::map<std::tuple<BackendKind, int, int>, Tried> all;
+    const auto [at, fresh] = all.try_emplace({settings.backend, settings.gpu, settings.viewport});
+    if (fresh) at->second = tried(settings);
+    if (settings.backend != BackendKind::automatic || at->second.passed) return;
+    if (fresh) log(LogLevel::note, at->second.note);
+    settings.backend = BackendKind::cpu;
+}
+
+} // namespace oncollide::tools

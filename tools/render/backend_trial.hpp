@@ -1,0 +1,11 @@
+#pragma once
+#include <oncollide/pipeline/settings.hpp>
+
+namespace oncollide::tools {
+
+/// Some drivers crash if memory is short, and a GPU backend runs in this process. So where memory is limited (ulimit
+/// -v), this tries the backend of `settings` on a small scene in a process of its own. If the trial fails: `auto`
+/// becomes `cpu`, with a note, and a backend by name throws Error{no_gpu}. Otherwise it does nothing.
+void try_backend(Settings& settings);
+
+} // namespace oncollide::tools
