@@ -14,6 +14,7 @@ function(build name source compiler) # without optimisation, which would take ha
   run(${CMAKE_COMMAND} --build ${WORK}/${name})
 endfunction()
 
+# Both examples; one has the solver of the samples.
 build(example ${WORK}/prefix/${DOC}/example ${COMPILER})
 run(${WORK}/example/two_meshes)
 if(NOT output MATCHES "ring and gear are separate" OR NOT output MATCHES "ring and gear are within")

@@ -5,8 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/samples/generators.hpp>
-
-#include "example/impulse_solver.hpp"
+#include <oncollide/samples/impulse_solver.hpp>
 
 namespace oncollide::rest_test {
 namespace {

@@ -44,11 +44,11 @@ TEST_F(CrashingDriver, AClashReportHasEverythingButPictures)
 
 TEST_F(CrashingDriver, AStudyHasEverythingButPictures)
 {
-    write_cube("cube.off");
-    const Outcome outcome =
-        run({"accuracy",     "study",  "cube.off", "cube.off", "--count", "2",    "--distances", "10",
-             "--max-errors", "1",      "--exact",  "off",      "--peers", "none", "--repeats",   "1",
-             "--html",       "s.html", "--csv",    "s.csv"});
+    folder_.write("near.json", R"({"frames": 1, "geometries": {"ball": {"mesh": {"generate": {"kind": "sphere",
+        "radius": 0.5, "triangles": 512}}}}, "bodies": [{"geometry": "ball"}, {"geometry": "ball",
+        "position": [0.75, 0.75, 0]}]})"); // apart, and spheres of depth 2 touch
+    const Outcome outcome = run({"accuracy", "study", "near.json", "--depths", "2", "--exact", "off", "--warm-up", "0",
+                                 "--peers", "none", "--html", "s.html", "--csv", "s.csv"});
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     expect_page_without_pictures("s.html", outcome);
     EXPECT_NE(folder_.read("s.csv").find("spheres"), std::string::npos);

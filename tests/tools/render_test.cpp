@@ -81,6 +81,18 @@ TEST_F(Render, TrianglesThatMeetAreRedUnderExactPredicates)
         << "also where they meet a hidden body";
 }
 
+TEST_F(Render, RedThatIsHiddenIsMentioned)
+{
+    write_scene("through.json", 0.9);
+    const auto text = [&](const char* eye) {
+        return render("through.json",
+                      {"--exact", "predicates", "--eye", eye, "--look-at", "0.45 0 0", "--out", "x.png"})
+            .out;
+    };
+    EXPECT_NE(text("-6 0 0").find("all of the red is hidden"), std::string::npos) << "behind the first ball";
+    EXPECT_EQ(text("0.45 -6 0").find("hidden"), std::string::npos);
+}
+
 TEST_F(Render, TheLiveTreesShowTheDecidingSpheres)
 {
     const Outcome touching = render("touching.json", {"--out", "x.png"});

@@ -9,7 +9,7 @@
 namespace oncollide::tools {
 namespace {
 
-constexpr double width = 960, left = 76, right = 690, label_gap = 28;
+constexpr double least_width = 960, left = 76, right = 660, label_gap = 40;
 constexpr double panel_height = 480, plot_top = 46, plot_bottom = 420;
 constexpr std::string_view dashes[] = {"none", "7 3", "2 3", "10 3 2 3", "14 4"};
 // Centred at (0, 0), about 8 wide.
@@ -67,7 +67,7 @@ void draw_axes(Svg& svg, const Axis& x, const Axis& y, const PlotAxes& axes)
     svg.vertical_text(18, 0.5 * (y.from + y.to), "label", axes.y_label);
 }
 
-/// Heights of the labels of lines that end at the same x: at the lines' ends if there is room, otherwise moved apart.
+/// Heights of the labels: at the lines' ends if there is room, otherwise moved apart.
 std::vector<double> label_places(std::span<const PlotLine* const> lines, const Axis& y)
 {
     constexpr double pitch = 15;
@@ -79,7 +79,13 @@ std::vector<double> label_places(std::span<const PlotLine* const> lines, const A
     return places;
 }
 
-void draw_line(Svg& svg, const PlotLine& line, double label_y, const Axis& x, const Axis& y, const PlotAxes& axes)
+std::string label_text(const PlotLine& line, const PlotAxes& axes)
+{
+    return fmt::format("{}  {}", line.label, axes.value_text(line.points.back().y));
+}
+
+void draw_line(Svg& svg, const PlotLine& line, double label_y, bool leader, const Axis& x, const Axis& y,
+               const PlotAxes& axes)
 {
     const bool main = line.weight == PlotLine::Weight::main;
     const std::string_view colour = plot_colour(line.style);
@@ -96,13 +102,13 @@ void draw_line(Svg& svg, const PlotLine& line, double label_y, const Axis& x, co
     svg.print("\"/>\n");
     for (const PlotLine::Point& p : line.points) mark(x.at(p.x), y.at(p.y));
     const PlotLine::Point& last = line.points.back();
-    const double label_x = x.at(last.x) + label_gap;
-    svg.print("<path stroke-width=\"0.6\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x.at(last.x) + 6, y.at(last.y),
-              label_x - 16, label_y);
+    const double label_x = right + label_gap;
+    if (leader)
+        svg.print("<path stroke-width=\"0.6\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x.at(last.x) + 6, y.at(last.y),
+                  label_x - 16, label_y);
     mark(label_x - 9, label_y);
     svg.print("</g>\n");
-    svg.text(label_x, label_y + 4, Anchor::start, main ? "main" : "value",
-             fmt::format("{}  {}", line.label, axes.value_text(last.y)));
+    svg.text(label_x, label_y + 4, Anchor::start, main ? "main" : "value", label_text(line, axes));
 }
 
 void draw_panel(Svg& svg, const PlotPanel& panel, double top, const PlotAxes& axes)
@@ -118,17 +124,24 @@ void draw_panel(Svg& svg, const PlotPanel& panel, double top, const PlotAxes& ax
     if (lines.empty()) return;
     x.high = std::max(x.high, x.low + 1), y.high = std::max(y.high, y.low + 1);
     draw_axes(svg, x, y, axes);
-    // Lines with ends near each other share the space for labels, the slowest on top.
-    constexpr double near = 60;
+    std::ranges::stable_sort(lines, std::greater(), [](const PlotLine* line) { return line->points.back().y; });
+    const std::vector<double> places = label_places(lines, y);
     const auto end_x = [&](const PlotLine* line) { return x.at(line->points.back().x); };
-    std::ranges::stable_sort(lines, {}, end_x);
-    for (std::size_t begin = 0, end = 0; begin < lines.size(); begin = end) {
-        while (end < lines.size() && end_x(lines[end]) < end_x(lines[begin]) + near) ++end;
-        const auto group = std::span(lines).subspan(begin, end - begin);
-        std::ranges::stable_sort(group, std::greater(), [](const PlotLine* line) { return line->points.back().y; });
-        const std::vector<double> places = label_places(group, y);
-        for (std::size_t k = 0; k < group.size(); ++k) draw_line(svg, *group[k], places[k], x, y, axes);
-    }
+    constexpr double near = 20;
+    double last = left;
+    for (const PlotLine* line : lines) last = std::max(last, end_x(line));
+    for (std::size_t k = 0; k < lines.size(); ++k)
+        draw_line(svg, *lines[k], places[k], end_x(lines[k]) > last - near, x, y, axes);
+}
+
+/// The width with all labels, for a font as wide as DejaVu Sans in bold.
+double width_of(std::span<const PlotPanel> panels, const PlotAxes& axes)
+{
+    std::size_t longest = 0;
+    for (const PlotPanel& panel : panels)
+        for (const PlotLine& line : panel.lines)
+            if (!line.points.empty()) longest = std::max(longest, label_text(line, axes).size());
+    return std::max(least_width, right + label_gap + 8.4 * double(longest));
 }
 
 } // namespace
@@ -137,7 +150,7 @@ void draw_line_plot(OutputFile& file, std::span<const PlotPanel> panels, const P
 {
     const double height = panel_height * double(panels.size());
     Svg svg(file);
-    svg.begin_file(width, height,
+    svg.begin_file(width_of(panels, axes), height,
                    ".main{font-weight:bold}.main,.value{paint-order:stroke;stroke:#ffffff;stroke-width:3px}");
     for (std::size_t k = 0; k < panels.size(); ++k) draw_panel(svg, panels[k], panel_height * double(k), axes);
     svg.end();

@@ -31,8 +31,8 @@ struct PlotAxes {
     std::string x_least_name = {}; ///< in place of the number at the left end, for points that have no logarithm
 };
 
-/// Draws panels one below the other; y is logarithmic. Lines differ in colour, dash and marker, and have labels at
-/// their ends.
+/// Draws panels one below the other; y is logarithmic. Lines differ in colour, dash and marker. Their labels are beside
+/// the panel, never on the data; a thin line leads from a label to the end of its line if nothing is in between.
 void draw_line_plot(OutputFile& file, std::span<const PlotPanel> panels, const PlotAxes& axes);
 
 } // namespace oncollide::tools

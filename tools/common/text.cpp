@@ -70,7 +70,7 @@ std::vector<int> parse_depths(const std::string& option, const std::string& text
     return depths;
 }
 
-std::string describe(const Settings& s, const std::string& stand_in)
+std::string describe(const Settings& s, const std::string& stand_in, bool one_exact_level)
 {
     const ExactLevel exact = exact_level(s);
     const bool bounded = s.max_error || s.depth || exact == ExactLevel::off;
@@ -80,8 +80,9 @@ std::string describe(const Settings& s, const std::string& stand_in)
                                  : bounded ? fmt::format("max error {} % of the smaller body", 100 * default_error)
                                            : std::string();
     std::string text =
-        fmt::format("{}{}exact {}, mode {}, broad {}, threads {}, age {}", accuracy, accuracy.empty() ? "" : ", ",
-                    name_of(exact), name_of(s.mode), name_of(s.broad_phase), thread_count(s), s.age_limit);
+        fmt::format("{}{}{}mode {}, broad {}, threads {}, age {}", accuracy, accuracy.empty() ? "" : ", ",
+                    one_exact_level ? fmt::format("exact {}, ", name_of(exact)) : "", name_of(s.mode),
+                    name_of(s.broad_phase), thread_count(s), s.age_limit);
     if (s.clearance > 0) text += fmt::format(", clearance {} m", s.clearance);
     if (s.bounding_volume != BoundingVolume::automatic)
         text += fmt::format(", bounding volume {}", name_of(s.bounding_volume));

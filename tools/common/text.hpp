@@ -33,7 +33,7 @@ std::vector<std::string> split(const std::string& list);
 /// Lines that name the program, compiler, peer and machine of a result.
 std::string describe_program(const std::string& backend);
 /// The settings that affect a result, on one line; `accuracy` replaces the text of the accuracy.
-std::string describe(const Settings& settings, const std::string& accuracy = {});
+std::string describe(const Settings& settings, const std::string& accuracy = {}, bool one_exact_level = true);
 
 template <class... Args>
 void say(fmt::format_string<Args...> format, Args&&... args)

@@ -1,9 +1,8 @@
-// Twenty concave meshes fall on hills and come to rest: manifolds, and a small solver (impulse_solver.hpp).
+// Twenty concave meshes fall on hills and come to rest: manifolds, and the small solver of the samples.
 #include <cstdio>
 
 #include <oncollide/samples/generators.hpp>
-
-#include "impulse_solver.hpp"
+#include <oncollide/samples/impulse_solver.hpp>
 
 using namespace oncollide;
 

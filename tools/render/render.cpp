@@ -71,6 +71,13 @@ Image draw(PainterProcess& painter, std::vector<ScenePicture>& panels, const Cam
     return image;
 }
 
+bool shows_red(const Image& image)
+{
+    for (std::size_t at = 0; at < image.pixels.size(); at += 3)
+        if (const std::uint8_t* p = &image.pixels[at]; p[0] > 2 * p[1] && p[0] > 2 * p[2]) return true;
+    return false;
+}
+
 /// Draws all images by casts. No stage plays, so no trees age and no frame depends on the frames before it.
 void render_rays(Scene& scene, const RenderOptions& options, const Settings& settings, const RenderPlan& plan,
                  const View& view)
@@ -129,11 +136,16 @@ int render(const RenderOptions& options)
     if (twice) play(scene, options, settings, plan, [&](const ImagePlan&, const Panels& panels) { see(panels); });
     play(scene, options, settings, plan, [&](const ImagePlan& image, Panels& panels) {
         if (!twice) see(panels);
-        save_png(draw(painter, panels.pictures, view.camera(framing), plan), image.file);
+        const Image drawn = draw(painter, panels.pictures, view.camera(framing), plan);
+        save_png(drawn, image.file);
         if (!options.quiet)
-            write_to_stdout(fmt::format("{}: {} spheres, {} of them red{}\n", printable(image.file), panels.spheres,
+            write_to_stdout(fmt::format("{}: {} spheres, {} of them red{}{}
+", printable(image.file), panels.spheres,
                                         panels.red,
-                                        panels.meeting ? fmt::format("; {} triangles that meet", panels.meeting) : ""),
+                                        panels.meeting ? fmt::format("; {} triangles that meet", panels.meeting) : "",
+                                        (panels.red || panels.meeting) && !shows_red(drawn)
+                                            ? "; all of the red is hidden: try --show spheres, --body or --eye"
+                                            : ""),
                             image.file == "-");
     });
     return 0;
@@ -173,7 +185,7 @@ void add_render(Arguments app)
     add_accuracy_options(sub, options->settings);
     add_pipeline_options(sub, options->settings);
     sub.footer("Examples:\n"
-               "  oncollide render paper --frame 1200 --out contact.png\n"
+               "  oncollide render paper --frame 1100 --exact on --out contact.png\n"
                "  oncollide render paper --body dragon --whole --show spheres --level 2,4,6 --out levels.png\n"
                "  oncollide render city --bodies 300 --every 10 --frame 100 --out city.png\n"
                "  oncollide render hills --rays --threads 0 --out hills.png\n"

@@ -7,6 +7,7 @@
 #include "cli/system.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <memory>
@@ -15,11 +16,13 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
 
 #include "common/text.hpp"
+#include "study/page_parts.hpp"
 #include "study/play.hpp"
 #include "study/report.hpp"
 
@@ -30,7 +33,7 @@ struct StudyOptions {
     WorkloadOptions workload;
     SettingsOptions settings;
     std::string depths, max_errors, backends = "cpu", bounding_volumes = "sphere,obb", exact = "off,predicates";
-    std::string viewports = "16", peers, html, csv, json, shard;
+    std::string viewports = "16", peers, html, svg, csv, json, shard;
     int warm_up = 3, repeats = 3;
 };
 
@@ -139,6 +142,14 @@ std::vector<StudyVariant> variants_of(const StudyOptions& o, double size)
     return variants;
 }
 
+/// What all variants share.
+Settings common_of(const std::vector<StudyVariant>& variants)
+{
+    Settings settings = variants.front().settings;
+    settings.bounding_volume = BoundingVolume::automatic;
+    return settings;
+}
+
 template <class Write>
 void write_file(const std::string& path, Write write)
 {
@@ -156,8 +167,20 @@ std::string names_of(const std::vector<StudyPeer>& peers)
     return names;
 }
 
+/// Throws Error{usage} for one mesh alone.
+void check_what(const std::vector<std::string>& what)
+{
+    if (what.size() != 1) return;
+    constexpr std::array<std::string_view, 4> meshes{".obj", ".stl", ".ply", ".off"};
+    if (std::ranges::find(meshes, lower_extension(what[0])) != meshes.end())
+        usage(fmt::format("accuracy study {0}: takes a scene (a file, or a name of 'oncollide scene --list'), or two "
+                          "meshes, the second in many poses around the first: oncollide accuracy study {0} OTHER",
+                          what[0]));
+}
+
 int accuracy_study(const StudyOptions& o)
 {
+    check_what(o.workload.what);
     check_range("--repeats", o.repeats, 1, 1000), check_range("--warm-up", o.warm_up, 0);
     const std::vector<StudyVariant> planned = variants_of(o, 1); // refuses wrong options before anything is read
     const std::size_t all = planned.size();
@@ -169,7 +192,8 @@ int accuracy_study(const StudyOptions& o)
     if (shard.part < shard.parts) peers.clear(); // their rows are the last ones
     std::vector<std::string> inputs = o.workload.what;
     inputs.push_back(o.workload.poses);
-    check_files({{"--html", o.html}, {"--csv", o.csv}, {"--json", o.json}}, inputs);
+    check_files({{"--html", o.html}, {"--svg", o.svg}, {"--csv", o.csv}, {"--json", o.json}}, inputs);
+    check_extension("--svg", o.svg, {".svg"}, svg_to_pdf);
     StudyWorkload workload(o.workload);
     print_warnings(workload.scene);
     std::vector<StudyVariant> variants = variants_of(o, median_size(workload.scene));
@@ -182,7 +206,8 @@ int accuracy_study(const StudyOptions& o)
         "           extended precision on convex sets for shapes and maps\n"
         "settings   {}\n{}",
         printable(study.title), study.frames, study.warm_up, o.repeats, o.repeats == 1 ? "run" : "runs",
-        names_of(study.peers), describe(variants.front().settings, "accuracy by variant"),
+        names_of(study.peers),
+        describe(common_of(variants), "accuracy, exact level and bounding volume by variant", false),
         describe_program(study.rows.front().backend));
     say("{}{} bodies of {} triangles, {:.3g} m median; {} collisions in all frames\n\n", about, grouped(study.bodies),
         grouped(study.triangles), study.size, grouped(study.colliding));
@@ -196,6 +221,7 @@ int accuracy_study(const StudyOptions& o)
         write_study_csv(file, study);
     });
     write_file(o.json, [&](OutputFile& file) { write_study_json(file, study, about); });
+    write_file(o.svg, [&](OutputFile& file) { draw_speed_error(file, study); });
     write_file(o.html, [&](OutputFile& file) {
         const StudyPictures pictures = draw_study_pictures(workload, study, *painter);
         if (!pictures.missing.empty()) log(LogLevel::warning, fmt::format("{}: {}", o.html, pictures.missing));
@@ -233,6 +259,7 @@ Option add_study_options(Arguments sub, StudyOptions& o)
         "--repeats N", o.repeats,
         "number of runs; each frame's least time counts. A scene starts anew, poses reuse the grown trees (default 3)");
     sub.add_option("--html FILE", o.html, "write a page with all results, figures and pictures; needs no network");
+    sub.add_option("--svg FILE", o.svg, "write the figure of time against error, for a paper");
     sub.add_option("--csv FILE", o.csv, "write one row per variant");
     sub.add_option("--shard I/N", o.shard, std::string("divide the variants among N processes: ") + shard_help);
     sub.add_option("--json FILE", o.json, "write the same as JSON, with times per stage");
@@ -266,6 +293,8 @@ void add_accuracy_study(Arguments accuracy)
         "  oncollide accuracy study many --frames 20 --html many.html\n"
         "  oncollide accuracy study a.obj b.obj --poses poses.txt --max-errors 0.1,0.01,0.001 --csv study.csv\n"
         "  oncollide accuracy study many --bodies 200 --frames 5 --peers all --csv peers.csv\n"
+        "  oncollide accuracy study many --frames 20 --svg many.svg\n"
+        "  rsvg-convert -f pdf -o many.pdf many.svg    # Debian: librsvg2-bin\n"
         "  oncollide accuracy study paper --backend cpu,gl-query --viewport 8,64 --bounding-volume sphere\n"
         "Exit code 70: a certified result was wrong.");
     sub.action([options, poses] {

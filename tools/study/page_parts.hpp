@@ -15,6 +15,9 @@ void heading(OutputFile& file, std::string_view words);
 void paragraph(OutputFile& file, std::string_view words);
 void fault(OutputFile& file, std::string_view words);
 void show_picture(OutputFile& file, const StudyPicture& picture);
+/// Advice for the name of a figure's file.
+constexpr std::string_view svg_to_pdf = "; rsvg-convert (Debian: librsvg2-bin) makes PDF from it";
+
 /// @param about  settings and program, lines of plain text
 void end_page(OutputFile& file, const std::string& about);
 

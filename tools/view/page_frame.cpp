@@ -76,6 +76,14 @@ PageFrames::PageFrames(const Scene& scene, const Pipeline& pipeline, bool separa
     }
 }
 
+const std::size_t PageFrames::bytes_of_rest = 28 * most_of_curve + 26 * most_regions;
+
+std::size_t PageFrames::bytes_of_pair() const
+{
+    // Two bodies, bound, error, place and two distances as floats, times as two, and three small numbers.
+    return 39 + (pipeline_.continuous() ? 8 : 0);
+}
+
 std::vector<PairResult> PageFrames::chosen(std::span<const PairResult> pairs) const
 {
     std::vector<PairResult> all;

@@ -35,7 +35,8 @@ public:
 
     /// Bytes of a frame without pairs.
     std::size_t least_bytes() const { return 20 * moving_.size() + scene_.size() + 512; }
-    static constexpr std::size_t bytes_of_pair = 51;
+    std::size_t bytes_of_pair() const;
+    static const std::size_t bytes_of_rest; ///< of a frame, at most: curves and regions
 
 private:
     /// Positions of pairs, as columns of a frame.

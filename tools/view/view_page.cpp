@@ -134,10 +134,11 @@ ViewPage::ViewPage(const Scene& scene, const Pipeline& pipeline, const Options& 
     names_ = names < room_ / 5;
     if (names_) room_ -= names;
     frames_room_ = room_ - std::min(room_ / 5 * 2, room_for_geometries());
-    const std::size_t poses = encoded(frames_->least_bytes()) + bytes_of_header;
-    const std::size_t most_pairs = std::max(frames_room_ / (options.frames == 1 ? 1 : 2), poses) - poses;
+    const std::size_t without_pairs = encoded(frames_->least_bytes() + PageFrames::bytes_of_rest) + bytes_of_header;
+    const std::size_t of_frame = frames_room_ / (options.frames == 1 ? 1 : 2);
+    const std::size_t most_pairs = (std::max(of_frame, without_pairs) - without_pairs) * 3 / 4;
     frames_ =
-        std::make_unique<PageFrames>(scene, pipeline, options.separate, most_pairs * 3 / 4 / PageFrames::bytes_of_pair);
+        std::make_unique<PageFrames>(scene, pipeline, options.separate, most_pairs / frames_->bytes_of_pair());
 }
 
 void ViewPage::add(const FrameView& frame)

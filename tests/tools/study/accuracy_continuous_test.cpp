@@ -62,6 +62,21 @@ TEST_F(ContinuousStudy, CountsWhatSampledPosesMissAndShowsTheWorst)
     EXPECT_EQ(page.find("FAULT"), std::string::npos);
 }
 
+TEST_F(ContinuousStudy, ASceneWithoutContactsSaysSoAndNamesOthers)
+{
+    folder_.write("by.json", R"({"frames": 3, "geometries": {"ball": {"mesh": {"generate": {"kind": "sphere",
+        "radius": 0.5, "triangles": 512}}}}, "bodies": [{"geometry": "ball"}, {"geometry": "ball",
+        "position": [0.75, 0.75, 0], "motion": {"drift": {"velocity": [0.01, 0, 0]}}}]})");
+    const std::vector<std::string> command{"accuracy", "continuous", "by.json", "--html", "s.html", "--svg", "s.svg"};
+    const Outcome none = run(command);
+    ASSERT_EQ(none.code, 0) << none.err;
+    for (const std::string& text : {none.out, folder_.read("s.html")})
+        EXPECT_NE(text.find("No pair meets on its way"), std::string::npos) << text;
+    EXPECT_NE(none.out.find("octomap"), std::string::npos) << none.out;
+    EXPECT_TRUE(folder_.read("s.svg").starts_with("<svg "));
+    EXPECT_EQ(run({"accuracy", "continuous", "plates.json"}).out.find("No pair meets"), std::string::npos);
+}
+
 TEST_F(ContinuousStudy, RefusesNonsense)
 {
     expect_error(64, {"accuracy", "continuous", "plates.json", "--tolerances", "0"}, {"--tolerances", "1e-12"});

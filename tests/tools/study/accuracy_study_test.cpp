@@ -217,6 +217,35 @@ TEST_F(Study, ThePageNeedsNothingElse)
     EXPECT_GT(count_of(page, "<figcaption>"), 0u);
 }
 
+/// The labels are right of the data, and the picture is as wide as they are.
+TEST_F(Study, TheFigureIsAFileForAPaper)
+{
+    const Outcome outcome =
+        run({"accuracy", "study", "cubes.json", "--depths", "2-4", "--svg", "s.svg", "--peers", "fcl"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("accuracy, exact level and bounding volume by variant, mode surface"), std::string::npos)
+        << outcome.out;
+    EXPECT_EQ(outcome.out.find("bounding volume sphere"), std::string::npos) << "OBBs ran, too";
+    const std::string svg = folder_.read("s.svg");
+    EXPECT_EQ(why_malformed(svg), "");
+    EXPECT_TRUE(svg.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"")) << svg.substr(0, 100);
+    const double width = std::stod(svg.substr(svg.find("width=\"") + 7));
+    const std::regex point("<path fill=\"[^\"]*\" transform=\"translate\\(([0-9.]+) "),
+        label("<text x=\"([0-9.]+)\"[^>]*class=\"(main|value)\">([^<]*)<");
+    double left = 1e9;
+    int labels = 0;
+    for (std::sregex_iterator it(svg.begin(), svg.end(), label), end; it != end; ++it, ++labels) {
+        left = std::min(left, std::stod((*it)[1]));
+        EXPECT_LT(std::stod((*it)[1]) + 8 * double((*it)[3].length()), width) << (*it)[3];
+    }
+    EXPECT_GE(labels, 5);
+    int points = 0;
+    for (std::sregex_iterator it(svg.begin(), svg.end(), point), end; it != end; ++it, ++points)
+        EXPECT_LT(std::stod((*it)[1]), left);
+    EXPECT_GT(points, 2 * labels - 1) << "each label has its marker, too";
+    expect_error(64, {"accuracy", "study", "cubes.json", "--svg", "s.pdf"}, {"--svg s.pdf", ".svg", "rsvg-convert"});
+}
+
 TEST_F(Study, UnlessToldItMeasuresErrorsInMetres)
 {
     const nlohmann::json all = study({"cubes.json", "--warm-up", "0", "--peers", "none", "--exact", "off"});
@@ -320,6 +349,7 @@ TEST_F(Study, RefusesWhatMakesNoSense)
     refuse({"cube.off", "cube.off", "--poses"}, {"--poses", "own"});
     refuse({"cube.off", "cube.off", "--count", "0"}, {"--count 0"});
     refuse({"cube.off", "none.off"}, {"none.off"}, 66);
+    refuse({"cube.off"}, {"accuracy study cube.off", "a scene", "two meshes", "cube.off OTHER"});
     refuse({"none.json"}, {"none.json"}, 66);
     refuse({"cubes.json", "--html", "no/where.html"}, {"no/where.html"}, 73);
     refuse({"cubes.json", "--backend", "gl-query", "--gpu", "63"}, {"no GPU 63"}, 71);

@@ -7,7 +7,6 @@
 #include "cli/system.hpp"
 #include "common/race.hpp"
 #include "common/text.hpp"
-#include "example/impulse_solver.hpp"
 #include "peers/contacts/contact_peer.hpp"
 
 #include <algorithm>
@@ -18,6 +17,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/text/json_writer.hpp>
+#include <oncollide/samples/impulse_solver.hpp>
 
 namespace oncollide::tools {
 namespace {

@@ -23,7 +23,7 @@ namespace {
 
 struct ContinuousCommand {
     WorkloadOptions workload;
-    std::string scene, tolerances = "1e-2,1e-3,1e-4,1e-6", samples = "1,10,100,1000", html, csv, json;
+    std::string scene, tolerances = "1e-2,1e-3,1e-4,1e-6", samples = "1,10,100,1000", html, svg, csv, json;
     int count = 1000, of_fcl = 50;
 };
 
@@ -109,10 +109,15 @@ std::string summary(const ContinuousStudy& study)
         grouped(study.contacts), grouped(study.open));
 }
 
+constexpr std::string_view without_contacts =
+    "No pair meets on its way, so nothing could be missed: this scene compares times only. Scenes of the catalogue "
+    "with contacts: octomap, campus, many.";
+
 void write_page(OutputFile& file, const Scene& scene, const ContinuousStudy& study, const std::string& about)
 {
     begin_page(file, study.title + ": contacts on the way", command_text());
     paragraph(file, summary(study));
+    if (study.contacts == 0) fault(file, without_contacts);
     if (study.contradicted)
         fault(file, fmt::format("FAULT: in {} steps, a pose collides before the certified time.", study.contradicted));
     file.print("<figure>");
@@ -135,14 +140,15 @@ void write_page(OutputFile& file, const Scene& scene, const ContinuousStudy& stu
     if (const std::optional<StudyPicture> picture = draw_worst_miss(scene, study))
         show_picture(file, *picture);
     else
-        paragraph(file, "Sampled poses missed no contact.");
+        paragraph(file, study.contacts ? "Sampled poses missed no contact." : "There was none to miss.");
     end_page(file, about);
 }
 
 int accuracy_continuous(ContinuousCommand o)
 {
     const ContinuousOptions options = options_from(o);
-    check_files({{"--html", o.html}, {"--csv", o.csv}, {"--json", o.json}}, {o.scene});
+    check_files({{"--html", o.html}, {"--svg", o.svg}, {"--csv", o.csv}, {"--json", o.json}}, {o.scene});
+    check_extension("--svg", o.svg, {".svg"}, svg_to_pdf);
     o.workload.what = {o.scene};
     StudyWorkload workload(o.workload);
     print_warnings(workload.scene);
@@ -153,6 +159,7 @@ int accuracy_continuous(ContinuousCommand o)
     const std::string about = describe_program("cpu");
     say("{}\n{}\n\n", about, summary(study));
     print_table(study);
+    if (study.contacts == 0) say("\n{}\n", without_contacts);
     if (study.contradicted) say("\n{} STEPS CONTRADICTED by sampled poses\n", study.contradicted);
     const auto write = [](const std::string& path, auto content) {
         if (path.empty()) return;
@@ -162,6 +169,7 @@ int accuracy_continuous(ContinuousCommand o)
     };
     if (!o.csv.empty()) write_csv(o.csv, study);
     write(o.json, [&](OutputFile& file) { write_json(file, study); });
+    write(o.svg, [&](OutputFile& file) { draw_speeds(file, study); });
     write(o.html, [&](OutputFile& file) { write_page(file, workload.scene, study, about); });
     return study.contradicted ? int(ErrorKind::internal) : 0;
 }
@@ -183,6 +191,9 @@ void add_accuracy_continuous(Arguments accuracy)
     sub.add_option("--every N", options->workload.every, "process only every N-th frame");
     add_catalogue_options(sub, options->workload.scene);
     sub.add_option("--html FILE", options->html, "write a page with a figure and a picture of the worst miss");
+    sub.add_option("--svg FILE", options->svg,
+                   "write the figure, for a paper; 'rsvg-convert -f pdf -o x.pdf x.svg' makes PDF (Debian: "
+                   "librsvg2-bin)");
     sub.add_option("--csv FILE", options->csv, "write one row per contender and setting");
     sub.add_option("--json FILE", options->json, "write the same as JSON");
     sub.footer("Bodies move in a straight line from frame to frame, and rotate along the shorter arc. Pairs in contact "
