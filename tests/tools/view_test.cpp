@@ -139,7 +139,7 @@ TEST_F(View, PairsThatDoNotFitAreCountedAndTheirBodiesKeepTheirColours)
     EXPECT_NE(few.find("--view-limit allows 2.0 MB"), std::string::npos) << few;
     const std::size_t size = folder_.read("x.html").size();
     EXPECT_LT(size, 2'000'000u);
-    EXPECT_GT(size, 1'400'000u) << "what fits is there";
+    EXPECT_GT(size, 1'400'000u) << "the page uses its room";
     const nlohmann::json h = header(), frame = h.at("frames")[0];
     const std::size_t pairs = frame.at("pairs"), lacking = frame.at("left_out");
     EXPECT_EQ(pairs + lacking, 22'000u);
@@ -148,7 +148,7 @@ TEST_F(View, PairsThatDoNotFitAreCountedAndTheirBodiesKeepTheirColours)
     EXPECT_NE(h.at("notes").dump().find(left_out), std::string::npos) << h.at("notes");
     // The last bytes of the frame: the rank of each body's worst pair.
     const std::string bytes = decoded_base64(block("f0")), ranks = bytes.substr(bytes.size() - 3 * rows - 1);
-    EXPECT_EQ(ranks, std::string(3 * rows, '\4') + '\0') << "all but the last body collide";
+    EXPECT_EQ(ranks, std::string(3 * rows, '\4') + '\0') << "all bodies collide, except the last one";
 
     const std::string all = page("4");
     EXPECT_EQ(all.find("left out"), std::string::npos) << all;

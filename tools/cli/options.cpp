@@ -16,7 +16,6 @@
 
 #include "cli/cooked_cache.hpp"
 #include "cli/log.hpp"
-#include "render/backend_trial.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -135,7 +134,6 @@ Settings settings_from(const SettingsOptions& o)
         if (const nlohmann::json value = given(row, o.values()[i]); !value.is_null()) row.set(settings, value);
     }
     check(settings);
-    try_backend(settings);
     return settings;
 }
 

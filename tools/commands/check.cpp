@@ -6,6 +6,7 @@
 #include "cli/system.hpp"
 #include "common/numbers.hpp"
 #include "play/play.hpp"
+#include "render/backend_trial.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -188,7 +189,7 @@ std::string describe_distance(const Scene& scene, const World& world, double tol
 
 int check_pair(const CheckOptions& options)
 {
-    Settings settings = settings_from(options.settings);
+    Settings settings = with_tried_backend(settings_from(options.settings));
     Settings plain = settings;
     plain.clearance = 0; // distances of one pair are cheap enough to be exact by default
     settings.exact = exact_level(plain);

@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "render/backend_trial.hpp"
 #include "view/view_page.hpp"
 
 #include <oncollide/base/threads/parallel.hpp>
@@ -84,7 +85,7 @@ int run(const RunOptions& options)
     if (wants_ranks(options.ranks)) return run_on_ranks(options);
     if (!shard.whole() && options.from_frame)
         usage("--shard and --from-frame: each selects the frames to run; give only one of them");
-    const Settings settings = settings_from(options.settings);
+    const Settings settings = with_tried_backend(settings_from(options.settings));
     check_range("--from-frame", options.from_frame, 0);
     const bool from_file = is_scene_file(options.scene.scene);
     if (options.outputs.pairs == "-") usage("--pairs -: needs a file, because it is written in place");

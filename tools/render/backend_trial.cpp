@@ -28,7 +28,7 @@ std::string play_two_bodies(const Settings& like)
     return world.inspect().backend_note;
 }
 
-/// What became of `auto`.
+/// The outcome of a trial.
 struct Tried {
     bool passed = false; ///< with the GPU
     std::string note;    ///< why the CPU was chosen
@@ -48,16 +48,17 @@ Tried tried(const Settings& settings)
 
 } // namespace
 
-void try_backend(Settings& settings)
+Settings with_tried_backend(Settings settings)
 {
-    if (settings.backend == BackendKind::cpu || memory_limit() == 0) return;
+    if (settings.backend == BackendKind::cpu || memory_limit() == 0) return settings;
     // Only once, when options are read: later there are threads, which a copy of the process would not have.
     static std::map<std::tuple<BackendKind, int, int>, Tried> all;
     const auto [at, fresh] = all.try_emplace({settings.backend, settings.gpu, settings.viewport});
     if (fresh) at->second = tried(settings);
-    if (settings.backend != BackendKind::automatic || at->second.passed) return;
+    if (settings.backend != BackendKind::automatic || at->second.passed) return settings;
     if (fresh) log(LogLevel::note, at->second.note);
     settings.backend = BackendKind::cpu;
+    return settings;
 }
 
 } // namespace oncollide::tools

@@ -7,9 +7,9 @@
 namespace oncollide::tools {
 
 /// A copy of this process in which the graphics driver is loaded: if the driver crashes or runs out of memory, only the
-/// copy ends. Make it before other threads start and before files are read: the copy keeps what it has at that moment,
-/// and one thread. What the driver prints goes nowhere, except with ONCOLLIDE_LOG=debug. Systems without fork() serve
-/// in this process.
+/// copy ends. A command makes the copy before other threads start and before files are read, because the copy keeps all
+/// memory of that moment and one thread. The driver's own messages are dropped, except with ONCOLLIDE_LOG=debug.
+/// Systems without fork() serve in this process.
 class GraphicsProcess {
 public:
     using Serve = std::function<std::string(std::string_view request)>;
@@ -21,8 +21,9 @@ public:
     GraphicsProcess(const GraphicsProcess&) = delete;
     GraphicsProcess& operator=(const GraphicsProcess&) = delete;
 
-    /// What `serve` returns for the request, whose parts are joined. Throws the Error that it threw, and Error{no_gpu}
-    /// if the copy has ended or lacks memory; the message says how, and names the limit of memory if there is one.
+    /// Returns the result of `serve` for the request, whose parts are joined. Throws the Error that it threw, and
+    /// Error{no_gpu} if the copy has ended or lacks memory; the message says how, and names the limit of memory if
+    /// there is one.
     std::string request(std::span<const std::string_view> parts);
 
 private:

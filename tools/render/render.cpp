@@ -1,5 +1,6 @@
 #include "cli/command.hpp"
 #include "cli/standard_output.hpp"
+#include "render/backend_trial.hpp"
 #include "render/painter_process.hpp"
 #include "render/png.hpp"
 #include "render/ray_picture.hpp"
@@ -108,7 +109,7 @@ void render_rays(Scene& scene, const RenderOptions& options, const Settings& set
 
 int render(const RenderOptions& options)
 {
-    Settings settings = settings_from(options.settings);
+    Settings settings = with_tried_backend(settings_from(options.settings));
     if (!settings.depth && !settings.max_error && !options.rays) settings.depth = 6; // the sphere-trees are drawn
     const View view(options);
     PainterProcess painter(settings.gpu);

@@ -2,6 +2,7 @@
 #include "cli/command.hpp"
 #include "common/text.hpp"
 #include "play/compared.hpp"
+#include "render/backend_trial.hpp"
 #include "study/play.hpp"
 #include "verify/setting_variants.hpp"
 
@@ -53,7 +54,7 @@ std::vector<JudgedVariant> make_variants(const AccuracyOptions& options)
 {
     std::vector<JudgedVariant> variants;
     for (int depth : parse_depths("--depths", options.depths)) {
-        Settings plain = settings_from(options.settings);
+        Settings plain = with_tried_backend(settings_from(options.settings));
         plain.max_error.reset(), plain.depth = depth;
         const std::size_t first = variants.size();
         const auto add = [&](std::string name, bool same_hash, auto change) {
@@ -184,7 +185,8 @@ int accuracy(const AccuracyOptions& options)
         "settings   {}\n{}\n",
         printable(name), options.count > 1 ? fmt::format(", {} seeds", options.count) : "",
         options.every > 1 ? fmt::format("{}-th ", options.every) : "", options.samples,
-        describe(settings_from(options.settings), "depths " + options.depths), describe_program(backend));
+        describe(with_tried_backend(settings_from(options.settings)), "depths " + options.depths),
+        describe_program(backend));
     print_table(variants);
     write_csv(options.csv, variants);
     if (!options.json.empty()) write_json(options.json, name, variants);

@@ -22,6 +22,7 @@
 #include <oncollide/pipeline/result_hash.hpp>
 
 #include "common/text.hpp"
+#include "render/backend_trial.hpp"
 #include "study/page_parts.hpp"
 #include "study/play.hpp"
 #include "study/report.hpp"
@@ -126,13 +127,14 @@ std::vector<StudyVariant> variants_of(const StudyOptions& o, double size)
                 const std::string form = kind == BoundingVolume::obb ? "OBBs" : "spheres";
                 if (exact_from_name(exact) != ExactLevel::off) {
                     const std::string name = fmt::format("{}{}, {}", source.prefix, form, exact);
-                    variants.push_back({name, name, settings_from(one)});
+                    variants.push_back({name, name, with_tried_backend(settings_from(one))});
                     continue;
                 }
                 for (const Dial& dial : dials) {
                     one["depth"].whole = dial.depth, one["max_error"].number = dial.max_error;
                     const std::string series = source.prefix + form;
-                    variants.push_back({series, fmt::format("{}, {}", series, dial.text()), settings_from(one)});
+                    variants.push_back(
+                        {series, fmt::format("{}, {}", series, dial.text()), with_tried_backend(settings_from(one))});
                 }
             }
     if (o.settings["ignore_touching"].flag &&
@@ -142,7 +144,7 @@ std::vector<StudyVariant> variants_of(const StudyOptions& o, double size)
     return variants;
 }
 
-/// What all variants share.
+/// The settings that all variants share.
 Settings common_of(const std::vector<StudyVariant>& variants)
 {
     Settings settings = variants.front().settings;

@@ -286,7 +286,7 @@ void ViewPage::summarize(const Shown& shown, std::size_t size)
         summary_ += fmt::format("; --view-limit allows {}", megabytes(options_.most_bytes));
 }
 
-/// Adds notes about what the page lacks.
+/// Adds notes about frames, pairs, trees, triangles and names that the page lacks.
 void ViewPage::add_notes(Shown& made) const
 {
     if (step_ > 1)

@@ -11,6 +11,7 @@
 
 #include "bench/scenes/scene_report.hpp"
 #include "cli/shard.hpp"
+#include "render/backend_trial.hpp"
 
 namespace oncollide::tools {
 
@@ -28,7 +29,7 @@ int bench_scene(const CompareOptions& given)
     options.scene.on_demand = options.only == "oncollide"; // FCL needs whole meshes
     if (!options.scene.cache.folder.empty() && !options.scene.on_demand)
         usage("--cache: needs --only oncollide; FCL needs whole meshes in memory");
-    const Settings settings = settings_from(options.settings);
+    const Settings settings = with_tried_backend(settings_from(options.settings));
     if (options.contacts && exact_level(settings) != ExactLevel::predicates)
         usage("--contacts: needs --exact predicates");
     Scene scene = open_scene(options.scene);
