@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
-#include <oncollide/base/text/printable.hpp>
-#include <oncollide/scenes/scene.hpp>
+#include <oncollide/robots/description_fault.hpp>
 
 namespace oncollide {
 
@@ -19,11 +16,6 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v)
     return m;
 }
 
-[[noreturn]] void refuse_joint(const RobotDescription& robot, const RobotJoint& joint, const std::string& what)
-{
-    refuse(fmt::format("robot '{}': joint '{}'", printable(robot.name), printable(joint.name)), what);
-}
-
 } // namespace
 
 std::string_view name_of(JointKind kind)
@@ -32,46 +24,32 @@ std::string_view name_of(JointKind kind)
     return names[static_cast<int>(kind)];
 }
 
-int Kinematics::numbers_of(const RobotJoint& joint)
-{
-    if (joint.mimics >= 0 || joint.kind == JointKind::fixed) return 0;
-    return joint.kind == JointKind::planar ? 3 : joint.kind == JointKind::floating ? 7 : 1;
-}
-
 Kinematics::Kinematics(const RobotDescription& robot)
 {
     constexpr std::uint32_t none = 0xffffffffu;
-    const std::size_t links = robot.links.size(), joints = robot.joints.size();
-    if (links == 0) refuse(fmt::format("robot '{}'", printable(robot.name)), "there is no link");
-    std::vector<std::uint32_t> above(links, none);
-    for (std::uint32_t i = 0; i < joints; ++i) {
+    const std::size_t links = robot.links.size();
+    std::vector<std::vector<std::uint32_t>> below(links); // by link: the joints from it
+    std::vector<std::uint8_t> is_child(links);
+    for (std::uint32_t i = 0; i < robot.joints.size(); ++i) {
         const RobotJoint& joint = robot.joints[i];
-        if (joint.parent >= links || joint.child >= links) refuse_joint(robot, joint, "its link does not exist");
-        if (const std::string why = why_not_rigid(joint.origin); !why.empty()) refuse_joint(robot, joint, why);
-        if (above[joint.child] != none) refuse_joint(robot, joint, "another joint leads to its child");
-        above[joint.child] = i;
-        if (joint.mimics >= static_cast<std::int32_t>(joints) ||
-            (joint.mimics >= 0 && numbers_of(robot.joints[static_cast<std::size_t>(joint.mimics)]) != 1))
-            refuse_joint(robot, joint, "the joint that it mimics has not one value of its own");
+        below[joint.parent].push_back(i), is_child[joint.child] = 1;
         first_.push_back(numbers_of(joint) == 0 ? -1 : static_cast<int>(names_.size()));
-        if (joint.kind == JointKind::planar && joint.mimics < 0)
+        if (joint.kind == JointKind::planar)
             for (const char* part : {"x", "y", "angle"}) names_.push_back(joint.name + "/" + part);
-        else if (joint.kind == JointKind::floating && joint.mimics < 0)
+        else if (joint.kind == JointKind::floating)
             for (const char* part : {"x", "y", "z", "qx", "qy", "qz", "qw"}) names_.push_back(joint.name + "/" + part);
         else if (numbers_of(joint) == 1)
             names_.push_back(joint.name);
     }
-    root_ = static_cast<std::uint32_t>(std::ranges::find(above, none) - above.begin());
+    root_ = static_cast<std::uint32_t>(std::ranges::find(is_child, 0) - is_child.begin());
     // Breadth first: each round adds the joints below links that were reached.
     std::vector<std::uint32_t> reached{root_};
-    for (std::size_t at = 0; at < reached.size() && reached.size() <= links; ++at)
-        for (std::uint32_t i = 0; i < joints; ++i)
-            if (robot.joints[i].parent == reached[at]) {
-                reached.push_back(robot.joints[i].child);
-                steps_.push_back(step_of(robot, i));
-            }
-    if (root_ == links || reached.size() != links)
-        refuse(fmt::format("robot '{}'", printable(robot.name)), "its links are not one tree");
+    for (std::size_t at = 0; at < reached.size(); ++at)
+        for (const std::uint32_t i : below[reached[at]]) {
+            reached.push_back(robot.joints[i].child);
+            steps_.push_back(step_of(robot, i));
+        }
+    ONCOLLIDE_ASSERT(reached.size() == links);
     step_to_.assign(links, none), depth_.assign(links, 0);
     for (std::uint32_t i = 0; i < steps_.size(); ++i)
         step_to_[steps_[i].child] = i, depth_[steps_[i].child] = depth_[steps_[i].parent] + 1;
@@ -82,7 +60,9 @@ Kinematics::Step Kinematics::step_of(const RobotDescription& robot, std::uint32_
     const RobotJoint& joint = robot.joints[i];
     const bool mimics = joint.mimics >= 0;
     const int first = first_[mimics ? static_cast<std::size_t>(joint.mimics) : i];
-    const Eigen::Matrix3d turn = joint.origin.linear(), k = cross_matrix(joint.axis);
+    const double length = joint.axis.norm();
+    const Eigen::Vector3d axis = std::abs(length - 1) > 1e-12 ? Eigen::Vector3d(joint.axis / length) : joint.axis;
+    const Eigen::Matrix3d turn = joint.origin.linear(), k = cross_matrix(axis);
     Step step{joint.parent,
               joint.child,
               joint.kind,
@@ -94,9 +74,9 @@ Kinematics::Step Kinematics::step_of(const RobotDescription& robot, std::uint32_
               Eigen::Matrix3d::Zero(),
               Eigen::Matrix3d::Zero(),
               joint.origin.translation(),
-              turn * joint.axis,
+              turn * axis,
               joint.origin,
-              joint.axis};
+              axis};
     if (joint.kind == JointKind::revolute || joint.kind == JointKind::continuous) // Rodrigues' formula
         step.constant = turn * (Eigen::Matrix3d::Identity() + k * k), step.by_sine = turn * k,
         step.by_cosine = -turn * k * k;

@@ -29,7 +29,7 @@ struct BallTravel {
 /// The joints of a robot in an order in which each follows the joints above it.
 class Kinematics {
 public:
-    /// Throws Error{bad_data} unless the links are a tree.
+    /// @param robot  without a fault (description_fault.hpp)
     explicit Kinematics(const RobotDescription& robot);
 
     const std::vector<std::string>& names() const { return names_; }
@@ -60,8 +60,6 @@ public:
     };
     /// Sets the numbers that act between two links, in ascending order. False: a planar or a floating joint is there.
     bool numbers_between(std::uint32_t a, std::uint32_t b, std::vector<Acting>& numbers) const;
-
-    static int numbers_of(const RobotJoint& joint);
 
 private:
     /// The pose of a child in its parent's frame, as a function of the joint's value v: a rotation joint's linear part

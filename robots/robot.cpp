@@ -10,12 +10,12 @@
 #include <oncollide/base/text/near_word.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/pipeline/world/world_access.hpp>
+#include <oncollide/robots/description_fault.hpp>
 
 namespace oncollide {
 
 namespace {
 
-constexpr double most_number = 1e9;
 constexpr std::size_t spheres_each = 16; // per geometry, to rule out pairs
 
 [[noreturn]] void fail(const std::string& what)
@@ -40,12 +40,27 @@ double limited(const RobotJoint& joint, double value)
 
 } // namespace
 
+/// The description as Robot keeps it: excluded pairs are a < b, sorted.
+RobotDescription Robot::Impl::checked(RobotDescription given)
+{
+    check_description(given);
+    for (auto& [a, b] : given.excluded)
+        if (a > b) std::swap(a, b);
+    std::ranges::sort(given.excluded);
+    return given;
+}
+
 Robot::Impl::Impl(World& world, RobotDescription given, const Eigen::Isometry3d& base_pose)
-    : description(std::move(given)), tree(description), base(base_pose)
+    : description(checked(std::move(given))), tree(description), base(base_pose)
 {
     check_pose("base", base);
     for (const RobotLink& link : description.links)
-        for (const LinkGeometry& collision : link.collision) check_pose("link '" + link.name + "'", collision.pose);
+        for (const LinkGeometry& collision : link.collision) try {
+                WorldAccess::check_inside(world, collision.geometry);
+            } catch (const Error& error) {
+                refuse(fmt::format("robot '{}': link '{}'", printable(description.name), printable(link.name)),
+                       error.what());
+            }
     const bool solid = world.settings().mode == Mode::solid;
     std::map<const Geometry*, ModelId> models;
     std::map<const Mesh*, std::shared_ptr<const PartSolids>> solids;
@@ -64,7 +79,7 @@ Robot::Impl::Impl(World& world, RobotDescription given, const Eigen::Isometry3d&
         if (first < parts.size()) add_group(first);
     }
     for (const RobotJoint& joint : description.joints)
-        for (int n = 0; n < Kinematics::numbers_of(joint); ++n)
+        for (int n = 0; n < numbers_of(joint); ++n)
             neutral.push_back(joint.kind == JointKind::floating ? n == 6 : limited(joint, 0));
     attached_from = parts.size(), spheres_of_links = spheres.size();
     if (parts.empty()) refuse(fmt::format("robot '{}'", printable(description.name)), "no link has collision geometry");
@@ -137,7 +152,7 @@ void Robot::Impl::choose_numbers(std::uint64_t k, std::vector<double>& numbers, 
     constexpr std::uint64_t seed = 1;
     numbers.resize(tree.width()), spans.resize(tree.width());
     for (std::size_t j = 0; j < description.joints.size(); ++j)
-        for (int n = 0; n < Kinematics::numbers_of(description.joints[j]); ++n) {
+        for (int n = 0; n < numbers_of(description.joints[j]); ++n) {
             const RobotJoint& joint = description.joints[j];
             const auto i = static_cast<std::size_t>(tree.first_number(static_cast<std::uint32_t>(j)) + n);
             const double low = std::max(joint.lower, -4.0), high = std::min(joint.upper, 4.0);
@@ -218,7 +233,7 @@ void Robot::Impl::find_sound_poses()
     add(base);
     for (const RobotJoint& joint : description.joints) {
         add(joint.origin);
-        size += (most_number * std::abs(joint.multiplier) + std::abs(joint.offset)) * 3;
+        size += (most_joint_number * std::abs(joint.multiplier) + std::abs(joint.offset)) * 3;
     }
     for (const Part& part : parts) add(part.pose);
     has_sound_poses = skew <= 0.9e-6 && size <= 1e14;
@@ -234,10 +249,11 @@ void Robot::Impl::check_poses(const Eigen::Isometry3d* links, std::size_t config
     }
 }
 
-std::vector<std::uint32_t> Robot::Impl::own_slots() const
+std::vector<std::uint32_t> Robot::Impl::own_slots(const World& world) const
 {
     std::vector<std::uint32_t> slots;
-    for (const BodyId body : bodies) slots.push_back(body.slot);
+    for (const BodyId body : bodies)
+        if (world.contains(body)) slots.push_back(body.slot);
     std::ranges::sort(slots);
     return slots;
 }
@@ -257,7 +273,7 @@ void Robot::Impl::check_numbers(const char* call, const char* item, const Robot&
         fail(fmt::format("{}: {} numbers for {} {}s of {}", call, numbers.size(), count, item, width));
     const auto is_plain = [](const RobotJoint& joint) { return joint.kind != JointKind::floating; };
     if (std::ranges::all_of(robot.description().joints, is_plain) &&
-        std::ranges::all_of(numbers, [](double number) { return std::abs(number) <= most_number; }))
+        std::ranges::all_of(numbers, [](double number) { return std::abs(number) <= most_joint_number; }))
         return;
     for (std::size_t i = 0; i < count; ++i) try {
             robot.check_configuration(numbers.subspan(i * width, width), false);
@@ -321,14 +337,14 @@ void Robot::check_configuration(std::span<const double> configuration, bool limi
     impl_->check_width(configuration.size());
     for (std::uint32_t i = 0; i < description().joints.size(); ++i) {
         const RobotJoint& joint = description().joints[i];
-        const int count = Kinematics::numbers_of(joint);
+        const int count = numbers_of(joint);
         if (count == 0) continue;
         const double* const numbers = configuration.data() + impl_->tree.first_number(i);
         const auto bad = [&](const std::string& what) {
             refuse(fmt::format("robot '{}': joint '{}'", printable(description().name), printable(joint.name)), what);
         };
         for (int n = 0; n < count; ++n)
-            if (!(std::abs(numbers[n]) <= most_number)) bad(fmt::format("{} is not a number up to 1e9", numbers[n]));
+            if (!(std::abs(numbers[n]) <= most_joint_number)) bad(fmt::format("{} is not a number up to 1e9", numbers[n]));
         if (count == 7 && !(std::abs(Eigen::Map<const Eigen::Vector4d>(numbers + 3).norm() - 1) <= 1e-6))
             bad("its quaternion is not of length 1");
         if (limits && count == 1 && !(numbers[0] >= joint.lower && numbers[0] <= joint.upper))

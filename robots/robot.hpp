@@ -149,8 +149,10 @@ struct RobotEdgeCheck {
 class ONCOLLIDE_API Robot {
 public:
     /// Adds the geometries of all links to the World. `base` is the pose of the root link.
-    /// Throws Error{bad_data} for a description that is not a tree or names links or joints that do not exist, and for
-    /// poses that are not rigid.
+    /// Throws Error{bad_data} that names the link or the joint for a description that a file could not hold: not a tree,
+    /// numbers of links or joints that do not exist, two of one name, an axis that is not unit, limits, mimics or states
+    /// that make no sense, geometry that check_geometry() refuses; for poses that are not rigid; and as
+    /// World::add_body() for a mesh that is not closed. Excluded pairs may come in any order.
     Robot(World& world, RobotDescription description, const Eigen::Isometry3d& base = Eigen::Isometry3d::Identity());
     ~Robot();
     Robot(Robot&&) noexcept;
@@ -175,7 +177,8 @@ public:
     void set_base(const Eigen::Isometry3d& base);
 
     /// Fixes a model of the World to a link, as an object in a gripper. Pairs of the object with that link, and with
-    /// the links in `touching`, are not tested. Returns its number. Not while the robot has bodies.
+    /// the links in `touching`, are not tested. Returns its number. Not while the robot has bodies. Throws Error{usage}
+    /// for links that do not exist, and as queries of the World for the model.
     std::uint32_t attach(World& world, std::uint32_t link, ModelId model, const Eigen::Isometry3d& pose,
                          std::span<const std::uint32_t> touching = {});
     /// Removes all attached objects; the models stay. Not while the robot has bodies.
@@ -186,7 +189,7 @@ public:
     /// `spec` are not used.
     void add_bodies(World& world, const BodySpec& spec = {});
     void set_joints(World& world, std::span<const double> configuration);
-    void remove_bodies(World& world);
+    void remove_bodies(World& world); ///< those that are still there
     std::span<const BodyId> bodies() const; ///< by geometry: links in order, then attached objects; empty: none
     std::uint32_t link_of(std::size_t body) const;
 

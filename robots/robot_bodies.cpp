@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <set>
 
+#include <fmt/format.h>
+
+#include <oncollide/pipeline/world/world_access.hpp>
+
 namespace oncollide {
 
 namespace {
@@ -23,8 +27,15 @@ std::uint32_t Robot::attach(World& world, std::uint32_t link, ModelId model, con
     Impl& p = *impl_;
     p.check_world(world);
     refuse_with_bodies(p.bodies, "attach");
-    if (link >= p.description.links.size()) throw Error(ErrorKind::usage, "robot: attach: there is no such link");
+    const std::size_t links = p.description.links.size();
+    const auto check_link = [&](std::uint32_t number) {
+        if (number >= links)
+            throw Error(ErrorKind::usage, fmt::format("robot: attach: there is no link {}; the robot has {}", number, links));
+    };
+    check_link(link);
+    for (const std::uint32_t other : touching) check_link(other);
     p.check_pose("attached object", pose);
+    WorldAccess::check_inside(world, model);
     const Aabb box = world.bounds(model, Eigen::Isometry3d::Identity());
     p.add_part(link, model, pose, cover_box(box, spheres_of_object), touching);
     p.add_group(static_cast<std::uint32_t>(p.parts.size() - 1));
@@ -78,6 +89,7 @@ void Robot::set_joints(World& world, std::span<const double> configuration)
 void Robot::remove_bodies(World& world)
 {
     impl_->check_world(world);
+    std::erase_if(impl_->bodies, [&](BodyId body) { return !world.contains(body); }); // removed by others
     world.remove_bodies(impl_->bodies);
     impl_->bodies.clear();
 }

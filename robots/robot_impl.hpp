@@ -51,6 +51,7 @@ struct Robot::Impl {
     static std::shared_ptr<IdleCheckers> no_checkers();
 
     Impl(World& world, RobotDescription given, const Eigen::Isometry3d& base_pose);
+    static RobotDescription checked(RobotDescription given);
 
     void add_part(std::uint32_t link, ModelId model, const Eigen::Isometry3d& pose, std::vector<CoverSphere> spheres,
                   std::span<const std::uint32_t> touching);
@@ -77,8 +78,8 @@ struct Robot::Impl {
         return part.is_at_link ? links[part.link] : links[part.link] * part.pose;
     }
 
-    /// The slots of the robot's bodies, sorted.
-    std::vector<std::uint32_t> own_slots() const;
+    /// The slots of the robot's bodies that are still in the World, sorted: others may be of other bodies by now.
+    std::vector<std::uint32_t> own_slots(const World& world) const;
 
     /// To be called when the base or the parts have changed.
     void find_sound_poses();

@@ -86,6 +86,14 @@ Aabb bounds_of(const Geometry& geometry)
     return bounds_of(geometry.data);
 }
 
+void check_geometry(const std::string& name, const GeometryData& geometry)
+{
+    if (const auto* mesh = std::get_if<Mesh>(&geometry)) check_mesh(name, *mesh);
+    if (const auto* shape = std::get_if<Shape>(&geometry)) check_shape(name, *shape);
+    if (const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry); cooked && !*cooked)
+        refuse(name, "there is no cooked mesh");
+}
+
 std::string why_not_rigid(const Eigen::Isometry3d& pose)
 {
     constexpr double tolerance = 1e-6;

@@ -45,6 +45,7 @@ std::shared_ptr<const Geometry> checked(std::string name, Terrain terrain)
 std::shared_ptr<const Geometry> checked(std::shared_ptr<const Geometry> geometry)
 {
     if (!geometry) throw Error(ErrorKind::usage, "model: no geometry given");
+    check_geometry(name_or(geometry->name, "model"), geometry->data);
     return geometry;
 }
 
@@ -105,7 +106,14 @@ Model& World::Impl::check_model(ModelId id)
 {
     Model& model = model_of(id);
     if (model.file() && !reads_on_demand(settings)) model.read_all();
+    check_inside(model);
     return model;
+}
+
+void World::Impl::check_inside(const Model& model) const
+{
+    if (settings.mode == Mode::solid && !settings.open_as_surface && model.is_open_mesh())
+        refuse_open_mesh(name_or(model.geometry().name, "mesh"), *model.mesh());
 }
 
 std::string WorldAccess::why_refused(const Eigen::Isometry3d& pose)
@@ -132,8 +140,7 @@ void World::Impl::check_body(const BodySpec& body)
     const Model& model = model_of(body.model);
     check_pose("new body: ", body.pose);
     if (!reads_on_demand(settings)) model.read_all(); // now rather than in the middle of a frame
-    if (settings.mode == Mode::solid && !settings.open_as_surface && model.is_open_mesh())
-        refuse_open_mesh(name_or(model.geometry().name, "mesh"), *model.mesh());
+    check_inside(model);
 }
 
 BodyId World::Impl::add_checked(const BodySpec& body)
@@ -154,9 +161,7 @@ void World::Impl::remove_checked(std::uint32_t slot)
 void World::Impl::replace(ModelId id, std::shared_ptr<const Geometry> geometry)
 {
     model_of(id);
-    if (settings.mode == Mode::solid && !settings.open_as_surface && id.slot < users.size() && users[id.slot])
-        if (const Model model(geometry); model.is_open_mesh())
-            refuse_open_mesh(name_or(geometry->name, "mesh"), *model.mesh());
+    if (settings.mode == Mode::solid && id.slot < users.size() && users[id.slot]) check_inside(Model(geometry));
     models.replace(id, std::move(geometry));
     std::uint32_t left = id.slot < users.size() ? users[id.slot] : 0;
     for (std::uint32_t slot = 0; left > 0; ++slot)

@@ -39,6 +39,16 @@ void WorldAccess::parts_by_poses(World& world)
     world.impl().frame.parts_by_poses = true;
 }
 
+void WorldAccess::check_inside(const World& world, const std::shared_ptr<const Geometry>& geometry)
+{
+    if (world.settings().mode == Mode::solid) world.impl().check_inside(Model(geometry));
+}
+
+void WorldAccess::check_inside(const World& world, ModelId model)
+{
+    world.impl().check_model(model);
+}
+
 const Ocst* WorldAccess::tree(const World& world, ModelId model)
 {
     return world.impl().model_of(model).spheres();

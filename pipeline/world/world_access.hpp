@@ -30,6 +30,10 @@ struct WorldAccess {
     static void parts_by_poses(World& world);
     /// The sphere-tree of a model as it is now. Null until a test reaches it. Valid until the next step.
     static const Ocst* tree(const World& world, ModelId model);
+    /// Throws as World::add_body() for a geometry of a model yet to come, or a model, that has no inside where the
+    /// settings require one.
+    static void check_inside(const World& world, const std::shared_ptr<const Geometry>& geometry);
+    static void check_inside(const World& world, ModelId model);
     /// Why Worlds refuse a pose; empty: they accept it.
     static std::string why_refused(const Eigen::Isometry3d& pose);
 };

@@ -49,6 +49,8 @@ struct World::Impl {
     static void check_sweep(const char* call, const SweepOptions& options);
     static void check_pose(std::uint32_t slot, const Eigen::Isometry3d& pose);
     Model& check_model(ModelId id); ///< for a query: reads all of a cooked mesh if the settings need all
+    /// Throws for an open mesh in solid mode, unless it is taken as a surface.
+    void check_inside(const Model& model) const;
     void check_body(const BodySpec& body);
     static std::string label(std::uint32_t slot) { return "body " + std::to_string(slot); }
 

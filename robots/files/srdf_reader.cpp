@@ -1,4 +1,5 @@
 // SRDF: which pairs of links are not tested, groups, and named states.
+#include <oncollide/robots/description_fault.hpp>
 #include <oncollide/robots/files/robot_reader.hpp>
 
 #include <algorithm>
@@ -9,12 +10,6 @@
 namespace oncollide {
 
 namespace {
-
-std::size_t numbers_of(const RobotJoint& joint)
-{
-    if (joint.kind == JointKind::fixed || joint.mimics >= 0) return 0;
-    return joint.kind == JointKind::planar ? 3 : joint.kind == JointKind::floating ? 7 : 1;
-}
 
 class SrdfReader {
 public:
@@ -34,6 +29,7 @@ public:
         for (const XmlElement& child : root_.children)
             if (child.name == "group_state") read_state(child);
         read_excluded();
+        check();
     }
 
 private:
@@ -104,17 +100,15 @@ private:
     void read_state(const XmlElement& element)
     {
         RobotState state{source_.required(element, "name"), source_.required(element, "group"), {}};
-        if (!std::ranges::count(robot_.groups, state.group, &RobotGroup::name))
-            source_.fail_at(element, "there is no group " + oncollide::quoted(state.group));
         for (const XmlElement& child : element.children) {
             if (child.name != "joint") continue;
             const std::uint32_t i = joint(child, "name");
-            const std::size_t count = numbers_of(robot_.joints[i]);
+            const auto count = static_cast<std::size_t>(numbers_of(robot_.joints[i]));
             if (count == 0) continue; // fixed or mimic: it has no value of its own
             source_.required(child, "value");
             state.values.push_back({i, *source_.numbers(child, "value", count)});
         }
-        robot_.states.push_back(std::move(state));
+        robot_.states.push_back(std::move(state)), states_.push_back(&element);
     }
 
     void read_excluded()
@@ -138,9 +132,18 @@ private:
         robot_.excluded.assign(excluded.begin(), excluded.end());
     }
 
+    /// The checks that descriptions from all sources pass.
+    void check() const
+    {
+        const std::optional<DescriptionFault> fault = fault_of(robot_);
+        if (!fault) return;
+        source_.fail_at(fault->of == DescriptionFault::Of::state ? *states_[fault->number] : root_, fault->what);
+    }
+
     const RobotSource& source_;
     RobotDescription& robot_;
     const XmlElement root_;
+    std::vector<const XmlElement*> states_; ///< as in robot_
 };
 
 } // namespace

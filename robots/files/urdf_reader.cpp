@@ -1,4 +1,5 @@
 // URDF: links, joints and their tree.
+#include <oncollide/robots/description_fault.hpp>
 #include <oncollide/robots/files/robot_reader.hpp>
 
 #include <algorithm>
@@ -45,12 +46,11 @@ public:
                     child, fmt::format("the file is for xacro; expand it first: xacro {} > robot.urdf", source_.name));
         for (const XmlElement& child : root_.children)
             if (child.name == "link") read_link(child);
-        if (robot_.links.empty()) source_.fail_at(root_, "has no link");
         for (const XmlElement& child : root_.children)
             if (child.name == "joint") read_joint(child);
         for (std::uint32_t i = 0; i < joints_.size(); ++i) read_mimic(i);
         resolve_mimics();
-        check_tree();
+        check();
         return std::move(robot_);
     }
 
@@ -88,7 +88,6 @@ private:
                             "unknown type " + oncollide::quoted(kind) + valid_names("", {kinds.begin(), kinds.end()}));
         joint.kind = static_cast<JointKind>(found - kinds.begin());
         joint.parent = link_at(element, "parent"), joint.child = link_at(element, "child");
-        if (joint.parent == joint.child) source_.fail_at(element, "connects a link with itself");
         joint.origin = origin_of(source_, element);
         if (const XmlElement* axis = element.find("axis"); axis && joint.kind != JointKind::fixed) {
             const Eigen::Vector3d along = source_.vector(*axis, "xyz", Eigen::Vector3d::UnitX());
@@ -111,8 +110,6 @@ private:
                                                           oncollide::quoted(joint.name)));
         if (!limit) source_.fail_at(element, "a " + std::string(name_of(joint.kind)) + " joint needs a limit");
         joint.lower = source_.number(*limit, "lower", 0), joint.upper = source_.number(*limit, "upper", 0);
-        if (!(joint.lower <= joint.upper))
-            source_.fail_at(element, fmt::format("its limits are {} to {}", joint.lower, joint.upper));
     }
 
     void read_mimic(std::uint32_t i)
@@ -120,17 +117,12 @@ private:
         const XmlElement* const mimic = joints_[i]->find("mimic");
         if (!mimic) return;
         RobotJoint& joint = robot_.joints[i];
-        const auto one_number = [](JointKind kind) {
-            return kind != JointKind::fixed && kind != JointKind::planar && kind != JointKind::floating;
-        };
         if (joint.kind == JointKind::fixed) return; // nothing to move
         const std::string& name = source_.required(*mimic, "joint");
         const auto found = joint_numbers_.find(name);
         const std::uint32_t of = found == joint_numbers_.end()
                                      ? find_named(source_, *joints_[i], "joint", name, robot_.joints)
                                      : found->second;
-        if (!one_number(joint.kind) || !one_number(robot_.joints[of].kind))
-            source_.fail_at(*joints_[i], "only revolute, continuous and prismatic joints can mimic each other");
         joint.mimics = static_cast<std::int32_t>(of);
         joint.multiplier = source_.number(*mimic, "multiplier", 1), joint.offset = source_.number(*mimic, "offset", 0);
     }
@@ -158,36 +150,16 @@ private:
         }
     }
 
-    void check_tree()
+    /// The checks that descriptions from all sources pass.
+    void check() const
     {
-        std::vector<int> above(robot_.links.size(), -1);
-        for (std::uint32_t i = 0; i < robot_.joints.size(); ++i) {
-            int& mine = above[robot_.joints[i].child];
-            if (mine >= 0)
-                source_.fail_at(*joints_[i],
-                                fmt::format("link {} is already the child of joint {}; a robot is a tree",
-                                            oncollide::quoted(robot_.links[robot_.joints[i].child].name),
-                                            oncollide::quoted(robot_.joints[static_cast<std::size_t>(mine)].name)));
-            mine = static_cast<int>(i);
-        }
-        const XmlElement* root = nullptr;
-        for (std::uint32_t i = 0; i < above.size(); ++i) {
-            if (above[i] >= 0) continue;
-            if (root)
-                source_.fail_at(*links_[i], fmt::format("is a second root, beside {}: no joint leads to it",
-                                                        oncollide::quoted(root->attribute("name"))));
-            root = links_[i];
-        }
-        // A link that does not end at the root is in a loop or below it. Each joint is followed once.
-        const auto never = static_cast<std::uint32_t>(above.size());
-        std::vector<std::uint32_t> seen_from(above.size(), never);
-        for (std::uint32_t i = 0; i < above.size(); ++i)
-            for (std::uint32_t at = i; above[at] >= 0 && seen_from[at] == never;) {
-                seen_from[at] = i;
-                at = robot_.joints[static_cast<std::size_t>(above[at])].parent;
-                if (above[at] >= 0 && seen_from[at] == i)
-                    source_.fail_at(*links_[i], "the joints above it form a loop; a robot is a tree");
-            }
+        using Of = DescriptionFault::Of;
+        const std::optional<DescriptionFault> fault = fault_of(robot_);
+        if (!fault) return;
+        source_.fail_at(fault->of == Of::link    ? *links_[fault->number]
+                        : fault->of == Of::joint ? *joints_[fault->number]
+                                                 : root_,
+                        fault->what);
     }
 
     const RobotSource& source_;

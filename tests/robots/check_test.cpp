@@ -252,6 +252,7 @@ TEST(RobotCheck, PosesThatALongChainMakesUnsoundAreRefused)
     for (std::uint32_t i = 0; i + 1 < chain.links.size(); ++i) {
         chain.links[i].name = "link" + std::to_string(i);
         RobotJoint joint;
+        joint.name = "joint" + std::to_string(i);
         joint.parent = i, joint.child = i + 1, joint.origin.linear() *= 1 + 4e-7; // each is accepted
         chain.joints.push_back(joint);
     }

@@ -59,6 +59,7 @@ TEST_F(RobotTest, PlanarAndFloatingJointsMoveInTheirFrames)
 {
     RobotDescription two = description;
     two.joints[0].kind = JointKind::planar, two.joints[1].kind = JointKind::floating;
+    two.states.clear(); // of the joints as they were
     World world;
     const Robot robot(world, two);
     ASSERT_EQ(robot.width(), 11u);
