@@ -69,7 +69,7 @@ void AabbTree::build(std::span<const Aabb> boxes, std::span<const std::uint32_t>
     bodies_ = static_cast<std::uint32_t>(bodies.size());
     places_.resize(boxes.size());
     for (Level& level : levels_) level.blocks.clear(), level.moving.clear(), level.nodes.clear(), level.count = 0;
-    forget_layers();
+    forget_filters();
     extend_levels();
     refit(boxes, margin, threads);
     built_extent_ = leaf_extent_;
@@ -159,12 +159,18 @@ void AabbTree::extend_levels()
     }
     levels_.resize(level);
     view_.levels = static_cast<int>(level);
-    if (layers_known_) extend_layers();
+    if (filters_.any()) extend_filters();
     for (std::size_t i = 0; i < level; ++i) {
         const Level& l = levels_[i];
-        const bool known = layers_known_ && i > 0;
-        view_.level[i] = {l.blocks.data(), l.count, l.moving.data(), known ? l.layers.data() : nullptr,
-                          known ? l.masks.data() : nullptr};
+        const auto known = [&](bool which, const std::vector<std::uint32_t>& column) {
+            return which && i > 0 ? column.data() : nullptr;
+        };
+        view_.level[i] = {l.blocks.data(),
+                          l.count,
+                          l.moving.data(),
+                          known(filters_.layers, l.layers),
+                          known(filters_.layers, l.masks),
+                          known(filters_.groups, l.groups)};
     }
 }
 
@@ -340,7 +346,7 @@ std::size_t AabbTree::bytes() const
     std::size_t sum = (order_.capacity() + places_.capacity()) * sizeof(order_[0]);
     for (const Level& l : levels_)
         sum += l.blocks.capacity() * sizeof(float) + l.moving.capacity() * sizeof(l.moving[0]) +
-               l.nodes.capacity() * sizeof(Node) + (l.layers.capacity() + l.masks.capacity()) * sizeof(std::uint32_t);
+               l.nodes.capacity() * sizeof(Node) + (l.layers.capacity() + l.masks.capacity() + l.groups.capacity()) * sizeof(std::uint32_t);
     return sum;
 }
 

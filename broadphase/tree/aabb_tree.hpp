@@ -15,6 +15,20 @@
 
 namespace oncollide {
 
+/// The filters that forbid some pair of bodies.
+struct ForbiddingFilters {
+    bool layers = false, groups = false;
+
+    bool any() const { return layers || groups; }
+    friend bool operator==(ForbiddingFilters, ForbiddingFilters) = default;
+};
+
+/// The group that forbids pairs of the body; mixed_groups: none does.
+inline std::uint32_t forbidding_group(std::uint32_t group)
+{
+    return group == 0 ? mixed_groups : group;
+}
+
 /// AABBs in an order that keeps neighbours together, 16 per leaf, under an implicit 16-ary tree of bounds: no pointers,
 /// and one or two vector comparisons test a node, stored as columns.
 ///
@@ -43,11 +57,11 @@ public:
     /// Marks as moving the bodies whose state has one of `bits`; pairs of two other bodies are never found. Required
     /// before a search of the whole tree, after build() and append().
     void set_moving(const std::uint8_t* states, std::uint8_t bits);
-    /// Lets searches skip pairs of nodes whose layers forbid every pair. Forgotten by build().
-    void set_layers(const BodyColumns& columns);
-    /// Adds the layers of a body that is new or whose layers changed. Only after set_layers().
-    void add_layers(std::uint32_t body, const BodyColumns& columns);
-    void forget_layers();
+    /// Lets searches skip pairs of nodes of which these filters forbid every pair. Forgotten by build().
+    void set_filters(const BodyColumns& columns, ForbiddingFilters which);
+    /// Adds the filters of a body that is new or whose filters changed. Only after set_filters().
+    void add_filters(std::uint32_t body, const BodyColumns& columns);
+    void forget_filters();
 
     /// True if the edges of the leaves have grown by the factor `to` since they were built, so that searches cost
     /// markedly more.
@@ -121,7 +135,9 @@ private:
         std::uint32_t count = 0;
         // Columns by node, for levels above 0.
         std::vector<Node> nodes;
-        std::vector<std::uint32_t> layers, masks; ///< bitwise or over the bodies below; empty if unknown
+        // Empty if unknown.
+        std::vector<std::uint32_t> layers, masks; ///< bitwise or over the bodies below
+        std::vector<std::uint32_t> groups;        ///< as in AabbLevelView
         double volume = 0;                        ///< of all nodes
     };
 
@@ -134,7 +150,7 @@ private:
     std::string fault_of_level(int level, const BodyColumns& columns) const;
     std::string fault_of_marks(const std::uint8_t* states, std::uint8_t bits) const;
     void extend_levels();
-    void extend_layers();
+    void extend_filters();
     void bound_from(std::uint32_t place);
     void measure();
     class Taker;
@@ -155,7 +171,7 @@ private:
     Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
     std::vector<Level> levels_;
     AabbTreeView view_{};
-    bool layers_known_ = false;
+    ForbiddingFilters filters_{}; ///< the known ones
     double leaf_extent_ = 0, built_extent_ = 0; ///< sum of the leaves' edges, now and when built
     float farthest_ = 0;                        ///< upper bound on the magnitude of coordinates
 };

@@ -100,16 +100,17 @@ inline void expand(const AabbTreeView& tree, int level, std::uint32_t a, std::ui
     }
 }
 
-/// False if the layers forbid every pair of a body below node a and one below node b.
-inline bool layers_meet(const AabbLevelView& level, std::uint32_t a, std::uint32_t b)
+/// False if layers or groups forbid every pair of a body below node a and one below node b.
+inline bool may_pair(const AabbLevelView& level, std::uint32_t a, std::uint32_t b)
 {
-    return !level.layers || ((level.layers[a] & level.masks[b]) && (level.layers[b] & level.masks[a]));
+    if (level.layers && !((level.layers[a] & level.masks[b]) && (level.layers[b] & level.masks[a]))) return false;
+    return !level.groups || level.groups[a] != level.groups[b] || level.groups[a] == mixed_groups;
 }
 
 /// Pairs of boxes of level `stop`, one below node a and one below node b of level `level` > stop.
 void between_nodes(const AabbTreeView& tree, int level, int stop, std::uint32_t a, std::uint32_t b, PairSink& sink)
 {
-    if (!layers_meet(tree.level[level], a, b)) return;
+    if (!may_pair(tree.level[level], a, b)) return;
     if (level - 1 == stop) return expand(tree, level, a, b, sink);
     Found found;
     expand(tree, level, a, b, found);
@@ -133,7 +134,7 @@ inline void expand_within(const AabbLevelView& below, std::uint32_t node, List& 
 
 void within_node(const AabbTreeView& tree, int level, int stop, std::uint32_t node, PairSink& sink)
 {
-    if (level < tree.levels && !layers_meet(tree.level[level], node, node)) return;
+    if (level < tree.levels && !may_pair(tree.level[level], node, node)) return;
     const AabbLevelView& below = tree.level[level - 1];
     if (level - 1 == stop) return expand_within(below, node, sink);
     for (unsigned moving = below.moving[node]; moving; moving &= moving - 1)

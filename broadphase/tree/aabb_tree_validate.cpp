@@ -55,7 +55,7 @@ std::string AabbTree::fault_of_slots(const BodyColumns& columns, double margin) 
     return found == bodies_ ? "" : fmt::format("{} slots are used for {} bodies", found, bodies_);
 }
 
-/// Each node encloses its children, and knows the number and the layers of the bodies below it.
+/// Each node encloses its children, and knows the number, the layers and the group of the bodies below it.
 std::string AabbTree::fault_of_level(int number, const BodyColumns& columns) const
 {
     const Level &level = at(number), &below = at(number - 1);
@@ -69,11 +69,17 @@ std::string AabbTree::fault_of_level(int number, const BodyColumns& columns) con
             if (!is_nothing(child) && !encloses(box, child)) return fault("does not enclose a child");
             const std::uint32_t body = number == 1 ? order_[i] : no_body;
             bodies += number == 1 ? body != no_body : below.nodes[i].bodies;
-            if (!layers_known_ || (number == 1 && body == no_body)) continue;
-            const std::uint32_t layers = number == 1 ? columns.layers[body] : below.layers[i],
-                                masks = number == 1 ? columns.masks[body] : below.masks[i];
-            if ((layers & ~level.layers[node]) || (masks & ~level.masks[node]))
-                return fault("lacks a layer of a child");
+            if (number == 1 && body == no_body) continue;
+            if (filters_.layers) {
+                const std::uint32_t layers = number == 1 ? columns.layers[body] : below.layers[i],
+                                    masks = number == 1 ? columns.masks[body] : below.masks[i];
+                if ((layers & ~level.layers[node]) || (masks & ~level.masks[node]))
+                    return fault("lacks a layer of a child");
+            }
+            if (filters_.groups && level.groups[node] != mixed_groups) {
+                const std::uint32_t group = number == 1 ? forbidding_group(columns.groups[body]) : below.groups[i];
+                if (group != 0 && group != level.groups[node]) return fault("lacks the group of a child");
+            }
         }
         if (bodies != level.nodes[node].bodies) return fault("has a wrong number of bodies");
     }

@@ -23,7 +23,7 @@ double ms_since(Clock::time_point from)
 
 void Delimitation::clear()
 {
-    boxes_.clear(), layers_.clear(), masks_.clear(), levels_.clear();
+    boxes_.clear(), filters_.clear(), levels_.clear();
     for (const auto& list : reached_) list->clear();
     for (const auto& list : next_) list->clear();
     bodies_left_ = 0;
@@ -31,11 +31,11 @@ void Delimitation::clear()
     counted_ = true;
 }
 
-void Delimitation::add(const float box[6], std::uint32_t layers, std::uint32_t mask)
+void Delimitation::add(const float box[6], const Filter& filter)
 {
     ONCOLLIDE_ASSERT(box[0] <= box[3] && box[1] <= box[4] && box[2] <= box[5]);
     boxes_.insert(boxes_.end(), box, box + 6);
-    layers_.push_back(layers), masks_.push_back(mask);
+    filters_.push_back(filter);
 }
 
 template <class Work>
@@ -48,7 +48,7 @@ void Delimitation::each_worker(int threads, Work work) const
 
 /// Expands the nodes of `from`, on the level above, to the nodes of `level` that the queries overlap. `room` is the
 /// number of pairs that all workers together may still find; they stop once it is negative.
-void Delimitation::descend(const AabbLevelView& level, bool layers, const NodePairs& from, NodePairs& to,
+void Delimitation::descend(const AabbLevelView& level, bool filters, const NodePairs& from, NodePairs& to,
                            std::atomic<std::int64_t>& room) const
 {
     constexpr std::size_t slice = 4096; // finds at most 16 times as many pairs before they are counted
@@ -57,7 +57,7 @@ void Delimitation::descend(const AabbLevelView& level, bool layers, const NodePa
         const std::size_t before = to.size();
         aabb_tree_kernel().in_blocks(level, from.i() + k, from.j() + k, std::min(slice, from.size() - k), boxes_.data(),
                                      to.sink());
-        if (layers && level.layers) drop_forbidden(level, to.sink(), before);
+        if (filters && (level.layers || level.groups)) drop_forbidden(level, to.sink(), before);
         room -= static_cast<std::int64_t>(to.size() - before);
     }
 }
@@ -69,14 +69,17 @@ void Delimitation::drop_forbidden(const AabbLevelView& level, PairSink& found, s
         const std::uint32_t query = found.i[k], node = found.j[k];
         ONCOLLIDE_ASSERT(query < queries() && node < level.count);
         found.i[kept] = query, found.j[kept] = node;
-        kept += (layers_[query] & level.masks[node]) && (level.layers[node] & masks_[query]);
+        const Filter& mine = filters_[query];
+        const bool layers = !level.layers || ((mine.layers & level.masks[node]) && (level.layers[node] & mine.mask));
+        const bool groups = !level.groups || mine.group != level.groups[node] || mine.group == mixed_groups;
+        kept += layers && groups;
     }
     found.count = kept;
 }
 
-void Delimitation::run(const AabbTree& tree, bool layers, int threads)
+void Delimitation::run(const AabbTree& tree, bool filters, int threads)
 {
-    ONCOLLIDE_ASSERT(threads >= 1 && boxes_.size() == 6 * queries() && masks_.size() == queries());
+    ONCOLLIDE_ASSERT(threads >= 1 && boxes_.size() == 6 * queries());
     workers_ = queries() < queries_worth_threads ? 1 : static_cast<std::size_t>(threads);
     while (reached_.size() < workers_)
         reached_.push_back(std::make_unique<NodePairs>()), next_.push_back(std::make_unique<NodePairs>());
@@ -92,7 +95,7 @@ void Delimitation::run(const AabbTree& tree, bool layers, int threads)
         const auto from = Clock::now();
         std::atomic<std::int64_t> room = 4 * std::int64_t{tree.size()} + 65536;
         each_worker(threads,
-                    [&](std::size_t w) { descend(tree.view().level[level], layers, *reached_[w], *next_[w], room); });
+                    [&](std::size_t w) { descend(tree.view().level[level], filters, *reached_[w], *next_[w], room); });
         reached_.swap(next_);
         in_a_heap_ = room < 0; // independent of the number of workers
         levels_[static_cast<std::size_t>(top - level) + 1].ms = ms_since(from);
@@ -233,7 +236,7 @@ void Delimitation::survivors(const AabbTree& tree, std::vector<std::uint32_t>& b
 
 std::size_t Delimitation::bytes() const
 {
-    std::size_t sum = boxes_.capacity() * sizeof(float) + (layers_.capacity() + masks_.capacity()) * sizeof(layers_[0]);
+    std::size_t sum = boxes_.capacity() * sizeof(float) + filters_.capacity() * sizeof(filters_[0]);
     for (const auto& list : reached_) sum += list->bytes();
     for (const auto& list : next_) sum += list->bytes();
     for (const auto& list : left_) sum += list.capacity() * sizeof(list[0]);

@@ -13,8 +13,8 @@
 namespace oncollide {
 
 /// Progressive delimitation: descends a hierarchy of regions from the whole scene and examines only the regions that
-/// overlap one of a set of boxes (the queries). A region that no query overlaps, or in which the layers forbid every
-/// pair, is rejected whole, at the highest possible level. The regions are the upper levels of the tree that the broad
+/// overlap one of a set of boxes (the queries). A region that no query overlaps, or in which layers or groups forbid
+/// every pair, is rejected whole, at the highest possible level. The regions are the upper levels of the tree that the broad
 /// phase searches next; the survivors are stored as pairs (query, leaf region).
 ///
 /// If boxes lie in one heap, most queries overlap most regions. Then no pairs are stored, no region counts as
@@ -24,12 +24,16 @@ namespace oncollide {
 /// Source: Franquesa-Niubó and Brunet, "Collision prediction using MKtrees", CEIG 2004, for the idea.
 class Delimitation {
 public:
+    /// What forbids pairs of a query.
+    struct Filter {
+        std::uint32_t layers = ~0u, mask = ~0u, group = mixed_groups; ///< group: a forbidding_group()
+    };
     void clear();
     /// Adds a query box: lo x y z, hi x y z, as from AabbTree::box_at().
-    void add(const float box[6], std::uint32_t layers, std::uint32_t mask);
+    void add(const float box[6], const Filter& filter);
     /// Runs the delimitation.
-    /// @param layers  also reject regions whose layers forbid every pair: the tree has layers
-    void run(const AabbTree& tree, bool layers, int threads);
+    /// @param filters  also reject regions of which layers or groups forbid every pair: the tree has filters
+    void run(const AabbTree& tree, bool filters, int threads);
     /// True if run() gave up because too little was rejected, so there is no data on regions.
     bool in_a_heap() const { return in_a_heap_; }
 
@@ -54,18 +58,18 @@ public:
 private:
     template <class Work>
     void each_worker(int threads, Work work) const;
-    void descend(const AabbLevelView& level, bool layers, const NodePairs& from, NodePairs& to,
+    void descend(const AabbLevelView& level, bool filters, const NodePairs& from, NodePairs& to,
                  std::atomic<std::int64_t>& room) const;
     void drop_forbidden(const AabbLevelView& level, PairSink& found, std::uint64_t first) const;
     void count(const AabbTree& tree);
     void mark(const AabbTree& tree);
     void count_rejected(const AabbTree& tree);
 
-    std::size_t queries() const { return layers_.size(); }
+    std::size_t queries() const { return filters_.size(); }
     std::size_t first_query(std::size_t worker) const { return queries() * worker / workers_; }
 
-    std::vector<float> boxes_; ///< 6 floats per query
-    std::vector<std::uint32_t> layers_, masks_;
+    std::vector<float> boxes_;    ///< 6 floats per query
+    std::vector<Filter> filters_; ///< by query
     std::size_t workers_ = 1;
     bool in_a_heap_ = false;
     std::vector<std::unique_ptr<NodePairs>> reached_, next_; ///< by worker: (query, node)

@@ -168,17 +168,20 @@ void DynamicTree::delimit(const BodyColumns& columns)
     if (delimited_) return;
     collect_queries();
     if (!whole_) {
-        const bool layers = filter_.layers_forbid();
+        const ForbiddingFilters filters = filter_.forbidding();
         constexpr std::size_t ahead = 8; // slots and bodies' data are scattered in memory
         for (std::size_t k = 0; k < queries_.size(); ++k) {
             if (k + ahead < queries_.size()) tree_.prefetch_box_at(found_[k + ahead].a);
             const std::uint32_t body = queries_[k];
             float box[6];
             tree_.box_at(found_[k].a, box); // see collect_queries()
-            delimitation_.add(box, layers ? columns.layers[body] : ~0u, layers ? columns.masks[body] : ~0u);
+            Delimitation::Filter filter;
+            if (filters.layers) filter.layers = columns.layers[body], filter.mask = columns.masks[body];
+            if (filters.groups) filter.group = forbidding_group(columns.groups[body]);
+            delimitation_.add(box, filter);
         }
         ONCOLLIDE_ASSERT(found_.size() == queries_.size());
-        delimitation_.run(tree_, filter_.layers_forbid(), threads_for(queries_.size()));
+        delimitation_.run(tree_, filters.any(), threads_for(queries_.size()));
     }
     delimited_ = true;
 }
@@ -199,7 +202,7 @@ void DynamicTree::find_whole(const BodyColumns& columns, bool changed_only)
         marked_version_ = bodies_.dynamic_version();
     }
     std::vector<BodyPair>& found = changed_only ? found_ : pairs_;
-    search_.find_pairs(tree_, columns, filter_.forbids(), options_.margin, options_.threads, found);
+    search_.find_pairs(tree_, columns, filter_.forbidding().any(), options_.margin, options_.threads, found);
     sort_pairs(found, scratch_, bodies_.rows(), threads_for_all());
     if (changed_only) replace_changed(pairs_, found_);
     near_.clear(), near_are_pairs_ = true;
@@ -220,7 +223,7 @@ void DynamicTree::find_near(const BodyColumns& columns)
 {
     const int threads = threads_for(queries_.size());
     const std::uint8_t* const states = bodies_.data();
-    const bool filtered = filter_.forbids();
+    const bool filtered = filter_.forbidding().any();
     lists_.begin(found_, static_cast<int>(delimitation_.workers()));
     const auto keep = [&](std::size_t worker, const std::uint32_t* query, const std::uint32_t* place,
                           std::size_t count) {

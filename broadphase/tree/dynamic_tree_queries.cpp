@@ -25,6 +25,7 @@ void DynamicTree::survivors(std::vector<std::uint32_t>& bodies)
 {
     if (whole_ || delimitation_.in_a_heap()) return bodies_.list(bodies);
     delimitation_.survivors(tree_, bodies);
+    bodies.insert(bodies.end(), queries_.begin(), queries_.end()); // filters may have rejected their own leaves
     for (const BodyPair pair : near_are_pairs_ ? pairs_ : near_)
         if (to_compare(pair)) bodies.push_back(pair.a), bodies.push_back(pair.b);
     std::ranges::sort(bodies);

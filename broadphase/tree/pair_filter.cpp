@@ -20,9 +20,10 @@ void PairFilter::update(const BodyStates& bodies, std::span<const std::uint32_t>
 {
     const bool layers = !columns.layers.empty(), groups = !columns.groups.empty();
     known_ = known_ && layers == with_layers_ && groups == with_groups_;
-    const bool tree_knows = known_ && layers_forbid();
+    const ForbiddingFilters of_tree = known_ ? forbidding() : ForbiddingFilters{};
     if (!known_) {
         *this = {};
+        tree.forget_filters();
         known_ = true, with_layers_ = layers, with_groups_ = groups;
         if (layers || groups)
             for (std::uint32_t body = 0; body < bodies.rows(); ++body)
@@ -31,10 +32,10 @@ void PairFilter::update(const BodyStates& bodies, std::span<const std::uint32_t>
         for (std::uint32_t body : changed)
             if (bodies.is(body, BodyStates::present)) {
                 add(body, columns);
-                if (tree_knows) tree.add_layers(body, columns);
+                if (of_tree.any()) tree.add_filters(body, columns);
             }
     }
-    if (layers_forbid() != tree_knows) layers_forbid() ? tree.set_layers(columns) : tree.forget_layers();
+    if (forbidding() != of_tree) tree.set_filters(columns, forbidding());
 }
 
 } // namespace oncollide

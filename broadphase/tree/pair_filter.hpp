@@ -7,7 +7,7 @@
 
 namespace oncollide {
 
-/// Tracks whether layers, masks or groups forbid any pair at all; if layers do, passes them on to the tree.
+/// Tracks whether layers, masks or groups forbid any pair at all; passes those that do on to the tree.
 class PairFilter {
 public:
     /// Applies changes. `changed` includes all bodies that are new or whose layers, mask or group changed. Cost:
@@ -15,8 +15,7 @@ public:
     void update(const BodyStates& bodies, std::span<const std::uint32_t> changed, const BodyColumns& columns,
                 AabbTree& tree);
     void forget() { known_ = false; } ///< call after the tree was rebuilt
-    bool layers_forbid() const { return some_in_none_ || (layers_ & ~common_mask_) != 0; }
-    bool forbids() const { return layers_forbid() || groups_; }
+    ForbiddingFilters forbidding() const { return {some_in_none_ || (layers_ & ~common_mask_) != 0, groups_}; }
 
 private:
     void add(std::uint32_t body, const BodyColumns& columns);

@@ -237,6 +237,75 @@ TEST_P(EveryBroadPhase, FollowsBodiesThatDriftSlowlyAmongOtherChanges)
     }
 }
 
+/// Clusters of one group or of no group, whose bodies also change groups: whole regions of the trees are of one group.
+TEST_P(EveryBroadPhase, FindsPairsBetweenGroupsThatFillRegions)
+{
+    Boxes scene = random_boxes(1600, 16, 0.2, 43, {1, 2, 3});
+    for (std::uint32_t body : scene.all) {
+        const Eigen::Vector3d at = scene.boxes[body].centre();
+        scene.groups[body] = at.x() < 6 ? 0 : at.x() < 10 ? 4 : at.y() < 9 ? 0xffffffffu : 5;
+        scene.layers[body] = 1, scene.masks[body] = ~0u;
+    }
+    const auto broad = make();
+    scene.add_to(*broad);
+    for (std::uint64_t frame = 0; frame < 24; ++frame) {
+        Bodies changed;
+        for (std::uint32_t body : scene.all) {
+            const double dice = u01(frame + 700, body, 0);
+            if (frame > 0 && dice > (frame % 6 ? 0.02 : 0.6)) continue;
+            if (dice < 0.002) scene.groups[body] = frame % 3 ? 4 : 0;
+            if (!scene.is_static[body]) scene.step(body, random_step(frame, body, dice < 0.001 ? 20 : 0.5));
+            changed.push_back(body);
+        }
+        broad->move(changed);
+        ASSERT_EQ(find(*broad, scene), truth(scene)) << "frame " << frame;
+    }
+}
+
+/// A body whose layers or group forbid all pairs with its neighbours has pairs farther away.
+TEST_P(EveryBroadPhase, TellsOfAChangedBodyAmongOthersThatItCannotMeet)
+{
+    for (const bool by_group : {false, true}) {
+        Boxes scene;
+        for (std::uint32_t i = 0; i < 2000; ++i) // a long row
+            scene.add({double(i), 0, 0}, {i + 1.5, 1, 1}, false, 1, by_group ? ~0u : 2, by_group ? 7 : 0);
+        scene.add({0.2, 0.2, 0.2}, {1999, 0.3, 0.3}, false, by_group ? 1 : 2, by_group ? ~0u : 1); // along all of it
+        const auto broad = make();
+        scene.add_to(*broad);
+        ASSERT_EQ(find(*broad, scene).size(), 2000u);
+        scene.step(500, {0.25, 0, 0});
+        broad->move(Bodies{500});
+        broad->delimit(scene.columns());
+        Bodies left;
+        broad->survivors(left);
+        EXPECT_TRUE(std::ranges::binary_search(left, 500u));
+        EXPECT_TRUE(std::ranges::binary_search(left, 2000u));
+    }
+}
+
+/// The columns get groups after the only body is gone whose layers forbade pairs.
+TEST_P(EveryBroadPhase, FindsPairsOfNewBodiesOnceLayersForbidNoMore)
+{
+    Boxes scene = random_boxes(600, 10, 0, 47, {0, 0, 0});
+    scene.layers.assign(600, 1), scene.masks.assign(600, ~0u), scene.groups.assign(600, 0);
+    scene.layers[0] = 2, scene.masks[0] = 4;
+    const auto broad = make();
+    const auto columns = [&](bool groups) {
+        return BodyColumns{scene.boxes, scene.layers, scene.masks,
+                           groups ? std::span<const std::uint32_t>(scene.groups) : std::span<const std::uint32_t>()};
+    };
+    broad->add(std::span(scene.all).first(550));
+    broad->find_pairs(columns(false));
+    broad->remove(Bodies{0});
+    broad->find_pairs(columns(false));
+    scene.groups[7] = 5, scene.layers[599] = 8; // which no other body is on
+    broad->add(std::span(scene.all).last(50));
+    const auto found = broad->find_pairs(columns(true));
+    Pairs expected = truth(scene);
+    std::erase_if(expected, [](BodyPair p) { return p.a == 0; });
+    EXPECT_EQ(Pairs(found.begin(), found.end()), expected);
+}
+
 /// The pairs that layers, groups or static bodies forbid must take no memory in a heap of boxes.
 TEST_P(EveryBroadPhase, HoldsNoForbiddenPairsOfAHeap)
 {

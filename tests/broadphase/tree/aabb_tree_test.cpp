@@ -176,7 +176,7 @@ TEST_P(EveryOrder, NamesTheFirstFaultOfADamagedTree)
 {
     const auto fault_after = [&](auto damage) {
         build(1500);
-        tree.set_layers(scene.columns());
+        tree.set_filters(scene.columns(), {.layers = true});
         EXPECT_EQ(fault(), "");
         damage();
         return fault();
@@ -195,6 +195,41 @@ TEST_P(EveryOrder, NamesTheFirstFaultOfADamagedTree)
     EXPECT_EQ(text, "slot 0 is farther out than the farthest coordinate");
     text = fault_after([&] { scene.layers[3] |= 0x100; });
     EXPECT_TRUE(has(text, "lacks a layer of a child")) << text;
+    scene.groups.assign(1500, 7);
+    text = fault_after([&] {
+        tree.set_filters(scene.columns(), {.groups = true});
+        scene.groups[3] = 8;
+    });
+    EXPECT_TRUE(has(text, "lacks the group of a child")) << text;
+}
+
+/// All boxes overlap: without the marks there are more than a million pairs.
+TEST_P(EveryOrder, SearchesNoPairsWithinOneGroup)
+{
+    build(1500);
+    scene.boxes.assign(1500, scene.boxes[0]);
+    tree.refit(scene.boxes, margin, 1);
+    scene.groups.assign(1500, 7);
+    const auto pairs = [&] {
+        std::size_t found = 0;
+        find_in_chunks([&](const std::uint32_t*, const std::uint32_t*, std::size_t count) { found += count; },
+                       [&](PairSink& sink) { aabb_tree_kernel().all(tree.view(), 0, sink); });
+        return found;
+    };
+    EXPECT_GT(pairs(), 1'000'000u);
+    tree.set_filters(scene.columns(), {.groups = true});
+    EXPECT_EQ(pairs(), 0u);
+    scene.groups[3] = 8;
+    tree.add_filters(3, scene.columns());
+    EXPECT_EQ(fault(), "");
+    EXPECT_GE(pairs(), 1499u);
+    EXPECT_LT(pairs(), 32u * 1500) << "only the leaf of body 3 is searched";
+    scene.groups[4] = 0; // in no group: pairs with all
+    tree.add_filters(4, scene.columns());
+    EXPECT_EQ(fault(), "");
+    EXPECT_GE(pairs(), 2 * 1499u - 1);
+    tree.set_filters(scene.columns(), {});
+    EXPECT_GT(pairs(), 1'000'000u);
 }
 
 #ifdef ONCOLLIDE_ASSERTIONS
