@@ -79,14 +79,14 @@ struct Contact {
     /// Two triangles: touching or crossing. Other parts: unknown if they certainly meet (touching included), near if
     /// rounding prevents a decision. The rounding is 2^-47 of the bodies' sizes and distance; it matters only for
     /// rotated spheres, for spheres against round shapes, and for round shapes.
-    ContactKind kind;
+    ContactKind kind = ContactKind::unknown;
     /// Two triangles: the ends of the segment that both share, equal for a point. Other parts: a point on each; the two
     /// points differ only by rounding.
-    std::array<Eigen::Vector3d, 2> ends;
+    std::array<Eigen::Vector3d, 2> ends{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
     /// Unit normals. A triangle has its own normal; without an area, 0 or the opposite of a solid's normal. A cell or a
     /// shape has the outward normal of its surface at the point nearest to `ends` (an ellipsoid nearly), or the
     /// opposite of the other part's normal if the point is the centre of a sphere, a capsule or an ellipsoid.
-    Eigen::Vector3d normal_a, normal_b;
+    Eigen::Vector3d normal_a = Eigen::Vector3d::Zero(), normal_b = Eigen::Vector3d::Zero();
 
     Eigen::Vector3d middle() const { return 0.5 * (ends[0] + ends[1]); }
 };

@@ -107,6 +107,6 @@ class ContactKind(enum.IntEnum):
 
 
 __all__ = [name for name in dir() if not name.startswith("_") and name != "enum"]
-for _item in (Error, Frame, Geometry, Model, Queries, World):
+for _item in (Error, Frame, Geometry, Model, Queries, Robot, World):
     _item.__module__ = __name__
 del _item

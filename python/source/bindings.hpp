@@ -1,5 +1,10 @@
 #pragma once
 #include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include <oncollide/pipeline/settings.hpp>
 #include <oncollide/scenes/geometry.hpp>
@@ -12,6 +17,35 @@ namespace oncollide::python {
 using GeometryHandle = std::shared_ptr<const Geometry>;
 
 GeometryHandle geometry(py::handle value, const Place& place);
+
+/// A geometry as a tuple of bytes and numbers, for pickles, and back. What stays in its cooked file is its path.
+py::tuple state_of(const Geometry& geometry);
+GeometryHandle geometry_from(const py::tuple& state);
+
+// Columns of plain values as bytes, for pickles.
+template <class T>
+py::bytes bytes_of(std::span<const T> items)
+{
+    return {reinterpret_cast<const char*>(items.data()), items.size_bytes()};
+}
+/// ValueError for bytes that are not whole values.
+template <class T>
+std::vector<T> values_in(py::handle bytes)
+{
+    const auto text = py::cast<std::string_view>(bytes);
+    if (text.size() % sizeof(T) != 0) throw py::value_error("the pickle is damaged, or of another version of oncollide");
+    std::vector<T> made(text.size() / sizeof(T));
+    std::copy(text.begin(), text.end(), reinterpret_cast<char*>(made.data()));
+    return made;
+}
+/// Lets copy and pickle raise TypeError: "World: TEXT".
+template <class Class>
+void refuse_pickles(Class& bound, const char* name, const char* text)
+{
+    bound.def("__reduce_ex__", [name, text](py::handle, py::handle) {
+        throw py::type_error(fmt::format("{}: cannot be pickled or copied: {}", name, text));
+    });
+}
 
 /// Settings from keyword arguments.
 Settings settings_of(const py::kwargs& arguments, const char* call);
@@ -26,24 +60,37 @@ void bind_world(py::module_& module);
 void bind_queries(py::module_& module);
 void bind_robot(py::module_& module);
 
+/// A NumPy type with the layout of one of the library's results.
+struct ResultType {
+    py::dtype type;
+    std::size_t size; ///< of one result, bytes
+    struct Gap {
+        std::size_t at, size;
+    };
+    std::vector<Gap> gaps; ///< bytes of no field
+
+    /// Sets the gaps to 0, so that equal results have equal bytes.
+    void clear_gaps(void* results, std::size_t count) const;
+};
+
 /// NumPy types with the layout of the library's results.
 struct ResultTypes {
-    py::dtype pair;           ///< PairResult
-    py::dtype bodies;         ///< PairOfBodies
-    py::dtype hit;            ///< QueryHit
-    py::dtype cast;           ///< CastHit
-    py::dtype contact;        ///< Contact
-    py::dtype distance;       ///< Distance
-    py::dtype finding;        ///< Finding
-    py::dtype penetration;    ///< Penetration
-    py::dtype sweep;          ///< SweepResult
-    py::dtype sweep_hit;      ///< SweepHit
-    py::dtype pair_sweep;     ///< PairSweep
-    py::dtype robot;          ///< RobotFinding
-    py::dtype robot_edge;     ///< RobotEdgeFinding
-    py::dtype region;         ///< ManifoldRegion
-    py::dtype manifold_point; ///< ManifoldPoint
-    py::dtype near_features;  ///< NearFeatures
+    ResultType pair;           ///< PairResult
+    ResultType bodies;         ///< PairOfBodies
+    ResultType hit;            ///< QueryHit
+    ResultType cast;           ///< CastHit
+    ResultType contact;        ///< Contact
+    ResultType distance;       ///< Distance
+    ResultType finding;        ///< Finding
+    ResultType penetration;    ///< Penetration
+    ResultType sweep;          ///< SweepResult
+    ResultType sweep_hit;      ///< SweepHit
+    ResultType pair_sweep;     ///< PairSweep
+    ResultType robot;          ///< RobotFinding
+    ResultType robot_edge;     ///< RobotEdgeFinding
+    ResultType region;         ///< ManifoldRegion
+    ResultType manifold_point; ///< ManifoldPoint
+    ResultType near_features;  ///< NearFeatures
 };
 /// Called at import, before threads can wait for each other: making the types runs Python code, which may hand the
 /// interpreter's lock to a thread that needs them.
@@ -59,5 +106,33 @@ py::array array_of(const py::dtype& type, std::vector<T> items)
     const py::capsule owner(kept, [](void* vector) { delete static_cast<std::vector<T>*>(vector); });
     return py::array(type, {static_cast<py::ssize_t>(kept->size())}, {}, kept->data(), owner);
 }
+template <class T>
+py::array array_of(const ResultType& type, std::vector<T> items)
+{
+    type.clear_gaps(items.data(), items.size());
+    return array_of(type.type, std::move(items));
+}
+
+/// A class of the module.
+template <class T>
+concept InModule = std::is_same_v<T, Geometry> || requires { typename T::InModule; };
+
+/// Passes objects of a class of the module. One whose __init__() was not called, as from Class.__new__(Class), holds
+/// nothing: TypeError, wherever it comes in.
+template <class T>
+struct MadeObjects : py::detail::type_caster_base<T> {
+    bool load(py::handle object, bool convert) { return this->template load_impl<MadeObjects>(object, convert); }
+    void load_value(py::detail::value_and_holder&& held)
+    {
+        if (!held.holder_constructed())
+            throw py::type_error(fmt::format("{}: __init__() of this object was not called", this->typeinfo->type->tp_name));
+        py::detail::type_caster_base<T>::load_value(std::move(held));
+    }
+};
 
 } // namespace oncollide::python
+
+namespace pybind11::detail {
+template <oncollide::python::InModule T>
+class type_caster<T> : public oncollide::python::MadeObjects<T> {};
+} // namespace pybind11::detail

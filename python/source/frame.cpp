@@ -1,4 +1,6 @@
 // The result of a step.
+#include <deque>
+
 #include <fmt/format.h>
 
 #include "held_world.hpp"
@@ -9,20 +11,25 @@ namespace {
 
 /// Copies of the results of one step, which the World will overwrite.
 struct FrameResult {
-    std::uint64_t frame, hash;
-    double ms;
+    using InModule = void;
+    std::uint64_t frame = 0, hash = 0;
+    double ms = 0;
     std::vector<PairResult> pairs;
     std::vector<PairOfBodies> began, ended;
     std::vector<PairSweep> sweeps;
     std::vector<StageStats> stages;
     TreeStats trees;
+    std::deque<std::string> texts; ///< of the stages of a frame from a pickle
 
+    FrameResult() = default;
     explicit FrameResult(const FrameView& view)
         : frame(view.frame), hash(view.hash), ms(view.ms), pairs(view.pairs.begin(), view.pairs.end()),
           began(view.began.begin(), view.began.end()), ended(view.ended.begin(), view.ended.end()),
           sweeps(view.sweeps.begin(), view.sweeps.end()), stages(view.stages.begin(), view.stages.end()),
           trees(view.trees)
     {
+        result_types().pair.clear_gaps(pairs.data(), pairs.size());
+        result_types().pair_sweep.clear_gaps(sweeps.data(), sweeps.size());
     }
 };
 
@@ -31,7 +38,7 @@ template <auto member, auto type>
 py::array column(py::object self)
 {
     const auto& items = self.cast<const FrameResult&>().*member;
-    return py::array(result_types().*type, {static_cast<py::ssize_t>(items.size())}, {}, items.data(), self);
+    return py::array((result_types().*type).type, {static_cast<py::ssize_t>(items.size())}, {}, items.data(), self);
 }
 
 py::dict stage_dict(const StageStats& s)
@@ -47,6 +54,45 @@ py::list stage_list(std::span<const StageStats> stages)
     py::list made;
     for (const StageStats& stage : stages) made.append(stage_dict(stage));
     return made;
+}
+
+/// A frame as a tuple, for pickles, and back.
+py::tuple state_of_frame(const FrameResult& frame)
+{
+    py::list stages;
+    for (const StageStats& s : frame.stages)
+        stages.append(py::make_tuple(std::string(s.stage), std::string(s.unit), std::string(s.note), s.frames, s.in,
+                                     s.out, s.culled, s.undecided, s.cpu_ms, s.gpu_ms, s.wait_ms, s.skipped));
+    return py::make_tuple(frame.frame, frame.hash, frame.ms, bytes_of(std::span<const PairResult>(frame.pairs)),
+                          bytes_of(std::span<const PairOfBodies>(frame.began)),
+                          bytes_of(std::span<const PairOfBodies>(frame.ended)),
+                          bytes_of(std::span<const PairSweep>(frame.sweeps)), stages,
+                          bytes_of(std::span<const TreeStats>(&frame.trees, 1)));
+}
+
+std::unique_ptr<FrameResult> frame_from(const py::tuple& state)
+{
+    auto frame = std::make_unique<FrameResult>();
+    frame->frame = state[0].cast<std::uint64_t>(), frame->hash = state[1].cast<std::uint64_t>();
+    frame->ms = state[2].cast<double>();
+    frame->pairs = values_in<PairResult>(state[3]);
+    frame->began = values_in<PairOfBodies>(state[4]), frame->ended = values_in<PairOfBodies>(state[5]);
+    frame->sweeps = values_in<PairSweep>(state[6]);
+    const auto text = [&](py::handle of) -> std::string_view {
+        return frame->texts.emplace_back(of.cast<std::string>());
+    };
+    for (const py::handle each : state[7].cast<py::list>()) {
+        const auto s = each.cast<py::tuple>();
+        StageStats& stage = frame->stages.emplace_back();
+        stage.stage = text(s[0]), stage.unit = text(s[1]), stage.note = text(s[2]);
+        stage.frames = s[3].cast<std::uint64_t>(), stage.in = s[4].cast<std::uint64_t>();
+        stage.out = s[5].cast<std::uint64_t>(), stage.culled = s[6].cast<std::uint64_t>();
+        stage.undecided = s[7].cast<std::uint64_t>(), stage.cpu_ms = s[8].cast<double>();
+        stage.gpu_ms = s[9].cast<double>(), stage.wait_ms = s[10].cast<double>(), stage.skipped = s[11].cast<bool>();
+    }
+    const std::vector<TreeStats> trees = values_in<TreeStats>(state[8]);
+    if (!trees.empty()) frame->trees = trees[0];
+    return frame;
 }
 
 std::unique_ptr<FrameResult> step(HeldWorld& held)
@@ -66,7 +112,7 @@ std::unique_ptr<FrameResult> step(HeldWorld& held)
 void bind_frames(py::module_& m, WorldClass& world)
 {
     using namespace py::literals;
-    py::class_<FrameResult>(m, "Frame", R"(The results of one World.step(). Later steps do not change its arrays.)")
+    py::class_<FrameResult>(m, "Frame", R"(The results of one World.step(). Later steps do not change its arrays. It can be pickled.)")
         .def_readonly("frame", &FrameResult::frame, "Counted from 0 by the World (int).")
         .def_readonly("ms", &FrameResult::ms, "Duration of the step, milliseconds (float).")
         .def_readonly("hash", &FrameResult::hash,
@@ -103,7 +149,8 @@ Structured (N,): pair (uint32, index into pairs), and the fields of World.sweep(
         .def("__repr__", [](const FrameResult& f) {
             return fmt::format("<oncollide.Frame {}: {} pairs, {} began, {} ended>", f.frame, f.pairs.size(),
                                f.began.size(), f.ended.size());
-        });
+        })
+        .def(py::pickle(&state_of_frame, &frame_from));
 
     world.def("step", &step, R"(step(self)
 --

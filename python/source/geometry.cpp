@@ -126,6 +126,7 @@ GeometryHandle geometry(py::handle value, const Place& place)
 {
     if (!py::isinstance<Geometry>(value))
         refuse_type(place, "a Geometry, as oncollide.mesh(), load_mesh(), sphere() and others make it", value);
+    (void)py::cast<const Geometry&>(value); // refuses an object without one
     return py::cast<std::shared_ptr<Geometry>>(value);
 }
 
@@ -137,7 +138,8 @@ void bind_geometry(py::module_& m)
     py::class_<Geometry, std::shared_ptr<Geometry>>(m, "Geometry", R"(The geometry of a body, in its own frame, metres.
 
 Made by mesh(), load_mesh(), sphere(), terrain(), load_map() and others. It never changes, copies the arrays that it is
-made from, and is shared, not copied, by every World and Queries that uses it.)")
+made from, and is shared, not copied, by every World and Queries that uses it. It can be pickled, for processes that work
+on one scene: a mesh, a shape, a map or a terrain by its data, what stays in a cooked file by the file's path.)")
         .def_property_readonly(
             "name",
             [](const Geometry& g) { // a path may contain bytes that are not UTF-8
@@ -192,7 +194,13 @@ made from, and is shared, not copied, by every World and Queries that uses it.)"
             if (const auto* cooked = std::get_if<CookedHandle>(&g.data))
                 text += fmt::format(", {} faces, in its file", (*cooked)->triangles());
             return text + ">";
-        });
+        })
+        // It never changes.
+        .def("__copy__", [](py::object self) { return self; })
+        .def("__deepcopy__", [](py::object self, py::handle) { return self; })
+        .def(py::pickle([](const Geometry& geometry) { return state_of(geometry); }, [](const py::tuple& state) {
+            return std::const_pointer_cast<Geometry>(geometry_from(state));
+        }));
 
     m.def("mesh", &mesh, "vertices"_a, "faces"_a, unnamed, R"(mesh(vertices, faces, name="")
 --

@@ -10,6 +10,7 @@ namespace oncollide::python {
 
 /// A model in Python; it records its World, so that another World refuses it.
 struct ModelHandle {
+    using InModule = void;
     std::uint64_t world;
     ModelId id;
     friend bool operator==(const ModelHandle&, const ModelHandle&) = default;
@@ -17,6 +18,7 @@ struct ModelHandle {
 
 /// The World, its users, and the thread that it is tied to.
 struct HeldWorld {
+    using InModule = void;
     Interrupts interrupts;
     World world;
     const std::uint64_t number; ///< unique among the Worlds of this process

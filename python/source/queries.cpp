@@ -13,6 +13,7 @@ namespace oncollide::python {
 namespace {
 
 struct HeldQueries {
+    using InModule = void;
     Interrupts interrupts;
     MeshQueries queries;
     Users users;
@@ -145,7 +146,7 @@ py::array distances(HeldQueries& held, py::handle a, py::handle b, py::handle po
 void bind_queries(py::module_& m)
 {
     using namespace py::literals;
-    py::class_<HeldQueries>(m, "Queries", R"(Queries(geometries, **settings)
+    py::class_<HeldQueries> queries(m, "Queries", R"(Queries(geometries, **settings)
 --
 
 Tests many pairs at many poses, without bodies: for planners that sample poses.
@@ -155,7 +156,9 @@ Tests many pairs at many poses, without bodies: for planners that sample poses.
 
 geometries: a sequence of Geometry, of any kind; queries use their indices. settings: World's max_error, depth,
 clearance, exact ('auto', 'off' or 'predicates'), bounding_volume, threads, age_limit (in calls) and the budgets. Trees grow
-where queries need them, and are kept from call to call. One thread at a time; a call uses `threads` threads.)")
+where queries need them, and are kept from call to call. One thread at a time; a call uses `threads` threads.)");
+    refuse_pickles(queries, "Queries", "make them in each process, of geometries, which can be pickled");
+    queries
         .def(py::init([](py::handle geometries, const py::kwargs& settings) {
                  const Place place{"Queries", "geometries"};
                  if (!py::isinstance<py::sequence>(geometries))

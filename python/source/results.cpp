@@ -1,5 +1,7 @@
 // Structured arrays over the library's results, and Distance.
+#include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <vector>
 
 #include <oncollide/pipeline/results.hpp>
@@ -19,13 +21,22 @@ struct Field {
     std::size_t at;
 };
 
-py::dtype structure(std::size_t size, const std::vector<Field>& fields)
+ResultType structure(std::size_t size, const std::vector<Field>& fields)
 {
     py::list names, formats, offsets;
+    std::vector<bool> used(size);
     for (const Field& field : fields) {
         names.append(field.name), formats.append(field.type), offsets.append(field.at);
+        const auto width = static_cast<std::size_t>(py::dtype(field.type).itemsize());
+        std::fill_n(used.begin() + static_cast<std::ptrdiff_t>(field.at), width, true);
     }
-    return py::dtype(names, formats, offsets, static_cast<py::ssize_t>(size));
+    ResultType made{py::dtype(names, formats, offsets, static_cast<py::ssize_t>(size)), size, {}};
+    for (std::size_t at = 0; at < size; ++at) {
+        if (used[at]) continue;
+        if (at == 0 || used[at - 1]) made.gaps.push_back({at, 0});
+        ++made.gaps.back().size;
+    }
+    return made;
 }
 
 // An id is read as one number, and a cell as four.
@@ -39,7 +50,7 @@ constexpr std::size_t cell_in_part = offsetof(BodyPart, cell);
 
 /// A SweepResult with other fields before it.
 template <class Sweep>
-py::dtype sweep_structure(std::vector<Field> fields)
+ResultType sweep_structure(std::vector<Field> fields)
 {
     constexpr std::size_t contact = offsetof(Sweep, contact);
     fields.insert(fields.end(), {{"verdict", "u1", offsetof(Sweep, verdict)},
@@ -161,6 +172,14 @@ void make_result_types()
 const ResultTypes& result_types()
 {
     return *types;
+}
+
+void ResultType::clear_gaps(void* results, std::size_t count) const
+{
+    if (gaps.empty()) return;
+    auto* at = static_cast<std::byte*>(results);
+    for (std::size_t i = 0; i < count; ++i, at += size)
+        for (const Gap& gap : gaps) std::memset(at + gap.at, 0, gap.size);
 }
 
 } // namespace oncollide::python

@@ -11,6 +11,7 @@ namespace oncollide::python {
 namespace {
 
 struct HeldRobot {
+    using InModule = void;
     HeldWorld* held; ///< kept alive by pybind11
     std::unique_ptr<Robot> robot;
 };
@@ -116,7 +117,7 @@ py::array link_poses(HeldRobot& robot, py::handle configuration)
 void bind_robot(py::module_& m)
 {
     using namespace py::literals;
-    py::class_<HeldRobot>(m, "Robot", R"(Robot(world, urdf, srdf=None, packages=None, base=None)
+    py::class_<HeldRobot> robot(m, "Robot", R"(Robot(world, urdf, srdf=None, packages=None, base=None)
 --
 
 A robot from a URDF file, whose links become models of the World; an SRDF file gives excluded pairs and states.
@@ -126,7 +127,9 @@ A robot from a URDF file, whose links become models of the World; an SRDF file g
     free = robot.check(samples)["verdict"] == oncollide.Verdict.SEPARATE
 
 packages: folders by name, for meshes named package://NAME/...; by default they are found beside the file or above it.
-base: pose of the root link. Raises Error that names the file and the line.)")
+base: pose of the root link. Raises Error that names the file and the line.)");
+    refuse_pickles(robot, "Robot", "make it in each process, of its file, in a World there");
+    robot
         .def(py::init(&make), "world"_a, "urdf"_a, "srdf"_a = py::none(), "packages"_a = py::none(),
              "base"_a = py::none(), py::keep_alive<1, 2>())
         .def("check", &check, "configurations"_a, "self_collision"_a = true, "environment"_a = true,

@@ -58,8 +58,9 @@ Aabb box_of(py::handle low, py::handle high, const char* call)
 void bind_world(py::module_& m)
 {
     using namespace py::literals;
-    py::class_<ModelHandle>(m, "Model",
-                            R"(A geometry in one World, with all data derived from it; returned by World.add().)")
+    py::class_<ModelHandle> model_class(m, "Model",
+                                        R"(A geometry in one World, with all data derived from it; returned by World.add().)");
+    model_class
         .def("__eq__",
              [](const ModelHandle& a, py::handle b) {
                  return py::isinstance<ModelHandle>(b) && a == py::cast<const ModelHandle&>(b);
@@ -70,6 +71,7 @@ void bind_world(py::module_& m)
         .def("__repr__", [](const ModelHandle& model) {
             return fmt::format("<oncollide.Model {} of World {}>", model.id.slot, model.world);
         });
+    refuse_pickles(model_class, "Model", "it is of one World; send its Geometry, and add() it to a World there");
 
     const std::string text = R"(World(**settings)
 --
@@ -129,6 +131,7 @@ Replaces the Geometry of a model and so of all its bodies.)");
 
 Removes a model. Raises Error while a body uses it.)");
 
+    refuse_pickles(world, "World", "make one in each process, and add() the geometries there, which can be pickled");
     bind_bodies(world);
     bind_frames(m, world);
     bind_world_queries(world);

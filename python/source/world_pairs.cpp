@@ -41,10 +41,11 @@ std::vector<PairOfBodies> pairs_of(py::handle a, py::handle b, const char* call)
 
 /// A structured scalar with the bytes of `found`.
 template <class Found>
-py::object scalar(const py::dtype& type, const Found& found)
+py::object scalar(const ResultType& type, const Found& found)
 {
-    py::array made(type, py::ssize_t{1});
+    py::array made(type.type, py::ssize_t{1});
     std::memcpy(made.mutable_data(), static_cast<const void*>(&found), sizeof found);
+    type.clear_gaps(made.mutable_data(), 1);
     return made[py::int_(0)];
 }
 
