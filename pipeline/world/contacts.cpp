@@ -6,7 +6,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/pairs/triangle_pairs.hpp>
 #include <oncollide/pipeline/check_distance.hpp>
-#include <oncollide/scenes/scene.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 
 namespace oncollide {
 
@@ -18,7 +18,7 @@ struct TwoTrees {
 
     static const Mesh& checked(const char* which, const Mesh& mesh, const Eigen::Isometry3d& pose)
     {
-        if (const std::string why = why_not_rigid(pose); !why.empty())
+        if (const std::string why = WorldAccess::why_refused(pose); !why.empty())
             throw Error(ErrorKind::bad_data, fmt::format("pose {}: {}", which, why));
         check_mesh(fmt::format("mesh {}", which), mesh);
         return mesh;

@@ -9,6 +9,25 @@
 
 namespace oncollide {
 
+namespace {
+
+/// Throws unless the regions of the pairs, and the points of the regions, are in the lists.
+void check_lists(const ManifoldLists& lists)
+{
+    const auto refuse = [](const std::string& what) { throw Error(ErrorKind::usage, "ManifoldTracker: " + what); };
+    if (lists.offsets.front() != 0 || lists.offsets.back() != lists.regions.size() ||
+        !std::ranges::is_sorted(lists.offsets))
+        refuse(fmt::format("the offsets must ascend from 0 to {}, the number of regions", lists.regions.size()));
+    for (std::size_t i = 0; i < lists.regions.size(); ++i) {
+        const std::size_t first = lists.regions[i].first, count = lists.regions[i].count;
+        if (first + count > lists.points.size())
+            refuse(fmt::format("region {} has the points {} to {}; there are {}", i, first, first + count,
+                               lists.points.size()));
+    }
+}
+
+} // namespace
+
 ManifoldTracker::ManifoldTracker(double match_distance) : match_distance_(match_distance)
 {
     if (!(match_distance >= 0))
@@ -45,6 +64,7 @@ const ManifoldTracker::Update& ManifoldTracker::update(const World& world, std::
         throw Error(ErrorKind::usage,
                     fmt::format("ManifoldTracker: {} pairs, but manifolds of {}; must be of one length", pairs.size(),
                                 std::max<std::size_t>(manifolds.offsets.size(), 1) - 1));
+    check_lists(manifolds);
     now_.points.resize(manifolds.points.size()), now_.pairs.clear();
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         const auto regions =
