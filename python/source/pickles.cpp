@@ -31,7 +31,7 @@ Doubles numbers_of(const Shape& shape)
     return points;
 }
 
-Shape shape_of(std::size_t kind, Doubles n)
+Shape shape_from(std::size_t kind, Doubles n)
 {
     const std::size_t count = n.size();
     n.resize(std::max<std::size_t>(count, 3));
@@ -136,7 +136,7 @@ GeometryHandle geometry_from(const py::tuple& state)
     if (kind == "map") return share(std::move(name), map_of(title, parts));
     if (kind == "terrain") return share(std::move(name), terrain_of(title, parts));
     if (kind != "shape") throw py::value_error("there is no geometry of the kind " + kind);
-    Shape shape = shape_of(parts[0].cast<std::size_t>(), values_in<double>(parts[1]));
+    Shape shape = shape_from(parts[0].cast<std::size_t>(), values_in<double>(parts[1]));
     check_shape(title, shape);
     return share(std::move(name), std::move(shape));
 }

@@ -45,13 +45,18 @@ def test_a_geometry_is_the_same_after_a_pickle(name):
     def results(geometry):
         queries = oncollide.Queries([geometry, oncollide.box([0.05, 0.3, 0.1])])
         verdict, bound = queries.run(0, 1, np.eye(4), poses)
-        return verdict.tobytes(), bound.tobytes(), queries.distances(0, 1, np.eye(4), poses[:10]).tobytes()
+        return verdict, bound, queries.distances(0, 1, np.eye(4), poses[:10])["lower"]
 
     for protocol in range(2, pickle.HIGHEST_PROTOCOL + 1):
         again = pickle.loads(pickle.dumps(made, protocol))
         assert (again.name, again.kind, again.closed) == (made.name, made.kind, made.closed)
-        assert repr(again) == repr(made) and np.array_equal(again.bounds, made.bounds)
-    assert results(again) == results(made)
+        assert repr(again) == repr(made)
+        if name == "coarse":  # of its stored heights; the bounds of the first also have those that were given
+            assert np.allclose(again.bounds, made.bounds, rtol=0, atol=0.002)
+        else:
+            assert np.array_equal(again.bounds, made.bounds)
+    for one, other in zip(results(again), results(made), strict=True):
+        assert np.allclose(one, other, rtol=0, atol=0.002 if name == "coarse" else 0)
     assert copy.copy(made) is made and copy.deepcopy([made])[0] is made, "it never changes"
 
 
@@ -198,13 +203,23 @@ def arrays():
     yield from (world.query(knot), world.query_batch(knot, random_poses(3, 1, 2))[0], world.decide_batch(a, b))
     yield world.cast([[-3, 0, 0], [9, 9, 9]], [[3, 0.1, 0], [9, 9, 8]])
     yield from (world.cast_all([-3, 0, 0], [3, 0, 0]), world.contacts(bodies[0], bodies[1]), world.contacts_batch(a, b)[0])
-    yield from (world.distance_batch(np.r_[a, far], np.r_[b, box], cutoff=1.0), world.penetration_batch(a, b))
+    both = np.array([*a, far], np.uint64), np.array([*b, box], np.uint64)
+    yield from (world.distance_batch(*both, cutoff=1.0), world.penetration_batch(a, b))
     yield from (world.decide(far, box), world.distance(far, box), world.penetration(far, box))
     away = random_poses(2, 0.1, 1) + np.array([20, 0, 0, 0, 0, 0, 0])
     yield world.sweep(knot, np.r_[away[:1], away[:1]], np.r_[away[1:], random_poses(1, 0.1, 3)], knot, np.eye(4), np.eye(4))
     yield world.cast_model(knot, np.r_[away, away], np.r_[away[::-1], random_poses(2, 0.1, 3)])
     regions, points, offsets, complete = world.manifolds(a, b, margin=0.01)
     yield from (regions, points, complete, world.near_features([bodies[0]], [box], 0.01)[0])
+
+
+def without_worlds(array):
+    """The bytes of an array; the number of the World in ids is 0."""
+    rows = np.frombuffer(array.tobytes(), np.uint8).reshape(-1, array.dtype.itemsize).copy()
+    for name in {"a", "b", "body"}.intersection(array.dtype.names or ()):
+        at_byte = array.dtype.fields[name][1]
+        rows[:, at_byte + 6 : at_byte + 8] = 0
+    return rows.tobytes()
 
 
 def test_equal_results_are_equal_byte_for_byte():
@@ -215,7 +230,7 @@ def test_equal_results_are_equal_byte_for_byte():
     for value in (0x5A, 0xC3):
         junk = fill_memory(value)
         del junk
-        results.append([(a.dtype, a.tobytes()) for a in arrays()])
+        results.append([(a.dtype, without_worlds(a)) for a in arrays()])
     for (kind, one), (_, other) in zip(*results, strict=True):
         assert one == other, kind
 
