@@ -179,7 +179,7 @@ public:
     ModelId add(OccupancyMap map, std::string name = {});
     ModelId add(Terrain terrain, std::string name = {});
     ModelId add(std::shared_ptr<const CookedMesh> mesh, std::string name = {}); ///< read where tests need it
-    ModelId add(std::shared_ptr<const Geometry> geometry); ///< shared, as with a Scene
+    ModelId add(std::shared_ptr<const Geometry> geometry);                      ///< shared, as with a Scene
     /// Gives the model another geometry, which all its bodies have from now on. Cost: O(bodies of the World).
     void replace(ModelId model, Mesh mesh);
     void replace(ModelId model, Shape shape);
@@ -267,8 +267,7 @@ public:
 
     // --- Queries: one pair now. A side is a body or a model at a pose. Layers, groups, exclusions and is_static do not
     // matter here. Batches run on up to Settings::threads threads; results do not depend on the number of threads or on
-    // the other pairs of the batch. All throw Error{usage} for spans of different lengths, and as add_body() for a model
-    // that is no body's and not closed in solid mode.
+    // the other pairs of the batch. All throw Error{usage} for spans of unequal lengths, as add_body() for open meshes.
     /// The verdict that step() would give the pair, with the settings' error, exactness, clearance and mode.
     Finding decide(PairSide a, PairSide b) const;
     void decide(std::span<const PairOfBodies> pairs, std::span<Finding> found) const;

@@ -57,7 +57,8 @@ std::string why_not_mimic(const RobotDescription& robot, const RobotJoint& joint
     if (!has_one_number(joint.kind) || !has_one_number(of.kind))
         return "only revolute, continuous and prismatic joints can mimic each other";
     if (&of == &joint) return "mimics itself";
-    if (of.mimics != -1) return fmt::format("mimics joint {}, which has no value of its own", oncollide::quoted(of.name));
+    if (of.mimics != -1)
+        return fmt::format("mimics joint {}, which has no value of its own", oncollide::quoted(of.name));
     for (const auto& [name, value] : {std::pair("multiplier", joint.multiplier), {"offset", joint.offset}})
         if (!(std::abs(value) <= most_joint_number))
             return fmt::format("its {} is {}; must be a number up to 1e9", name, value);
@@ -84,8 +85,9 @@ std::string why_not_excluded(const RobotDescription& robot, const std::pair<std:
 {
     for (const std::uint32_t link : {pair.first, pair.second})
         if (link >= robot.links.size()) return no_such("link", link, robot.links.size());
-    return pair.first != pair.second ? std::string()
-                                     : fmt::format("names link {} twice", oncollide::quoted(robot.links[pair.first].name));
+    return pair.first != pair.second
+               ? std::string()
+               : fmt::format("names link {} twice", oncollide::quoted(robot.links[pair.first].name));
 }
 
 std::string why_not_group(const RobotDescription& robot, const RobotGroup& group)
@@ -105,7 +107,8 @@ std::string why_not_state(const RobotDescription& robot, const RobotState& state
         if (value.joint >= robot.joints.size()) return no_such("joint", value.joint, robot.joints.size());
         const RobotJoint& joint = robot.joints[value.joint];
         if (const auto own = static_cast<std::size_t>(numbers_of(joint)); value.numbers.size() != own)
-            return fmt::format("joint {} takes {} numbers, not {}", oncollide::quoted(joint.name), own, value.numbers.size());
+            return fmt::format("joint {} takes {} numbers, not {}", oncollide::quoted(joint.name), own,
+                               value.numbers.size());
         for (const double number : value.numbers)
             if (!(std::abs(number) <= most_joint_number))
                 return fmt::format("joint {}: {} is not a number up to 1e9", oncollide::quoted(joint.name), number);
@@ -144,7 +147,8 @@ std::optional<DescriptionFault> fault_of_tree(const RobotDescription& robot)
         if (mine != none)
             return DescriptionFault{Of::joint, i,
                                     fmt::format("link {} is already the child of joint {}; a robot is a tree",
-                                                name_of_link(robot.joints[i].child), oncollide::quoted(robot.joints[mine].name))};
+                                                name_of_link(robot.joints[i].child),
+                                                oncollide::quoted(robot.joints[mine].name))};
         mine = i;
     }
     std::uint32_t root = none;

@@ -344,7 +344,8 @@ void Robot::check_configuration(std::span<const double> configuration, bool limi
             refuse(fmt::format("robot '{}': joint '{}'", printable(description().name), printable(joint.name)), what);
         };
         for (int n = 0; n < count; ++n)
-            if (!(std::abs(numbers[n]) <= most_joint_number)) bad(fmt::format("{} is not a number up to 1e9", numbers[n]));
+            if (!(std::abs(numbers[n]) <= most_joint_number))
+                bad(fmt::format("{} is not a number up to 1e9", numbers[n]));
         if (count == 7 && !(std::abs(Eigen::Map<const Eigen::Vector4d>(numbers + 3).norm() - 1) <= 1e-6))
             bad("its quaternion is not of length 1");
         if (limits && count == 1 && !(numbers[0] >= joint.lower && numbers[0] <= joint.upper))

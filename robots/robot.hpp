@@ -149,9 +149,9 @@ struct RobotEdgeCheck {
 class ONCOLLIDE_API Robot {
 public:
     /// Adds the geometries of all links to the World. `base` is the pose of the root link.
-    /// Throws Error{bad_data} that names the link or the joint for a description that a file could not hold: not a tree,
-    /// numbers of links or joints that do not exist, two of one name, an axis that is not unit, limits, mimics or states
-    /// that make no sense, geometry that check_geometry() refuses; for poses that are not rigid; and as
+    /// Throws Error{bad_data} that names the link or the joint for a description that a file could not hold: not a
+    /// tree, numbers of links or joints that do not exist, two of one name, an axis that is not unit, limits, mimics or
+    /// states that make no sense, geometry that check_geometry() refuses; for poses that are not rigid; and as
     /// World::add_body() for a mesh that is not closed. Excluded pairs may come in any order.
     Robot(World& world, RobotDescription description, const Eigen::Isometry3d& base = Eigen::Isometry3d::Identity());
     ~Robot();
@@ -189,7 +189,7 @@ public:
     /// `spec` are not used.
     void add_bodies(World& world, const BodySpec& spec = {});
     void set_joints(World& world, std::span<const double> configuration);
-    void remove_bodies(World& world); ///< those that are still there
+    void remove_bodies(World& world);       ///< those that are still there
     std::span<const BodyId> bodies() const; ///< by geometry: links in order, then attached objects; empty: none
     std::uint32_t link_of(std::size_t body) const;
 

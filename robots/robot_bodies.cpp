@@ -30,7 +30,8 @@ std::uint32_t Robot::attach(World& world, std::uint32_t link, ModelId model, con
     const std::size_t links = p.description.links.size();
     const auto check_link = [&](std::uint32_t number) {
         if (number >= links)
-            throw Error(ErrorKind::usage, fmt::format("robot: attach: there is no link {}; the robot has {}", number, links));
+            throw Error(ErrorKind::usage,
+                        fmt::format("robot: attach: there is no link {}; the robot has {}", number, links));
     };
     check_link(link);
     for (const std::uint32_t other : touching) check_link(other);

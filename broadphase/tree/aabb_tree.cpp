@@ -346,7 +346,8 @@ std::size_t AabbTree::bytes() const
     std::size_t sum = (order_.capacity() + places_.capacity()) * sizeof(order_[0]);
     for (const Level& l : levels_)
         sum += l.blocks.capacity() * sizeof(float) + l.moving.capacity() * sizeof(l.moving[0]) +
-               l.nodes.capacity() * sizeof(Node) + (l.layers.capacity() + l.masks.capacity() + l.groups.capacity()) * sizeof(std::uint32_t);
+               l.nodes.capacity() * sizeof(Node) +
+               (l.layers.capacity() + l.masks.capacity() + l.groups.capacity()) * sizeof(std::uint32_t);
     return sum;
 }
 

@@ -171,7 +171,7 @@ private:
     Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
     std::vector<Level> levels_;
     AabbTreeView view_{};
-    ForbiddingFilters filters_{}; ///< the known ones
+    ForbiddingFilters filters_{};               ///< the known ones
     double leaf_extent_ = 0, built_extent_ = 0; ///< sum of the leaves' edges, now and when built
     float farthest_ = 0;                        ///< upper bound on the magnitude of coordinates
 };

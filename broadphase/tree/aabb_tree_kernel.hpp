@@ -16,8 +16,8 @@ struct AabbLevelView {
     const std::uint32_t* layers; ///< by box, above level 0: bitwise or over all bodies below; null: no layer forbids a
                                  ///< pair
     const std::uint32_t* masks;
-    const std::uint32_t* groups; ///< by box, above level 0: the group of all bodies below, 0 if there are none; null: no
-                                 ///< group forbids a pair
+    const std::uint32_t* groups; ///< by box, above level 0: the group of all bodies below, 0 if there are none; null:
+                                 ///< no group forbids a pair
 };
 constexpr std::uint32_t aabb_block = 96;
 /// In place of a group: bodies of several groups, or of none.

@@ -14,8 +14,8 @@ namespace oncollide {
 
 /// Progressive delimitation: descends a hierarchy of regions from the whole scene and examines only the regions that
 /// overlap one of a set of boxes (the queries). A region that no query overlaps, or in which layers or groups forbid
-/// every pair, is rejected whole, at the highest possible level. The regions are the upper levels of the tree that the broad
-/// phase searches next; the survivors are stored as pairs (query, leaf region).
+/// every pair, is rejected whole, at the highest possible level. The regions are the upper levels of the tree that the
+/// broad phase searches next; the survivors are stored as pairs (query, leaf region).
 ///
 /// If boxes lie in one heap, most queries overlap most regions. Then no pairs are stored, no region counts as
 /// rejected, and the broad phase descends the tree once per query: memory stays O(n + queries).

@@ -33,7 +33,8 @@ template <class T>
 std::vector<T> values_in(py::handle bytes)
 {
     const auto text = py::cast<std::string_view>(bytes);
-    if (text.size() % sizeof(T) != 0) throw py::value_error("the pickle is damaged, or of another version of oncollide");
+    if (text.size() % sizeof(T) != 0)
+        throw py::value_error("the pickle is damaged, or of another version of oncollide");
     std::vector<T> made(text.size() / sizeof(T));
     std::copy(text.begin(), text.end(), reinterpret_cast<char*>(made.data()));
     return made;
@@ -115,7 +116,10 @@ py::array array_of(const ResultType& type, std::vector<T> items)
 
 /// A class of the module.
 template <class T>
-concept InModule = std::is_same_v<T, Geometry> || requires { typename T::InModule; };
+concept InModule = std::is_same_v<T, Geometry> || requires
+{
+    typename T::InModule;
+};
 
 /// Passes objects of a class of the module. One whose __init__() was not called, as from Class.__new__(Class), holds
 /// nothing: TypeError, wherever it comes in.
@@ -125,7 +129,8 @@ struct MadeObjects : py::detail::type_caster_base<T> {
     void load_value(py::detail::value_and_holder&& held)
     {
         if (!held.holder_constructed())
-            throw py::type_error(fmt::format("{}: __init__() of this object was not called", this->typeinfo->type->tp_name));
+            throw py::type_error(
+                fmt::format("{}: __init__() of this object was not called", this->typeinfo->type->tp_name));
         py::detail::type_caster_base<T>::load_value(std::move(held));
     }
 };
@@ -134,5 +139,6 @@ struct MadeObjects : py::detail::type_caster_base<T> {
 
 namespace pybind11::detail {
 template <oncollide::python::InModule T>
-class type_caster<T> : public oncollide::python::MadeObjects<T> {};
+class type_caster<T> : public oncollide::python::MadeObjects<T> {
+};
 } // namespace pybind11::detail

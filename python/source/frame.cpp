@@ -112,7 +112,8 @@ std::unique_ptr<FrameResult> step(HeldWorld& held)
 void bind_frames(py::module_& m, WorldClass& world)
 {
     using namespace py::literals;
-    py::class_<FrameResult>(m, "Frame", R"(The results of one World.step(). Later steps do not change its arrays. It can be pickled.)")
+    py::class_<FrameResult>(
+        m, "Frame", R"(The results of one World.step(). Later steps do not change its arrays. It can be pickled.)")
         .def_readonly("frame", &FrameResult::frame, "Counted from 0 by the World (int).")
         .def_readonly("ms", &FrameResult::ms, "Duration of the step, milliseconds (float).")
         .def_readonly("hash", &FrameResult::hash,
@@ -146,10 +147,11 @@ Structured (N,): pair (uint32, index into pairs), and the fields of World.sweep(
                                 "collapsed"_a = t.collapsed, "refused"_a = t.refused, "bytes"_a = t.bytes);
             },
             "Counts of refinement (dict).")
-        .def("__repr__", [](const FrameResult& f) {
-            return fmt::format("<oncollide.Frame {}: {} pairs, {} began, {} ended>", f.frame, f.pairs.size(),
-                               f.began.size(), f.ended.size());
-        })
+        .def("__repr__",
+             [](const FrameResult& f) {
+                 return fmt::format("<oncollide.Frame {}: {} pairs, {} began, {} ended>", f.frame, f.pairs.size(),
+                                    f.began.size(), f.ended.size());
+             })
         .def(py::pickle(&state_of_frame, &frame_from));
 
     world.def("step", &step, R"(step(self)

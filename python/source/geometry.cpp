@@ -186,21 +186,22 @@ on one scene: a mesh, a shape, a map or a terrain by its data, what stays in a c
             },
             "True if it has an inside. A mesh: if every edge is shared by two triangles that traverse it in opposite "
             "directions. Cost: O(F log F).")
-        .def("__repr__", [](const Geometry& g) {
-            std::string text = fmt::format("<oncollide.Geometry: {}", kind_of(g));
-            if (!g.name.empty()) text += fmt::format(" '{}'", printable(g.name));
-            if (const auto* mesh = std::get_if<Mesh>(&g.data))
-                text += fmt::format(", {} vertices, {} faces", mesh->vertices.size(), mesh->triangles.size());
-            if (const auto* cooked = std::get_if<CookedHandle>(&g.data))
-                text += fmt::format(", {} faces, in its file", (*cooked)->triangles());
-            return text + ">";
-        })
+        .def("__repr__",
+             [](const Geometry& g) {
+                 std::string text = fmt::format("<oncollide.Geometry: {}", kind_of(g));
+                 if (!g.name.empty()) text += fmt::format(" '{}'", printable(g.name));
+                 if (const auto* mesh = std::get_if<Mesh>(&g.data))
+                     text += fmt::format(", {} vertices, {} faces", mesh->vertices.size(), mesh->triangles.size());
+                 if (const auto* cooked = std::get_if<CookedHandle>(&g.data))
+                     text += fmt::format(", {} faces, in its file", (*cooked)->triangles());
+                 return text + ">";
+             })
         // It never changes.
         .def("__copy__", [](py::object self) { return self; })
         .def("__deepcopy__", [](py::object self, py::handle) { return self; })
-        .def(py::pickle([](const Geometry& geometry) { return state_of(geometry); }, [](const py::tuple& state) {
-            return std::const_pointer_cast<Geometry>(geometry_from(state));
-        }));
+        .def(
+            py::pickle([](const Geometry& geometry) { return state_of(geometry); },
+                       [](const py::tuple& state) { return std::const_pointer_cast<Geometry>(geometry_from(state)); }));
 
     m.def("mesh", &mesh, "vertices"_a, "faces"_a, unnamed, R"(mesh(vertices, faces, name="")
 --

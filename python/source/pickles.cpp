@@ -38,8 +38,8 @@ Shape shape_from(std::size_t kind, Doubles n)
     ConvexHull hull;
     for (std::size_t i = 0; i + 3 <= count; i += 3) hull.points.emplace_back(n[i], n[i + 1], n[i + 2]);
     const Vector3d three(n[0], n[1], n[2]);
-    const Shape shapes[] = {Sphere{n[0]},       Box{three},       Capsule{n[0], n[1]}, Cylinder{n[0], n[1]},
-                            std::move(hull),    Ellipsoid{three}, Cone{n[0], n[1]},    HalfSpace{}};
+    const Shape shapes[] = {Sphere{n[0]},    Box{three},       Capsule{n[0], n[1]}, Cylinder{n[0], n[1]},
+                            std::move(hull), Ellipsoid{three}, Cone{n[0], n[1]},    HalfSpace{}};
     if (kind >= std::size(shapes)) throw py::value_error("there is no shape of this number");
     return shapes[kind];
 }
@@ -57,8 +57,8 @@ py::tuple parts_of(const OccupancyMap& map)
 
 OccupancyMap map_of(const std::string& name, const py::tuple& parts)
 {
-    return make_occupancy_map(name, parts[0].cast<double>(), values_in<MapCell>(parts[2]),
-                              values_in<MapCell>(parts[3]), parts[1].cast<bool>());
+    return make_occupancy_map(name, parts[0].cast<double>(), values_in<MapCell>(parts[2]), values_in<MapCell>(parts[3]),
+                              parts[1].cast<bool>());
 }
 
 /// The stored heights, which are exact in double.
@@ -76,8 +76,8 @@ py::tuple parts_of(const Terrain& terrain)
     const Doubles numbers{terrain.spacing().x(), terrain.spacing().y(), terrain.origin().x(), terrain.origin().y(),
                           terrain.origin().z(),  terrain.error(),       record.unit};
     return py::make_tuple(terrain.columns(), terrain.rows(), bytes_of(std::span<const double>(numbers)),
-                          terrain.diagonal(0, 0) == CellDiagonal::falling, bytes_of(std::span<const std::uint8_t>(falling)),
-                          bytes_of(std::span<const double>(heights)));
+                          terrain.diagonal(0, 0) == CellDiagonal::falling,
+                          bytes_of(std::span<const std::uint8_t>(falling)), bytes_of(std::span<const double>(heights)));
 }
 
 Terrain terrain_of(const std::string& name, const py::tuple& parts)

@@ -58,8 +58,8 @@ Aabb box_of(py::handle low, py::handle high, const char* call)
 void bind_world(py::module_& m)
 {
     using namespace py::literals;
-    py::class_<ModelHandle> model_class(m, "Model",
-                                        R"(A geometry in one World, with all data derived from it; returned by World.add().)");
+    py::class_<ModelHandle> model_class(
+        m, "Model", R"(A geometry in one World, with all data derived from it; returned by World.add().)");
     model_class
         .def("__eq__",
              [](const ModelHandle& a, py::handle b) {

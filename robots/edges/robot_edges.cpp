@@ -23,8 +23,9 @@ constexpr double most_turn = 0.3; // rad: in windows of larger turns, motions ar
 class Robot::EdgeChecker {
 public:
     EdgeChecker(const Robot::Impl& robot, const World& world, const RobotEdgeCheck& what)
-        : robot_(robot), world_(world), what_(what), cull_(robot, world.settings().clearance), own_(robot.own_slots(world)),
-          motion_(robot), solids_(robot, world, motion_), search_(robot, world, what.pairs, motion_, solids_, own_)
+        : robot_(robot), world_(world), what_(what), cull_(robot, world.settings().clearance),
+          own_(robot.own_slots(world)), motion_(robot), solids_(robot, world, motion_),
+          search_(robot, world, what.pairs, motion_, solids_, own_)
     {
     }
 

@@ -34,7 +34,7 @@ public:
     CookedFile(const CookedFile&) = delete;
     CookedFile& operator=(const CookedFile&) = delete;
 
-    const std::string& name() const { return name_; } ///< the path, for errors
+    const std::string& name() const { return name_; }           ///< the path, for errors
     const std::filesystem::path& path() const { return path_; } ///< absolute
 
     class Handle; ///< the open file

@@ -1,44 +1,15 @@
 // Absurd arguments of the C++ interface: each is one clear Error, and nothing has changed.
-#include <functional>
-#include <map>
-
 #include <gtest/gtest.h>
 
+#include "hostile/refused_calls.hpp"
 #include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/world.hpp>
-#include <oncollide/robots/robot.hpp>
 #include <oncollide/samples/generators.hpp>
 
 namespace oncollide::api_test {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
-
-/// Poses that no call accepts.
-std::vector<Eigen::Isometry3d> bad_poses()
-{
-    std::vector<Eigen::Isometry3d> poses(5, Eigen::Isometry3d::Identity());
-    poses[0].translation().y() = nan, poses[1].translation().x() = 1e300, poses[2].linear().col(0) *= -1;
-    poses[3].linear() *= 2, poses[4].matrix()(3, 0) = 1;
-    return poses;
-}
-
-using Calls = std::map<std::string, std::function<void()>>;
-
-/// Each call throws an Error that is no internal fault, on one line.
-void expect_refused(const Calls& calls)
-{
-    for (const auto& [name, call] : calls) try {
-            call();
-            ADD_FAILURE() << name << ": accepted";
-        } catch (const Error& error) {
-            EXPECT_TRUE(error.kind() == ErrorKind::usage || error.kind() == ErrorKind::bad_data) << name;
-            EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-            EXPECT_GT(std::string(error.what()).size(), 10u) << name;
-        } catch (const std::exception& other) {
-            ADD_FAILURE() << name << ": " << other.what();
-        }
-}
+using test::bad_poses, test::Calls, test::expect_refused, test::inf, test::nan;
 
 class HostileCalls : public ::testing::Test {
 protected:
@@ -76,11 +47,26 @@ TEST_F(HostileCalls, PosesAndMotionsAreRigid)
             {"set_motion", [&] { world.set_motion(body, bad); }},
             {"set_motions", [&] { world.set_motions(both, poses); }},
             {"a motion", [&] { RigidMotion(Eigen::Isometry3d::Identity(), bad); }},
-            {"decide", [&] { world.decide(body, PlacedModel{ball, bad}); }},
-            {"distance", [&] { world.distance(PlacedModel{ball, bad}, body); }},
-            {"contacts", [&] { world.contacts(PlacedModel{ball, bad}, body); }},
-            {"penetration", [&] { world.penetration(PlacedModel{ball, bad}, body); }},
-            {"manifold", [&] { world.manifold(PlacedModel{ball, bad}, body); }},
+            {"decide",
+             [&] {
+                 world.decide(body, PlacedModel{ball, bad});
+             }},
+            {"distance",
+             [&] {
+                 world.distance(PlacedModel{ball, bad}, body);
+             }},
+            {"contacts",
+             [&] {
+                 world.contacts(PlacedModel{ball, bad}, body);
+             }},
+            {"penetration",
+             [&] {
+                 world.penetration(PlacedModel{ball, bad}, body);
+             }},
+            {"manifold",
+             [&] {
+                 world.manifold(PlacedModel{ball, bad}, body);
+             }},
             {"query", [&] { world.query(box, bad); }},
             {"queries", [&] { world.query(queries, hits); }},
             {"near", [&] { world.near(queries, zeros, hits); }},
@@ -116,11 +102,26 @@ TEST_F(HostileCalls, SpansAreOfOneLength)
         {"set_motions", [&] { world.set_motions(std::vector{body}, std::vector<Eigen::Isometry3d>()); }},
         {"decide bodies", [&] { world.decide(pairs, no_findings); }},
         {"decide models", [&] { world.decide(models, findings); }},
-        {"verdicts and bounds", [&] { world.decide({three, three, rows, rows}, verdicts, numbers); }},
-        {"columns", [&] { world.decide({three, three, rows, rows}, verdicts, *std::make_unique<std::vector<double>>(2)); }},
-        {"rows", [&] { world.distances({{&box, 1}, {&ball, 1}, odd, rows}, distances); }},
-        {"no rows", [&] { world.distances({{&box, 1}, {&ball, 1}, {}, rows}, distances); }},
-        {"no models", [&] { world.distances({{}, {&ball, 1}, rows, rows}, distances); }},
+        {"verdicts and bounds",
+         [&] {
+             world.decide({three, three, rows, rows}, verdicts, numbers);
+         }},
+        {"columns",
+         [&] {
+             world.decide({three, three, rows, rows}, verdicts, *std::make_unique<std::vector<double>>(2));
+         }},
+        {"rows",
+         [&] {
+             world.distances({{&box, 1}, {&ball, 1}, odd, rows}, distances);
+         }},
+        {"no rows",
+         [&] {
+             world.distances({{&box, 1}, {&ball, 1}, {}, rows}, distances);
+         }},
+        {"no models",
+         [&] {
+             world.distances({{}, {&ball, 1}, rows, rows}, distances);
+         }},
         {"distances", [&] { world.distances(pairs, distances); }},
         {"near", [&] { world.near(models, *std::make_unique<std::vector<double>>(2), near); }},
         {"near bodies", [&] { world.near(std::vector<ModelQuery>(1, {.model = box}), {}, hits); }},
@@ -128,11 +129,23 @@ TEST_F(HostileCalls, SpansAreOfOneLength)
         {"sweep", [&] { world.sweep(ways, sweeps); }},
         {"clear_until", [&] { world.clear_until(ways, {}, numbers); }},
         {"until", [&] { world.clear_until(ways, numbers, {}); }},
-        {"cast", [&] { world.cast(std::vector<Segment>(1, {{0, 0, 0}, {1, 0, 0}}), {}, casts); }},
+        {"cast",
+         [&] {
+             world.cast(std::vector<Segment>(1, {{0, 0, 0}, {1, 0, 0}}), {}, casts);
+         }},
         {"mesh queries", [&] { queries.run(query, findings); }},
-        {"no such mesh", [&] { queries.run(std::vector<MeshQuery>{{0, 1, query[0].pose_a, query[0].pose_b}}, {findings.data(), 1}); }},
-        {"no such column", [&] { queries.run({first, absent, rows, rows}, {verdicts.data(), 1}, numbers); }},
-        {"column of meshes", [&] { queries.run({first, many, rows, rows}, {verdicts.data(), 1}, numbers); }},
+        {"no such mesh",
+         [&] {
+             queries.run(std::vector<MeshQuery>{{0, 1, query[0].pose_a, query[0].pose_b}}, {findings.data(), 1});
+         }},
+        {"no such column",
+         [&] {
+             queries.run({first, absent, rows, rows}, {verdicts.data(), 1}, numbers);
+         }},
+        {"column of meshes",
+         [&] {
+             queries.run({first, many, rows, rows}, {verdicts.data(), 1}, numbers);
+         }},
         {"distances of meshes", [&] { queries.distances(query, 0, distances); }},
     });
 }
@@ -162,7 +175,10 @@ TEST_F(HostileCalls, IdsAreOfThisWorldAndAlive)
         of_one.regions[0].first = 0, of_one.regions[0].count = 1;
         expect_refused({
             {"remove", [&] { world.remove_bodies(two); }},
-            {"twice", [&] { world.remove_bodies(std::vector{body, body}); }},
+            {"twice",
+             [&] {
+                 world.remove_bodies(std::vector{body, body});
+             }},
             {"set_poses", [&] { world.set_poses(two, poses); }},
             {"set_motions", [&] { world.set_motions(two, poses); }},
             {"motion", [&] { world.set_motion(bad, RigidMotion()); }},
@@ -183,7 +199,10 @@ TEST_F(HostileCalls, IdsAreOfThisWorldAndAlive)
             {"contacts", [&] { world.contacts(of_two, contacts); }},
             {"manifolds", [&] { world.manifolds(of_two, {}, manifolds); }},
             {"near_features", [&] { world.near_features(of_two, 0, near); }},
-            {"tracker", [&] { tracker.update(world, std::vector<PairOfBodies>{{body, bad}}, of_one); }},
+            {"tracker",
+             [&] {
+                 tracker.update(world, std::vector<PairOfBodies>{{body, bad}}, of_one);
+             }},
         });
     }
     for (const ModelId bad : {ModelId{}, gone_model, foreign_model, far_model})
@@ -196,10 +215,22 @@ TEST_F(HostileCalls, IdsAreOfThisWorldAndAlive)
             {"bounds", [&] { world.bounds(bad, Eigen::Isometry3d::Identity()); }},
             {"bounds of a motion", [&] { world.bounds(bad, RigidMotion()); }},
             {"map", [&] { world.map(bad); }},
-            {"cells", [&] { world.set_cells(bad, Aabb{{0, 0, 0}, {1, 1, 1}}, CellState::free); }},
-            {"sweep", [&] { world.sweep({bad, {}}, {box, {}}); }},
-            {"cast", [&] { world.cast(MovingModel{bad, {}}); }},
-            {"cast_all", [&] { world.cast_all(MovingModel{bad, {}}); }},
+            {"cells",
+             [&] {
+                 world.set_cells(bad, Aabb{{0, 0, 0}, {1, 1, 1}}, CellState::free);
+             }},
+            {"sweep",
+             [&] {
+                 world.sweep({bad, {}}, {box, {}});
+             }},
+            {"cast",
+             [&] {
+                 world.cast(MovingModel{bad, {}});
+             }},
+            {"cast_all",
+             [&] {
+                 world.cast_all(MovingModel{bad, {}});
+             }},
             {"query", [&] { world.query(bad, Eigen::Isometry3d::Identity()); }},
         });
     EXPECT_FALSE(world.is_asleep(body)) << "a list with a bad id changes none of its bodies";
@@ -218,15 +249,25 @@ TEST_F(HostileCalls, NumbersAreFiniteAndInRange)
         {"box", [&] { world.query(unordered); }},
         {"box of nan", [&] { world.query(no_number); }},
         {"endless box", [&] { world.query(endless); }},
-        {"no length", [&] { world.cast(Segment{{1, 1, 1}, {1, 1, 1}}); }},
+        {"no length",
+         [&] {
+             world.cast(Segment{{1, 1, 1}, {1, 1, 1}});
+         }},
         {"all bodies", [&] { world.distances(ModelQuery{.model = box}, inf); }},
         {"more bodies than ids", [&] { world.reserve_bodies(~std::size_t{0}); }},
-        {"no steps", [&] { world.sweep({box, {}}, {ball, {}}, {.most_steps = 0}); }},
+        {"no steps",
+         [&] {
+             world.sweep({box, {}}, {ball, {}}, {.most_steps = 0});
+         }},
         {"no points", [&] { world.manifold(body, other, {.points_per_region = 0}); }},
         {"no regions", [&] { world.manifold(body, other, {.regions_per_pair = 0}); }},
-        {"offsets", [&] { ManifoldTracker().update(world, pairs, {.offsets = {0, 4}}); }},
+        {"offsets",
+         [&] {
+             ManifoldTracker().update(world, pairs, {.offsets = {0, 4}});
+         }},
         {"no offsets", [&] { ManifoldTracker().update(world, {}, {}); }},
-        {"points", [&] {
+        {"points",
+         [&] {
              ManifoldLists lists;
              lists.offsets = {0, 1}, lists.regions.resize(1);
              lists.regions[0].first = 3, lists.regions[0].count = ~0u;
@@ -274,7 +315,9 @@ TEST_F(HostileCalls, NumbersAreFiniteAndInRange)
 /// Geometries that no make_...() has seen.
 TEST_F(HostileCalls, GeometriesAreChecked)
 {
-    const auto made = [](GeometryData data) { return std::make_shared<const Geometry>(Geometry{"g", std::move(data), {}}); };
+    const auto made = [](GeometryData data) {
+        return std::make_shared<const Geometry>(Geometry{"g", std::move(data), {}});
+    };
     Mesh index = make_box_mesh({1, 1, 1}), bounds = index;
     index.triangles[5][2] = 1000, bounds.bounds.max.x() = 0;
     const std::vector<std::shared_ptr<const Geometry>> bad{nullptr,
@@ -292,65 +335,6 @@ TEST_F(HostileCalls, GeometriesAreChecked)
             {"MeshQueries " + std::to_string(i), [&] { MeshQueries queries(std::vector{bad[i]}); }},
         });
     expect_refused({{"cooked", [&] { world.add(std::shared_ptr<const CookedMesh>()); }}});
-}
-
-TEST(HostileRobots, NumbersAndSizesAreChecked)
-{
-    RobotDescription description;
-    description.name = "arm", description.links = {{"base", {}}, {"tip", {}}};
-    const auto ball = std::make_shared<const Geometry>(Geometry{"ball", Shape(Sphere{0.1}), {}});
-    for (RobotLink& link : description.links) link.collision = {{ball, Eigen::Isometry3d::Identity()}};
-    RobotJoint joint;
-    joint.name = "float", joint.kind = JointKind::floating, joint.child = 1;
-    description.joints = {joint}, description.states = {{"home", "", {{0, {0, 0, 1, 0, 0, 0, 1}}}}};
-    World world, other;
-    Robot robot(world, description);
-    const std::vector<double> good = robot.neutral();
-    const auto with = [&](std::size_t i, double value) {
-        std::vector<double> numbers = good;
-        numbers[i] = value;
-        return numbers;
-    };
-    std::vector<RobotFinding> one(1), two(2);
-    std::vector<RobotEdgeFinding> edge(1);
-    std::vector<Eigen::Isometry3d> poses(2), three(3);
-    std::vector<double> few(3);
-    Calls calls{
-        {"width", [&] { robot.check(world, few, one); }},
-        {"findings", [&] { robot.check(world, good, two); }},
-        {"World", [&] { robot.check(other, good, one); }},
-        {"ends", [&] { robot.check_edges(world, good, few, edge); }},
-        {"poses", [&] { robot.link_poses(good, three); }},
-        {"numbers", [&] { robot.link_poses(few, poses); }},
-        {"state", [&] { robot.apply_state("hom", "", *std::make_unique<std::vector<double>>(7)); }},
-        {"room", [&] { robot.apply_state("home", "", few); }},
-        {"bodies first", [&] { robot.set_joints(world, good); }},
-        {"body", [&] { static_cast<void>(robot.link_of(2)); }},
-        {"bodies of another", [&] { robot.add_bodies(other); }},
-        {"attach", [&] { robot.attach(world, ~0u, world.model_at(0), Eigen::Isometry3d::Identity()); }},
-    };
-    for (const double bad : {nan, inf, 2e9, -inf}) {
-        const std::string name = std::to_string(bad);
-        calls["check " + name] = [&, bad] { robot.check(world, with(0, bad), one); };
-        calls["quaternion " + name] = [&, bad] { robot.check(world, with(6, bad), one); };
-        calls["edge " + name] = [&, bad] { robot.check_edges(world, good, with(2, bad), edge); };
-        calls["tolerance " + name] = [&, bad] { robot.check_edges(world, good, good, edge, {.tolerance = bad}); };
-    }
-    calls["no rotation"] = [&] { robot.check(world, with(6, 0), one); };
-    for (const Eigen::Isometry3d& bad : bad_poses()) {
-        if (bad.translation().x() == 1e300) continue; // an Error of the configurations
-        calls["base " + std::to_string(calls.size())] = [&, bad] { robot.set_base(bad); };
-        calls["object " + std::to_string(calls.size())] = [&, bad] { robot.attach(world, 1, world.model_at(0), bad); };
-    }
-    expect_refused(calls);
-    robot.check(world, with(0, 1), one);
-    EXPECT_EQ(one[0].verdict, Verdict::separate);
-    robot.check_edges(world, with(0, 1), with(0, 2), edge, {.most_tests = 0});
-    EXPECT_LE(edge[0].clear_until, 1.0);
-    robot.set_base(Eigen::Isometry3d(Eigen::Translation3d(1e300, 0, 0)));
-    expect_refused({{"far base", [&] { robot.check(world, good, one); }},
-                    {"far base of an edge", [&] { robot.check_edges(world, good, good, edge); }},
-                    {"far bodies", [&] { robot.add_bodies(world); }}});
 }
 
 } // namespace

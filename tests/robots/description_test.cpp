@@ -91,7 +91,8 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"Parent", [](auto& r) { slide(r).parent = 4; }, "joint 'slide': link 4 does not exist"},
         Fault{"Child", [](auto& r) { slide(r).child = ~0u; }, "link 4294967295 does not exist"},
         Fault{"OneLink", [](auto& r) { slide(r).child = 2; }, "joint 'slide': connects a link with itself"},
-        Fault{"Origin", [](auto& r) { slide(r).origin.translation().x() = nan; }, "joint 'slide': the pose is not finite"},
+        Fault{"Origin", [](auto& r) { slide(r).origin.translation().x() = nan; },
+              "joint 'slide': the pose is not finite"},
         Fault{"LongAxis", [](auto& r) { slide(r).axis *= 2; }, "joint 'slide': its axis (2, 0, 0) is not of length 1"},
         Fault{"NoAxis", [](auto& r) { slide(r).axis.setZero(); }, "its axis (0, 0, 0)"},
         Fault{"NanAxis", [](auto& r) { slide(r).axis.y() = nan; }, "its axis (1, nan, 0)"},
@@ -100,7 +101,8 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"EndlessLimit", [](auto& r) { slide(r).lower = slide(r).upper = inf; }, "allow no number up to 1e9"},
         Fault{"Loop", [](auto& r) { r.joints.push_back(slide(r)), r.joints[3].name = "back", r.joints[3].child = 0; },
               "link 'base': the joints above it form a loop"},
-        Fault{"Diamond", [](auto& r) { r.joints.push_back(slide(r)), r.joints[3].name = "again", r.joints[3].parent = 0; },
+        Fault{"Diamond",
+              [](auto& r) { r.joints.push_back(slide(r)), r.joints[3].name = "again", r.joints[3].parent = 0; },
               "joint 'again': link 'tip' is already the child of joint 'slide'"},
         Fault{"TwoRoots", [](auto& r) { r.joints.pop_back(), r.states.clear(), r.groups.clear(); },
               "link 'tip': is a second root, beside 'base'"},
@@ -123,7 +125,11 @@ INSTANTIATE_TEST_SUITE_P(
                       std::make_shared<const Geometry>(Geometry{"b", Shape(Cylinder{1, 0}), {}});
               },
               "link 'upper': geometry: the length is 0"},
-        Fault{"Excluded", [](auto& r) { r.excluded.push_back({1, 9}); }, "excluded pair 3: link 9 does not exist"},
+        Fault{"Excluded",
+              [](auto& r) {
+                  r.excluded.push_back({1, 9});
+              },
+              "excluded pair 3: link 9 does not exist"},
         Fault{"ExcludedFromItself", [](auto& r) { r.excluded = {{1, 1}}; }, "names link 'upper' twice"},
         Fault{"LinkOfGroup", [](auto& r) { r.groups[0].links.push_back(4); }, "group 'all': link 4 does not exist"},
         Fault{"JointOfGroup", [](auto& r) { r.groups[0].joints = {7}; }, "group 'all': joint 7 does not exist"},
@@ -134,7 +140,8 @@ INSTANTIATE_TEST_SUITE_P(
               "state 'bent': joint 'follow' takes 0 numbers, not 1"},
         Fault{"NumbersOfState", [](auto& r) { r.states[0].values[1].numbers = {0, 0}; },
               "joint 'slide' takes 1 numbers, not 2"},
-        Fault{"NanInState", [](auto& r) { r.states[0].values[1].numbers = {nan}; }, "joint 'slide': nan is not a number"}),
+        Fault{"NanInState", [](auto& r) { r.states[0].values[1].numbers = {nan}; },
+              "joint 'slide': nan is not a number"}),
     [](const auto& each) { return each.param.name; });
 
 TEST(Description, ExcludedPairsCountInAnyOrder)
