@@ -39,12 +39,20 @@ ModelId add(World& world, const GeometryData& data)
     return world.add(std::make_shared<const Geometry>(Geometry{{}, data, {}}));
 }
 
+/// With a clearance, a World decides exactly only where it is told to.
+Settings exactly(Settings settings)
+{
+    settings.exact = ExactLevel::predicates;
+    return settings;
+}
+
 /// Judges single poses of two bodies on their ways.
 class Poses {
 public:
     virtual ~Poses() = default;
     virtual bool must_meet(double time) = 0; ///< or come within the clearance
     virtual bool may_meet(double time) = 0;
+    virtual bool confirms(double time) = 0; ///< a contact that is reported as certain
     virtual double least_distance(double time) = 0; ///< less rounding
 };
 
@@ -68,6 +76,7 @@ public:
         const double rounding = 0x1p-16 * s.clearance + 0x1p-35 * truth.distance.size;
         return s.clearance > 0 && truth.distance.low <= s.clearance + rounding;
     }
+    bool confirms(double time) override { return may_meet(time); }
     double least_distance(double time) override
     {
         const PairTruth then = at(time, true);
@@ -92,7 +101,8 @@ private:
 class TestedPoses final : public Poses {
 public:
     TestedPoses(const DrawnSweep& drawn, SweepTally& tally)
-        : drawn_(drawn), tally_(tally), world_(drawn.settings), a_{add(world_, drawn.a)}, b_{add(world_, drawn.b)}
+        : drawn_(drawn), tally_(tally), world_(drawn.settings), a_{add(world_, drawn.a)}, b_{add(world_, drawn.b)},
+          exact_(exactly(drawn.settings)), exact_a_{add(exact_, drawn.a)}, exact_b_{add(exact_, drawn.b)}
     {
     }
     bool must_meet(double time) override
@@ -109,6 +119,12 @@ public:
         // use.
         const double clearance = drawn_.settings.clearance;
         return clearance > 0 && world_.distance(a_, b_).lower <= clearance * (1 + 0x1p-16);
+    }
+    bool confirms(double time) override
+    {
+        place(time);
+        exact_a_.pose = a_.pose, exact_b_.pose = b_.pose;
+        return exact_.decide(exact_a_, exact_b_).verdict == Verdict::colliding;
     }
     double least_distance(double time) override
     {
@@ -127,6 +143,8 @@ private:
     SweepTally& tally_;
     World world_;
     PlacedModel a_, b_;
+    World exact_;
+    PlacedModel exact_a_, exact_b_;
 };
 
 bool certain(const SweepResult& r)
@@ -167,7 +185,8 @@ std::string fault_in(const DrawnSweep& drawn, const SweepResult& r, const SweepR
         if ((time < r.clear_until || r.verdict == Verdict::separate) && poses->must_meet(time))
             return ++tally.missed, fmt::format("{}, clear until {:.17g}, but they meet at {:.17g}", name_of(r.verdict),
                                                r.clear_until, time);
-    if (certain(r) && !poses->may_meet(r.contact_by))
+    const bool collides = r.verdict == Verdict::colliding;
+    if (certain(r) && !(collides ? poses->confirms(r.contact_by) : poses->may_meet(r.contact_by)))
         return ++tally.early, fmt::format("{} by {:.17g}, but they do not meet then", name_of(r.verdict), r.contact_by);
     if (r.verdict != Verdict::separate && r.verdict != Verdict::undecided) {
         // Where one solid encloses the other, their surfaces are apart.
