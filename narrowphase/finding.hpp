@@ -126,24 +126,42 @@ struct Penetration {
     Eigen::Vector3d thin_along = Eigen::Vector3d::Zero(); ///< unit: across these planes
 };
 
+/// Which contact ends a sweep.
+enum class SweepStop : std::uint8_t {
+    contact, ///< the first certain one; a gap that is too small to tell from a contact is passed
+    touch,   ///< the first time at which they may touch: such a gap, too
+    press,   ///< the first that gets deeper than the gap tolerance; bodies may touch, slide along each other, and part
+};
+
+constexpr std::string_view name_of(SweepStop stop)
+{
+    constexpr std::string_view names[] = {"contact", "touch", "press"};
+    return names[static_cast<int>(stop)];
+}
+
 /// How closely a sweep brackets the first contact.
 struct SweepOptions {
-    double time_tolerance = 1e-4; ///< of contact_by - clear_until; at least 1e-12
+    double time_tolerance = 1e-4; ///< of contact_by - grazes_until; at least 1e-12
     double gap_tolerance = 1e-4;  ///< metres: of the distance at clear_until; at least 1e-12
     int most_steps = 10000;       ///< windows of time to examine; at least 1. Then the pair stays `undecided`
+    SweepStop stop = SweepStop::contact;
 };
 
 /// When two moving bodies first meet. Their motions last from time 0 to time 1.
 struct SweepResult {
     /// separate: they never come within the clearance. colliding, or within with kind `near`: at contact_by they meet,
     /// or come within the clearance, as decide() finds at these poses; never earlier than at clear_until. within with
-    /// kind `unknown`: at contact_by they are at most `gap` apart, and no pose was found at which they certainly meet,
-    /// or certainly do not; after it nothing is known. undecided: the limit of steps was reached, or a file could not
-    /// be read; after clear_until nothing is known.
+    /// kind `unknown`: at contact_by they are at most `gap` apart, and no contact that ends the sweep was found until
+    /// grazes_until; after it nothing is known. undecided: the limit of steps was reached, rounding leaves a gap above
+    /// its tolerance, or a file could not be read; after clear_until nothing is known.
     Verdict verdict = Verdict::undecided;
     ContactKind kind = ContactKind::unknown;
     /// Certified: they do not meet, or come within the clearance, at any earlier time. 1 if they never do.
     double clear_until = 0;
+    /// At least clear_until, and at most the time tolerance before a certain contact. From clear_until on, the bodies
+    /// graze until this time: they may touch, but do not get deeper into each other than the gap tolerance, where they
+    /// are thicker than that. With SweepStop::contact, none of the poses that were tested collides.
+    double grazes_until = 0;
     double contact_by = std::numeric_limits<double>::infinity(); ///< infinite: there is no contact
     /// Upper bound on the distance at clear_until, without the clearance; infinite: not known.
     double gap = std::numeric_limits<double>::infinity();

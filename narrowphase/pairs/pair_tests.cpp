@@ -7,7 +7,7 @@
 #include <oncollide/narrowphase/pairs/direct_tests.hpp>
 #include <oncollide/narrowphase/pairs/manifold_tests.hpp>
 #include <oncollide/narrowphase/pairs/surface_tests.hpp>
-#include <oncollide/narrowphase/pairs/sweep_tests.hpp>
+#include <oncollide/narrowphase/pairs/sweeps/sweep_tests.hpp>
 #include <oncollide/narrowphase/pairs/walk_tests.hpp>
 
 namespace oncollide {

@@ -1,7 +1,7 @@
 // The traversal that finds when two hierarchies first meet during a motion.
 #pragma once
 #include <oncollide/narrowphase/walks/box_walk_queries.hpp>
-#include <oncollide/narrowphase/walks/swept_motion.hpp>
+#include <oncollide/narrowphase/walks/careful_entry.hpp>
 
 namespace oncollide {
 
@@ -34,7 +34,8 @@ SweptParts BoxWalk<A, B, Leaves>::motion_of(Entry e) const
     Eigen::Vector3d of_a, of_b;
     const double slack_a = side(swept_.a, turn_a_, a_[e.slot_a()].boxes, e.lane_a(), of_a);
     const double slack_b = side(swept_.b, turn_b_, b_[e.slot_b()].boxes, e.lane_b(), of_b);
-    return {of_b - of_a, swept_.slack + slack_a + slack_b + 0x1p-40 * (of_a.norm() + of_b.norm())};
+    const double rounding = (swept_.touch.careful ? 0x1p-48 : 0x1p-40) * (of_a.norm() + of_b.norm());
+    return {of_b - of_a, swept_.slack + slack_a + slack_b + rounding - swept_.touch.depth};
 }
 
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
@@ -44,7 +45,7 @@ FirstEntry<typename Leaves::Pair> BoxWalk<A, B, Leaves>::first_entry(A& a, B& b,
     const WalkFrame frame(a, b, b_to_a, infinity);
     origin_ = frame.origin;
     const auto moved = [&](const SweptSide& side) { return SweptSide{side.at(origin_), side.turn}; };
-    swept_ = {moved(motion.a), moved(motion.b), motion.slack}, box_rounding_ = frame.box_rounding;
+    swept_ = {moved(motion.a), moved(motion.b), motion.slack, motion.touch}, box_rounding_ = frame.box_rounding;
     turn_a_ = motion.a.turn.norm(), turn_b_ = motion.b.turn.norm();
     FirstEntry<Pair> best;
     const SweptParts all{motion.b.at(b_to_a(b.centre())) - motion.a.at(a.centre()), 0};
@@ -56,18 +57,32 @@ FirstEntry<typename Leaves::Pair> BoxWalk<A, B, Leaves>::first_entry(A& a, B& b,
     take_line(WalkLine(b_to_a(b.centre()) - a.centre(), b_to_a));
     Eigen::Vector3d separating = line_.in_a;
     RelativePose there = b_to_a; // the leaf tests keep a reference
-    const auto take_pair = [&](const Pair& pair, const SweptParts& parts, double from) {
+    // The general bound suffices for distances, too. Projections err by a few roundings of the coordinates, the
+    // relative pose by as much.
+    const auto coordinates = [&] {
+        return a.centre().norm() + a.radius() + b.centre().norm() + b.radius() + b_to_a.translation.norm();
+    };
+    const double rounding = motion.touch.careful ? 0x1p-46 * coordinates() : frame.leaf_rounding;
+    const auto scales_of = [&](Entry e) -> std::pair<double, double> {
+        return std::minmax<double>(std::sqrt(double(a_[e.slot_a()].boxes.size[e.lane_a()])),
+                                   std::sqrt(double(b_[e.slot_b()].boxes.size[e.lane_b()])));
+    };
+    const auto take_pair = [&](const Pair& pair, const SweptParts& parts, double from,
+                               const std::pair<double, double>& scales) {
         const auto apart = [&](const Eigen::Vector3d& direction) {
             WalkLine line(direction, b_to_a);
-            return low_b(std::array{pair.b}, line) - high_a(std::array{pair.a}, line) - frame.leaf_rounding;
+            return low_b(std::array{pair.b}, line) - high_a(std::array{pair.a}, line) - rounding;
         };
-        const auto between = [&](double time) {
-            there.translation = b_to_a.translation + time * parts.speed;
+        const auto lifted = [&](double time, const Eigen::Vector3d& lift) {
+            there.translation = b_to_a.translation + time * parts.speed + lift;
             leaves_.start(a, b, there);
             const Nearest points = nearest(pair, frame);
             return Eigen::Vector3d(points.b - points.a);
         };
-        const PartsEntry entry = oncollide::first_entry(parts, from, best.time, separating, apart, between);
+        const auto between = [&](double time) { return lifted(time, Eigen::Vector3d::Zero()); };
+        const PartsEntry entry =
+            motion.touch.careful ? careful_entry(parts, from, best.time, separating, scales, apart, lifted)
+                                 : oncollide::first_entry(parts, from, best.time, separating, apart, between);
         if (entry.time >= best.time) return;
         best.time = entry.time, best.likely = entry.likely, best.direction = entry.direction, best.pair = pair;
         if (!entry.direction.isZero(0)) separating = entry.direction;
@@ -80,8 +95,9 @@ FirstEntry<typename Leaves::Pair> BoxWalk<A, B, Leaves>::first_entry(A& a, B& b,
             continue;
         }
         const SweptParts parts = motion_of(e);
+        const auto scales = motion.touch.careful ? scales_of(e) : std::pair(0.0, 0.0);
         each_pair(e, [&](const Pair& pair) {
-            take_pair(pair, parts, std::max(-1.0, double(e.gap)));
+            take_pair(pair, parts, std::max(-1.0, double(e.gap)), scales);
             return best.time > -1;
         });
     }

@@ -14,11 +14,18 @@ struct SweptSide {
     [[gnu::always_inline]] Eigen::Vector3d at(const Eigen::Vector3d& x) const { return shift + turn.cross(x); }
 };
 
+/// How a window takes parts that nearly touch.
+struct NearTouch {
+    bool careful = false; ///< look for directions that are exact there (careful_entry.hpp); slower
+    double depth = 0;     ///< metres, only if careful: parts that overlap by no more do not count as meeting
+};
+
 /// The points of a ball with centre c and radius r stay within |turn| r of the motion of c. Together, both bodies stay
 /// within `slack` more of these motions; the slack includes the clearance.
 struct SweptMotion {
     SweptSide a, b;
     double slack = 0;
+    NearTouch touch{};
 };
 
 /// The motion of a part of B relative to a part of A: by `speed` for each unit of time, up to `slack`.

@@ -73,7 +73,7 @@ void SweepPairs::run(const Bodies& bodies, Frame& frame, StageStats& stats)
         const bool met = swept != frame.swept.end() && *swept == i;
         swept += met;
         if (!met && frame.settings.coherence && apart_on_the_way(bodies, frame, i))
-            sweep.verdict = Verdict::separate, sweep.clear_until = 1;
+            sweep.verdict = Verdict::separate, sweep.clear_until = sweep.grazes_until = 1;
         else
             open_.push_back({static_cast<std::uint32_t>(frame.sweeps.size() - 1), met});
     }

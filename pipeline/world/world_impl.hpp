@@ -94,8 +94,8 @@ struct World::Impl {
     /// The trees must be there.
     SweepResult sweep(QueryWorker& worker, const SweepTask& task);
     SweepTask task_of(const MovingModel& a, const MovingModel& b, const SweepOptions& options);
-    void find_casts(QueryWorker& worker, const MovingModel& model, const QueryFilter& filter,
-                    const SweepOptions& options, bool all, std::vector<SweepHit>& hits);
+    double find_casts(QueryWorker& worker, const MovingModel& model, const QueryFilter& filter,
+                      const SweepOptions& options, bool all, std::vector<SweepHit>& hits);
     SweepHit first_cast(QueryWorker& worker, const MovingModel& model, const QueryFilter& filter,
                         const SweepOptions& options);
     Manifold manifold(QueryWorker& worker, const PairTask& task, const ManifoldOptions& options);

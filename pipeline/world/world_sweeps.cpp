@@ -20,6 +20,9 @@ void World::Impl::check_sweep(const char* call, const SweepOptions& options)
     check("time_tolerance", options.time_tolerance), check("gap_tolerance", options.gap_tolerance);
     if (options.most_steps < 1)
         throw Error(ErrorKind::usage, fmt::format("{}: most_steps {}: must be at least 1", call, options.most_steps));
+    if (options.stop > SweepStop::press)
+        throw Error(ErrorKind::usage,
+                    fmt::format("{}: stop {}: must be contact, touch or press", call, static_cast<int>(options.stop)));
 }
 
 SweepTask World::Impl::task_of(const MovingModel& a, const MovingModel& b, const SweepOptions& options)
@@ -79,9 +82,21 @@ void World::clear_until(std::span<const PairOfMovingModels> pairs, std::span<con
     p.each(tasks.size(), 16, [&](auto& worker, std::size_t i) { until[i] = p.sweep(worker, tasks[i]).clear_until; });
 }
 
+namespace {
+
+/// True if a sweep ends there, whatever rounding hides.
+bool ends_there(const SweepResult& r, const SweepOptions& options)
+{
+    const bool certain = r.verdict == Verdict::colliding || (r.verdict == Verdict::within && r.kind == ContactKind::near);
+    return certain || (options.stop == SweepStop::touch && r.verdict == Verdict::within);
+}
+
+} // namespace
+
 /// Overwrites `hits` with the contacts of a moving model: with all, or with the contacts that may be the first.
-void World::Impl::find_casts(QueryWorker& w, const MovingModel& model, const QueryFilter& filter,
-                             const SweepOptions& options, bool all, std::vector<SweepHit>& hits)
+/// Contacts that never press are no hits where the options ignore them. Returns a time until which these are free.
+double World::Impl::find_casts(QueryWorker& w, const MovingModel& model, const QueryFilter& filter,
+                               const SweepOptions& options, bool all, std::vector<SweepHit>& hits)
 {
     Model& mine = check_model(model.model);
     w.boxes.assign(1, grown(mine.bounds().box(model.motion), settings.clearance));
@@ -90,30 +105,44 @@ void World::Impl::find_casts(QueryWorker& w, const MovingModel& model, const Que
     for (const AabbHit& hit : w.hits)
         if (allows(filter, hit.body)) w.tasks.push_back({hit.body, &mine, &bodies.model(hit.body), nullptr, nullptr});
     need_trees(w.tasks);
-    double until = 1;
+    double until = 1, free = 1;
     for (const PairTask& pair : w.tasks) {
         const RigidMotion rest(bodies.pose(pair.number));
-        const SweepResult found = sweep(
-            w, {&mine, pair.b, &model.motion, &rest, options, settings.clearance, settings.mode == Mode::solid, until});
+        SweepTask task{&mine, pair.b, &model.motion, &rest, options, settings.clearance, settings.mode == Mode::solid};
+        task.until = until;
+        const SweepResult found = sweep(w, task);
         if (found.verdict == Verdict::separate) continue;
+        const bool ends = ends_there(found, options);
+        if (!ends && options.stop == SweepStop::press && found.verdict == Verdict::within &&
+            found.grazes_until >= until) {
+            free = std::min(free, found.clear_until);
+            continue;
+        }
         hits.push_back({found, bodies.id(pair.number)});
-        if (!all) until = std::min(until, found.contact_by);
+        if (!all && ends) until = std::min(until, found.contact_by);
     }
     std::ranges::sort(hits, {}, [](const SweepHit& hit) { return std::pair(hit.clear_until, hit.body.slot); });
+    return free;
 }
 
 SweepHit World::Impl::first_cast(QueryWorker& w, const MovingModel& model, const QueryFilter& filter,
                                  const SweepOptions& options)
 {
-    find_casts(w, model, filter, options, false, w.sweeps);
+    const double free = find_casts(w, model, filter, options, false, w.sweeps);
     SweepHit first;
-    first.verdict = Verdict::separate, first.clear_until = 1;
-    if (w.sweeps.empty()) return first;
-    // The first certain contact, unless an undecided pair may have met before.
-    first = *std::ranges::min_element(w.sweeps, {}, &SweepHit::contact_by);
+    if (w.sweeps.empty()) {
+        first.verdict = Verdict::separate, first.clear_until = free, first.grazes_until = 1;
+        return first;
+    }
+    // The first contact that ends a sweep, unless an undecided pair may have met before; then what rounding hides.
+    const auto rank = [&](const SweepHit& hit) { return std::pair(!ends_there(hit, options), hit.contact_by); };
+    first = *std::ranges::min_element(w.sweeps, {}, rank);
+    const auto open = std::ranges::find(w.sweeps, Verdict::undecided, &SweepHit::verdict);
+    if (open != w.sweeps.end() && open->clear_until < first.grazes_until) first = *open;
     const SweepHit& earliest = w.sweeps.front();
-    if (earliest.verdict == Verdict::undecided && earliest.clear_until < first.clear_until) first = earliest;
-    first.clear_until = earliest.clear_until;
+    if (earliest.clear_until < first.clear_until && earliest.verdict == Verdict::within) first.gap = earliest.gap;
+    first.clear_until = std::min(earliest.clear_until, free);
+    for (const SweepHit& hit : w.sweeps) first.grazes_until = std::min(first.grazes_until, hit.grazes_until);
     return first;
 }
 

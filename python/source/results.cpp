@@ -56,6 +56,7 @@ ResultType sweep_structure(std::vector<Field> fields)
     fields.insert(fields.end(), {{"verdict", "u1", offsetof(Sweep, verdict)},
                                  {"kind", "u1", offsetof(Sweep, kind)},
                                  {"clear_until", "f8", offsetof(Sweep, clear_until)},
+                                 {"grazes_until", "f8", offsetof(Sweep, grazes_until)},
                                  {"contact_by", "f8", offsetof(Sweep, contact_by)},
                                  {"gap", "f8", offsetof(Sweep, gap)},
                                  {"separating", "?", offsetof(Sweep, separating)},

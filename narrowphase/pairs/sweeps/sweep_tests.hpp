@@ -4,9 +4,10 @@
 #include <optional>
 
 #include <oncollide/narrowphase/pairs/direct_tests.hpp>
-#include <oncollide/narrowphase/pairs/sweep.hpp>
+#include <oncollide/narrowphase/pairs/sweeps/sweep.hpp>
 #include <oncollide/narrowphase/pairs/triangle_pairs.hpp>
 #include <oncollide/narrowphase/pairs/walk_tests.hpp>
+#include <oncollide/narrowphase/walks/careful_entry.hpp>
 
 namespace oncollide::sweep_tests {
 
@@ -78,19 +79,25 @@ inline PartsEntry entry_in(const direct_tests::TwoShapes& test, const SweepTask&
     const double size = a.extent + a.radius + b.extent + b.radius;
     SweptParts parts{motion.b.at(in_a(of_b.centre)) - motion.a.at(in_a(of_a.centre)), motion.slack};
     parts.slack += motion.a.turn.norm() * of_a.radius + motion.b.turn.norm() * of_b.radius +
-                   task.clearance * 2 * placed.slack + 0x1p-40 * parts.speed.norm();
+                   task.clearance * 2 * placed.slack +
+                   (motion.touch.careful ? 0x1p-48 : 0x1p-40) * parts.speed.norm() - motion.touch.depth;
     const double rounding = 0x1p-46 * (size + placed.b_to_a.translation.norm()) + placed.slack * size;
     const auto apart = [&](const Eigen::Vector3d& direction) {
         const Eigen::Vector3d in_b = placed.b_to_a.rotation.transpose() * direction;
         return direction.dot(placed.b_to_a.translation) - b.most_along(-in_b) - a.most_along(direction) - rounding;
     };
-    const auto between = [&](double time) {
+    const auto lifted = [&](double time, const Eigen::Vector3d& lift) {
         RelativePose there = placed.b_to_a;
-        there.translation += time * parts.speed;
+        there.translation += time * parts.speed + lift;
         const ConvexDistance d = ConvexPair(a, b, there, placed.slack).distance({});
         return Eigen::Vector3d(d.on_b - d.on_a);
     };
+    const auto between = [&](double time) { return lifted(time, Eigen::Vector3d::Zero()); };
     Eigen::Vector3d line = Eigen::Vector3d::Zero();
+    if (motion.touch.careful) {
+        const std::pair<double, double> scales = std::minmax<double>(a.extent + a.radius, b.extent + b.radius);
+        return careful_entry(parts, -1, after_window, line, scales, apart, lifted);
+    }
     return first_entry(parts, -1, after_window, line, apart, between);
 }
 
@@ -101,9 +108,10 @@ PartsEntry entry_in(const direct_tests::OnHalfSpace<Body>& test, const SweepTask
 {
     const Eigen::Isometry3d pose_a = task.motion_a->pose(window.begin()), pose_b = task.motion_b->pose(window.begin());
     const direct_tests::OnHalfSpace<Body> first({0, task.a, task.b, &pose_a, &pose_b}, test.swapped);
-    const double height = first.placed.below(first.distance({}).lower) - task.clearance * (1 + 4 * walk_tests::rigid);
-    const MovingBody& body = window.body(test.swapped);
     const SweptMotion motion = window.motion(test.swapped);
+    double height = first.placed.below(first.distance({}).lower) - task.clearance * (1 + 4 * walk_tests::rigid);
+    if (motion.touch.depth > 0) height += motion.touch.depth - first.pair().depth().upper * (1 + first.placed.slack);
+    const MovingBody& body = window.body(test.swapped);
     const Eigen::Vector3d centre = test.pose_a.linear().transpose() * (body.centre - test.pose_a.translation());
     const Eigen::Vector3d of_plane = motion.a.at(centre), of_body = motion.b.at(centre), speed = of_body - of_plane;
     const double turn_a = motion.a.turn.norm(), turn_b = motion.b.turn.norm();

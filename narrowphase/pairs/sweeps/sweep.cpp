@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/pairs/sweep.hpp>
+#include <oncollide/narrowphase/pairs/sweeps/sweep.hpp>
 
 #include <algorithm>
 #include <bit>
@@ -6,7 +6,6 @@
 
 #include <oncollide/narrowphase/pairs/containment.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
-#include <oncollide/narrowphase/pairs/placed_pair.hpp>
 
 namespace oncollide {
 
@@ -15,36 +14,6 @@ namespace {
 using Eigen::Isometry3d, Eigen::Vector3d;
 constexpr double no_bound = std::numeric_limits<double>::infinity();
 
-MovingBody moving_body(Model& model, const RigidMotion& motion, double time)
-{
-    const RigidMotion::State state = motion.at(time);
-    if (model.kind() == Kind::half_space) return {model, state, state.pose.translation(), 0};
-    const Aabb box = bounds_of(model.geometry());
-    return {model, state, state.pose * box.centre(), box.half_extent().norm() * (1 + 0x1p-18)};
-}
-
-/// The motion of a half-space counts where the other body is.
-bool is_plane(const MovingBody& body)
-{
-    return body.model.kind() == Kind::half_space;
-}
-
-/// How far the body may be from its linear motion over half a window of duration 2 * half, besides rotation about a
-/// point of it: the centrifugal acceleration, and the error of its poses.
-double bend(const MovingBody& body, double half)
-{
-    const double angle = half * body.state.angular.norm();
-    double off = 2 * body.state.position_error;
-    if (angle > 0) {
-        const Vector3d arm = body.centre - body.state.pivot;
-        const double off_axis = body.state.angular.cross(arm).norm() / body.state.angular.norm() + body.radius;
-        off += 0.5 * angle * angle * off_axis;
-    }
-    if (body.state.rotation_error > 0)
-        off += 2 * body.state.rotation_error * (body.radius + (body.centre - body.state.pose.translation()).norm());
-    return off * (1 + 0x1p-20);
-}
-
 /// The number with the fewest binary digits between two times.
 double simplest_between(double low, double high)
 {
@@ -52,37 +21,6 @@ double simplest_between(double low, double high)
         if (const double time = std::ceil(low / step) * step; time <= high) return time;
     return high;
 }
-
-} // namespace
-
-MotionWindow::MotionWindow(const SweepTask& task, double begin, double end)
-    : task_(task), begin_(begin), end_(end), a_(moving_body(*task.a, *task.motion_a, 0.5 * (begin + end))),
-      b_(moving_body(*task.b, *task.motion_b, 0.5 * (begin + end)))
-{
-}
-
-SweptMotion MotionWindow::motion(bool swap) const
-{
-    const MovingBody &first = swap ? b_ : a_, &second = swap ? a_ : b_;
-    const double half = 0.5 * (end_ - begin_);
-    const Eigen::Matrix3d into = first.state.pose.linear().transpose();
-    const Vector3d origin = first.state.pose.translation();
-    const auto side = [&](const RigidMotion::State& state) {
-        const Vector3d at_origin = state.velocity + state.angular.cross(origin - state.pivot);
-        return SweptSide{half * (into * at_origin), half * (into * state.angular)};
-    };
-    SweptMotion motion{side(first.state), side(second.state), task_.clearance + bend(a_, half) + bend(b_, half)};
-    // In poses that are not quite rigid, motions turn by slightly other angles.
-    const double stretched = stretch(first.state.pose) + stretch(second.state.pose);
-    const double turned = half * ((first.state.angular.norm() + second.state.angular.norm()) *
-                                  (first.radius + second.radius + (first.centre - second.centre).norm()));
-    const double far = a_.centre.norm() + b_.centre.norm() + a_.radius + b_.radius;
-    motion.slack += 2 * stretched * (turned + half * (first.state.velocity - second.state.velocity).norm());
-    motion.slack += 0x1p-48 * (far + motion.a.shift.norm() + motion.b.shift.norm());
-    return motion;
-}
-
-namespace {
 
 /// The time until which both bodies move as they do at a time.
 double next_key(const SweepTask& task, double now)
@@ -103,14 +41,15 @@ public:
     SweepResult run()
     {
         const bool window_first = task_.begins_apart && !may_hold();
-        if (!window_first && begins_in_contact(task_.memory ? *task_.memory : PairMemory())) return result_;
-        width_ = widest();
+        if (!window_first && begins_in_contact(task_.memory ? *task_.memory : PairMemory()) && ends_at_begin())
+            return result_;
+        if (!grazes_) width_ = widest();
         for (; result_.steps < task_.options.most_steps; ++result_.steps) {
-            if (result_.clear_until >= task_.until) {
-                result_.verdict = Verdict::separate, result_.normal.setZero();
-                return result_;
+            if (now_ >= task_.until) {
+                end_without_contact();
+                break;
             }
-            if (step(window_first && result_.steps == 0)) return result_;
+            if (step(window_first && result_.steps == 0)) break;
         }
         return result_;
     }
@@ -118,14 +57,14 @@ public:
 private:
     static constexpr double least_width = 0x1p-46;
     static constexpr double most_turn = 0.25; ///< rad, of both bodies in one window
+    static constexpr double widest_graze = 0x1p-6; ///< then poses are decided at the ends of windows
 
-    double next_key() const { return oncollide::next_key(task_, result_.clear_until); }
+    double next_key() const { return oncollide::next_key(task_, now_); }
     /// Wider windows cost more than they gain: the motion in them is less linear.
     double widest() const
     {
-        const double now = result_.clear_until;
-        const double spin = task_.motion_a->at(now).angular.norm() + task_.motion_b->at(now).angular.norm();
-        return spin > most_turn ? most_turn / spin : 1;
+        const double spin = task_.motion_a->at(now_).angular.norm() + task_.motion_b->at(now_).angular.norm();
+        return std::min(spin > most_turn ? most_turn / spin : 1, grazes_ ? widest_graze : 1);
     }
 
     /// The time in which the bodies approach each other by no more than the tolerances.
@@ -163,52 +102,154 @@ private:
         result_.separating = decide(soon).verdict == Verdict::separate;
         return true;
     }
+    bool presses() const { return task_.options.stop == SweepStop::press; }
+    /// Of a contact at time 0: true if it is the result.
+    bool ends_at_begin()
+    {
+        if (!presses() || result_.kind == ContactKind::enclosed) return true;
+        const double gap = result_.gap;
+        result_.verdict = Verdict::undecided, result_.contact_by = no_bound, result_.separating = false;
+        hinted_ = false;
+        begin_graze(gap);
+        return false;
+    }
+    /// Sets the time until which there is no contact, or only a graze.
+    void move_to(double time)
+    {
+        now_ = time;
+        (grazes_ ? result_.grazes_until : result_.clear_until) = time;
+    }
     /// Examines the next window. Returns true if the result is final.
     /// @param first  the poses at time 0 are not decided yet
     bool step(bool first)
     {
-        const double begin = result_.clear_until, end = std::min(begin + width_, next_key());
-        const MotionWindow window(task_, begin, end);
+        const double begin = now_, end = std::min(begin + width_, next_key());
+        const MotionWindow window(task_, begin, end, touch_);
         const PartsEntry entry = entry_(window, memory_);
-        if (first && entry.time <= -1 && begins_in_contact(memory_)) return true;
+        if (first && entry.time <= -1 && begins_in_contact(memory_)) return ends_at_begin();
         if (entry.time > 1) {
-            result_.clear_until = end;
+            if (grazes_ && !presses() && meets_at(end)) return set_contact_between(window);
+            move_to(end);
             width_ = std::min(2 * (end - begin), widest());
             return false;
         }
         if (!entry.direction.isZero(0)) result_.normal = entry.direction;
         const double now = std::max(begin, std::min(window.time(entry.time) * (1 - 0x1p-52), end));
         const double likely = entry.likely < after_window ? window.time(entry.likely) : end;
-        result_.clear_until = now;
+        move_to(now);
         tolerance_ = tolerance_in(window);
         const bool moved_on = now > begin;
         if (likely - now <= 0.5 * tolerance_ || end - begin <= tolerance_) {
-            if (try_contact(now, end, moved_on)) return true;
+            if (const auto time = contact_soon(now, end, moved_on)) return end_at(*time);
+            // Parts get deeper than allowed, but where they meet, rounding hides it.
+            if (grazes_ && end - begin <= tolerance_) return leave_open();
         }
         const double rest = end - now;
         width_ = std::clamp(2 * (likely - now), 0x1p-4 * rest, 0.5 * (end - begin));
-        if (!(width_ > least_width)) return leave_open();
-        return false;
+        return !(width_ > least_width) && end_of_bounds();
     }
-    /// Looks for a contact soon after `now`.
-    bool try_contact(double now, double end, bool moved_on)
+    /// The time of a contact soon after `now`, if one is found.
+    std::optional<double> contact_soon(double now, double end, bool moved_on)
     {
+        if (grazes_ && now == 0 && meets_at(0)) return 0;
         const double soon = std::min(now + tolerance_, next_key()); // after a key, the bodies may be faster
-        if ((moved_on || soon != tried_) && meets_at(tried_ = soon)) return set_contact(soon), true;
-        if (end < soon && meets_at(end)) return set_contact(end), true;
-        if (end - now > tolerance_) return false;
+        if ((moved_on || soon != tried_) && meets_at(tried_ = soon)) return soon;
+        if (end < soon && meets_at(end)) return end;
+        if (end - now > tolerance_) return {};
         const double simple = simplest_between(now, end);
-        if (simple != end && simple != soon && meets_at(simple)) return set_contact(simple), true;
+        if (simple != end && simple != soon && meets_at(simple)) return simple;
+        return {};
+    }
+    /// At the contact of the last decision. Returns true if it is the result.
+    bool end_at(double time)
+    {
+        if (grazes_ || !presses() || found_.kind == ContactKind::enclosed) {
+            set_contact(time);
+            if (touch_.careful && time > 0) result_.normal = closing_normal(time);
+            return true;
+        }
+        begin_graze(found_.bound + distance_moved(now_, time));
         return false;
     }
-    /// Rounding hides whether the bodies meet.
+    /// Where parts touch all the time, others that get deeper soon after the time tell the direction of the contact; 0:
+    /// none do.
+    Vector3d closing_normal(double time)
+    {
+        constexpr double soon = 64; // times the tolerance
+        const double end = std::min(now_ + soon * std::max(tolerance_, time - now_), next_key());
+        if (!(end > now_)) return Vector3d::Zero();
+        PairMemory none;
+        const NearTouch touch = grazes_ ? touch_ : touch_of(MotionWindow(task_, now_, now_));
+        const PartsEntry entry = entry_(MotionWindow(task_, now_, end, touch), none);
+        return entry.time > 1 ? Vector3d::Zero() : entry.direction;
+    }
+    /// The bounds of windows cannot tell how the bodies go on. Returns true if nothing else can.
+    bool end_of_bounds()
+    {
+        if (!touch_.careful) {
+            touch_.careful = true, width_ = widest();
+            return false;
+        }
+        if (grazes_ || task_.options.stop == SweepStop::touch) return leave_open();
+        place(now_);
+        begin_graze(tests_.distance(worker_, at_, 0, no_bound, task_.solid).upper);
+        return false;
+    }
+    /// How deep parts may be in each other during a graze.
+    NearTouch touch_of(const MotionWindow& window) const
+    {
+        const MovingBody &a = window.body(true), &b = window.body(false);
+        // Bodies that are thinner than the depth could pass each other.
+        const auto thickness = [](const MovingBody& body) {
+            return is_plane(body) ? no_bound : bounds_of(body.model.geometry()).half_extent().minCoeff();
+        };
+        const auto radius = [](const MovingBody& body) { return is_plane(body) ? no_bound : body.radius; };
+        const double thick = 0.25 * std::max(thickness(a), thickness(b)), wide = 0.125 * std::min(radius(a), radius(b));
+        const double size = task_.a->reach() + task_.b->reach() + (a.centre - b.centre).norm();
+        const double rounding = 8 * (window.motion(false).slack - task_.clearance + 0x1p-44 * size);
+        const double tolerance = task_.options.gap_tolerance;
+        return {true, std::max({std::min({0.5 * tolerance, thick, wide}), 0x1p-10 * tolerance, rounding})};
+    }
+    /// From now on, parts may overlap by a depth.
+    /// @param gap  upper bound of the distance now
+    void begin_graze(double gap)
+    {
+        touch_ = touch_of(MotionWindow(task_, now_, now_));
+        grazes_ = true, result_.gap = gap, result_.grazes_until = now_, tried_ = -1, width_ = widest();
+    }
+    /// Nothing but a graze, or rounding, was found.
     bool leave_open()
     {
         const double time = result_.clear_until;
         place(time);
         const Distance d = tests_.distance(worker_, at_, 0, no_bound, task_.solid);
-        result_.verdict = Verdict::within, result_.contact_by = time, result_.gap = d.upper;
+        result_.normal.setZero(), result_.gap = d.upper;
+        const double tolerance = task_.options.gap_tolerance * (1 + 0x1p-10);
+        if (!(d.upper <= tolerance + task_.clearance) || touch_.depth > tolerance) return true; // undecided
+        result_.verdict = Verdict::within, result_.contact_by = time;
         result_.contact = {d.a, d.b, ContactKind::near, {d.point_a, d.point_b}, Vector3d::Zero(), Vector3d::Zero()};
+        return true;
+    }
+    void end_without_contact()
+    {
+        if (grazes_)
+            leave_open();
+        else
+            result_.verdict = Verdict::separate, result_.normal.setZero();
+    }
+    /// A window that bounds leave free ends in a contact.
+    bool set_contact_between(const MotionWindow& window)
+    {
+        const double tolerance = tolerance_in(window);
+        double free = window.begin(), met = window.end();
+        while (met - free > tolerance) {
+            const double middle = 0.5 * (free + met);
+            if (middle <= free || middle >= met) break;
+            (meets_at(middle) ? met : free) = middle;
+        }
+        move_to(free), tolerance_ = tolerance, meets_at(met);
+        set_contact(met);
+        result_.normal = closing_normal(met);
         return true;
     }
 
@@ -259,7 +300,8 @@ private:
     {
         result_.verdict = found_.verdict, result_.kind = found_.kind;
         result_.contact_by = time;
-        result_.gap = time > 0 ? found_.bound + distance_moved(result_.clear_until, time) : found_.bound;
+        if (!grazes_)
+            result_.gap = time > 0 ? found_.bound + distance_moved(result_.clear_until, time) : found_.bound;
         if (time == 0) result_.normal.setZero();
         if (found_.kind == ContactKind::enclosed) return;
         if (found_.verdict == Verdict::colliding) {
@@ -289,6 +331,9 @@ private:
     FindContact contact_;
     SweepResult result_;
     PairMemory memory_;
+    NearTouch touch_;
+    bool grazes_ = false; ///< the bodies are, or may be, in a contact that does not end the sweep
+    double now_ = 0;      ///< the next window begins here
     double tolerance_ = 1, width_ = 1, tried_ = -1;
     bool hinted_ = false; ///< the last decision had hints, on which the parts must not depend
     bool inexact_;        ///< bodies within an error or the clearance are in contact
@@ -314,12 +359,39 @@ SweepResult bound_of(const SweepTask& task, FindEntry entry)
     return found;
 }
 
+/// Both results are of the same bodies.
+bool tells_more(const SweepResult& x, const SweepResult& y)
+{
+    const auto open = [](const SweepResult& r) {
+        return r.verdict == Verdict::undecided || (r.verdict == Verdict::within && r.kind != ContactKind::near);
+    };
+    if (open(x) != open(y)) return open(y);
+    return x.clear_until > y.clear_until;
+}
+
+SweepResult swapped(SweepResult r)
+{
+    std::swap(r.contact.a, r.contact.b), std::swap(r.contact.ends[0], r.contact.ends[1]);
+    std::swap(r.contact.normal_a, r.contact.normal_b);
+    r.normal = -r.normal;
+    return r;
+}
+
 } // namespace
 
 SweepResult sweep(PairWorker& worker, const SweepTask& task, FindEntry entry, FindContact contact)
 {
     if (task.bound_only) return bound_of(task, entry);
-    return Sweep(worker, task, entry, contact).run();
+    SweepResult found = Sweep(worker, task, entry, contact).run();
+    const bool grazes = found.grazes_until > found.clear_until || found.verdict == Verdict::within;
+    found.grazes_until = std::max(found.grazes_until, found.clear_until);
+    if (!grazes || task.other_order) return found;
+    // Where rounding matters, either order of the bodies may find more.
+    SweepTask other = task;
+    std::swap(other.a, other.b), std::swap(other.motion_a, other.motion_b);
+    other.other_order = true, other.memory = nullptr, other.begins_apart = false;
+    const SweepResult second = tests_for(other.a->kind(), other.b->kind()).advance(worker, other);
+    return tells_more(second, found) ? swapped(second) : found;
 }
 
 } // namespace oncollide

@@ -1,16 +1,11 @@
 #pragma once
-#include <optional>
-
-#include <oncollide/base/function_ref.hpp>
 #include <oncollide/narrowphase/finding.hpp>
+#include <oncollide/narrowphase/model.hpp>
 #include <oncollide/narrowphase/pairs/pair_memory.hpp>
-#include <oncollide/narrowphase/pairs/pair_task.hpp>
 #include <oncollide/narrowphase/walks/swept_motion.hpp>
 #include <oncollide/scenes/motion.hpp>
 
 namespace oncollide {
-
-class PairWorker;
 
 /// Two moving bodies.
 struct SweepTask {
@@ -19,6 +14,7 @@ struct SweepTask {
     SweepOptions options{};
     double clearance = 0; ///< metres
     bool solid = false;   ///< the inside of a closed mesh belongs to the mesh
+    bool other_order = false; ///< this is the same task with its bodies swapped
     double until = 1;     ///< the search ends as soon as no earlier contact is possible
     /// The bodies have no contact at time 0, and only the bound `clear_until` is wanted: of one window, or of the first
     /// one in which the bodies may meet.
@@ -40,7 +36,7 @@ struct MovingBody {
 /// Both bodies from `begin` to `end`, between keys of their motions.
 class MotionWindow {
 public:
-    MotionWindow(const SweepTask& task, double begin, double end);
+    MotionWindow(const SweepTask& task, double begin, double end, const NearTouch& touch = {});
     double begin() const { return begin_; }
     double end() const { return end_; }
     /// The time at a share from -1 to 1.
@@ -53,17 +49,15 @@ public:
 private:
     const SweepTask& task_;
     double begin_, end_;
+    NearTouch touch_;
     MovingBody a_, b_;
 };
 
-/// When two bodies first meet in a window; times as in swept_motion.hpp. Directions are in the world frame, from the
-/// task's a to b. Witnesses are left in a PairMemory.
-using FindEntry = FunctionRef<PartsEntry(const MotionWindow&, PairMemory&)>;
-/// The contact of two parts that a decision left in a PairMemory; nothing: it left none.
-using FindContact = FunctionRef<std::optional<Contact>(const PairTask&, const PairMemory&)>;
-
-/// Advances through the motion window by window: the next one begins at the bound that the last one gave, and is the
-/// smaller the nearer the contact is. The exact test decides at the poses of single times.
-SweepResult sweep(PairWorker& worker, const SweepTask& task, FindEntry entry, FindContact contact);
+/// The motion of a half-space counts where the other body is.
+inline bool is_plane(const MovingBody& body)
+{
+    return body.model.kind() == Kind::half_space;
+}
+MovingBody moving_body(Model& model, const RigidMotion& motion, double time);
 
 } // namespace oncollide
