@@ -43,10 +43,13 @@ PartsEntry careful_entry(const SweptParts& parts, double from, double until, Eig
         if (length > std::max(0x1p-6 * small, 0x1p-22 * large)) return true;
         if (!best.isZero(0) && !take_between(lift * Vector3d(best))) return false;
         for (int axis = 0; axis < 3; ++axis)
-            for (const double side : {lift, -lift})
-                if (!take_between(side * Vector3d::Unit(axis))) return false;
+            for (const double side : {1, -1}) {
+                const Vector3d along = side * Vector3d::Unit(axis);
+                if (!take(along) || !take_between(lift * along)) return false; // the axes of boxes and cells are exact
+            }
         // Far above a large face, the line to it is exact to its other end.
-        if (large > 2 * small && !take_between(large * Vector3d(best))) return false;
+        for (int k = 0; large > 2 * small && k < 2; ++k)
+            if (!take_between(large * Vector3d(best))) return false;
         double by = lift;
         for (int k = 0; k < refinements; ++k, by = std::max(0x1p-3 * by, least_lift))
             if (!take_between(by * Vector3d(best))) return false;

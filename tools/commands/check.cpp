@@ -31,7 +31,7 @@ namespace oncollide::tools {
 namespace {
 
 struct CheckOptions {
-    std::string a, b, pose_a, pose_b, to_pose_a, to_pose_b;
+    std::string a, b, pose_a, pose_b, to_pose_a, to_pose_b, stop;
     SettingsOptions settings;
     CacheOptions cache;
     std::string json, contacts;
@@ -144,6 +144,14 @@ void write_contacts(const World& world, OutputFile& file)
     file.commit();
 }
 
+SweepStop stop_of(const std::string& name)
+{
+    if (name.empty()) return SweepOptions{}.stop;
+    for (const SweepStop stop : {SweepStop::contact, SweepStop::touch, SweepStop::press})
+        if (name == name_of(stop)) return stop;
+    usage(fmt::format("--stop: '{}' is not contact, touch or press", name));
+}
+
 /// Lets the bodies move in the next step.
 void set_motions(World& world, const CheckOptions& options)
 {
@@ -170,6 +178,14 @@ std::string describe(const Scene& scene, const PairSweep& sweep)
         break;
     }
     const std::string_view word = name_of(sweep.verdict);
+    if (sweep.verdict == Verdict::within && sweep.kind == ContactKind::unknown && sweep.grazes_until > sweep.clear_until)
+        return fmt::format("within {:.6g} m: {} graze from time {:.9g} to {:.9g}, and no deeper contact was found then.",
+                           sweep.gap, both, sweep.clear_until, sweep.grazes_until);
+    if (sweep.verdict == Verdict::colliding && sweep.grazes_until > sweep.clear_until)
+        return fmt::format("{}: {} graze from time {:.9g}, {:.6g} m apart or less, and meet from time {:.9g} to {:.9g}, "
+                           "at ({:.6g}, {:.6g}, {:.6g}).",
+                           word, both, sweep.clear_until, sweep.gap, sweep.grazes_until, sweep.contact_by, at.x(),
+                           at.y(), at.z());
     if (sweep.contact_by == 0)
         return fmt::format("{}: {} are in contact at time 0{}.", word, both,
                            sweep.separating ? ", and apart soon after" : "");
@@ -202,6 +218,8 @@ int check_pair(const CheckOptions& options)
     const bool moves = !options.to_pose_a.empty() || !options.to_pose_b.empty();
     if (moves && (options.distance || !options.contacts.empty()))
         usage("--to-pose-a, --to-pose-b: not together with --distance or --contacts, which are of one pose");
+    if (!moves && !options.stop.empty()) usage("--stop: of bodies that move; needs --to-pose-a or --to-pose-b");
+    const SweepOptions sweep{.stop = stop_of(options.stop)};
     settings.contact_kinds = exact_level(settings) == ExactLevel::predicates;
     // Both stages cull without a bound on the distance, and a single pair needs neither.
     for (const StageId stage : {StageId::delimitation, StageId::broad}) settings.skip.insert(stage);
@@ -213,6 +231,7 @@ int check_pair(const CheckOptions& options)
     const Scene scene = load_pair(options);
     if (!options.quiet) print_warnings(scene);
     Pipeline pipeline(scene, settings);
+    pipeline.world().set_sweep_options(sweep);
     set_motions(pipeline.world(), options);
     pipeline.set_continuous(moves); // so the results have the sweep
     Report report(scene, pipeline, {.csv = false, .trace = false, .separate = true});
@@ -259,6 +278,10 @@ void add_check(Arguments app)
                    "A moves to this pose, over the time from 0 to 1: in a straight line, rotating along the shorter "
                    "arc; the result is the first contact on the way");
     sub.add_option("--to-pose-b \"x y z qx qy qz qw\"", options->to_pose_b, "the same for B");
+    sub.add_option("--stop", options->stop,
+                   "which contact on the way is the result: contact (default: the first certain one; a gap that rounding "
+                   "hides is passed), touch (such a gap, too) or press (the first that gets deeper than 0.1 mm; bodies "
+                   "may touch, slide along each other, and part)");
     add_accuracy_options(sub, options->settings);
     add_cache_options(sub, options->cache);
     sub.add_option("--json FILE", options->json, "write the result as JSON; '-' is standard output");

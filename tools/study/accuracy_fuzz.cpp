@@ -2,6 +2,7 @@
 #include "cli/command.hpp"
 #include "common/text.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 
@@ -16,13 +17,14 @@
 #include "cli/progress.hpp"
 #include "cli/standard_output.hpp"
 #include "verify/trials/differential.hpp"
+#include "verify/trials/graze_trial.hpp"
 #include "verify/trials/sweep_trial.hpp"
 
 namespace oncollide::tools {
 namespace {
 
 struct FuzzOptions {
-    std::int64_t scenes = 10'000, sweeps = 0;
+    std::int64_t scenes = 10'000, sweeps = 0, grazes = 0;
     std::uint64_t seed = 1;
     int threads = 1;
     std::string out = "fault.json", csv;
@@ -53,22 +55,38 @@ int fuzz_sweeps(const FuzzOptions& options, int threads)
     return int(ErrorKind::internal);
 }
 
+/// Returns the exit code.
+int fuzz_grazes(const FuzzOptions& options, int threads)
+{
+    Progress progress("grazes", std::size_t(options.grazes));
+    const GrazeTally all =
+        try_grazes(options.seed, std::uint64_t(options.grazes), threads, [&] { progress.step(); });
+    say("{} grazing sweeps, seeds {} to {}: {} with a certain contact, {} without, {} free, {} not decided: {} faults\n",
+        all.sweeps, options.seed, options.seed + all.sweeps - 1, all.contacts, all.grazes, all.clear, all.open,
+        all.faults);
+    if (all.first_fault.empty()) return 0;
+    say("FAULT      seed {}: {}\n", all.faulty_seed, all.first_fault);
+    return int(ErrorKind::internal);
+}
+
 int fuzz(const FuzzOptions& options)
 {
-    check_range("--scenes", options.scenes, options.sweeps > 0 ? 0 : 1), check_range("--sweeps", options.sweeps, 0);
+    check_range("--scenes", options.scenes, options.sweeps + options.grazes > 0 ? 0 : 1);
+    check_range("--sweeps", options.sweeps, 0), check_range("--grazes", options.grazes, 0);
     check_range("--threads", options.threads, 0, 1024);
     check_files({{"--out", options.out}, {"--csv", options.csv}});
     if (!options.csv.empty() && options.sweeps == 0) usage("--csv: it lists sweeps; give their number with --sweeps");
     const int threads = options.threads ? options.threads : hardware_threads();
     const int of_sweeps = options.sweeps > 0 ? fuzz_sweeps(options, threads) : 0;
-    if (options.scenes == 0) return of_sweeps;
+    const int of_grazes = options.grazes > 0 ? fuzz_grazes(options, threads) : 0;
+    if (options.scenes == 0) return std::max(of_sweeps, of_grazes);
     Progress progress("scenes", std::size_t(options.scenes));
     const auto first =
         first_faulty_seed(options.seed, std::uint64_t(options.scenes), threads, [&] { progress.step(); });
     if (!first) {
         write_to_stdout(fmt::format("{} scenes, seeds {} to {}: no fault\n", options.scenes, options.seed,
                                     options.seed + std::uint64_t(options.scenes) - 1));
-        return of_sweeps;
+        return std::max(of_sweeps, of_grazes);
     }
     const DrawnScene drawn = draw_scene(*first),
                      small = shrunk(drawn, [](const DrawnScene&d) { return !fault_in(d).empty(); });
@@ -87,6 +105,9 @@ void add_accuracy_fuzz(Arguments accuracy)
     sub.add_option("--scenes N", options->scenes, "number of scenes (default 10000)");
     sub.add_option("--sweeps N", options->sweeps,
                    "number of sweeps of two moving bodies to check before the scenes (default 0)");
+    sub.add_option("--grazes N", options->grazes,
+                   "number of sweeps that slide, graze or fall through large plates, at all scales, to check against "
+                   "closed forms before the scenes (default 0)");
     sub.add_option("--csv FILE", options->csv, "write one row of sweeps for each two kinds of geometry");
     sub.add_option("--seed S", options->seed,
                    "seed of the first scene, and of the first sweep; each next one has the next number (default 1)");

@@ -49,6 +49,7 @@ public:
                 end_without_contact();
                 break;
             }
+            if (result_.steps == many_steps) touch_.careful = true; // nearly touching parts may let it creep
             if (step(window_first && result_.steps == 0)) break;
         }
         return result_;
@@ -57,6 +58,7 @@ public:
 private:
     static constexpr double least_width = 0x1p-46;
     static constexpr double most_turn = 0.25; ///< rad, of both bodies in one window
+    static constexpr int many_steps = 256;
     static constexpr double widest_graze = 0x1p-6; ///< then poses are decided at the ends of windows
 
     double next_key() const { return oncollide::next_key(task_, now_); }
@@ -106,9 +108,11 @@ private:
     /// Of a contact at time 0: true if it is the result.
     bool ends_at_begin()
     {
-        if (!presses() || result_.kind == ContactKind::enclosed) return true;
+        const bool hidden = result_.verdict == Verdict::within && result_.kind != ContactKind::near && !inexact_;
+        const bool passes = presses() || (hidden && task_.options.stop == SweepStop::contact);
+        if (!passes || result_.kind == ContactKind::enclosed) return true;
         const double gap = result_.gap;
-        result_.verdict = Verdict::undecided, result_.contact_by = no_bound, result_.separating = false;
+        result_.verdict = Verdict::undecided, result_.kind = ContactKind::unknown, result_.contact_by = no_bound, result_.separating = false;
         hinted_ = false;
         begin_graze(gap);
         return false;
@@ -128,7 +132,7 @@ private:
         const PartsEntry entry = entry_(window, memory_);
         if (first && entry.time <= -1 && begins_in_contact(memory_)) return ends_at_begin();
         if (entry.time > 1) {
-            if (grazes_ && !presses() && meets_at(end)) return set_contact_between(window);
+            if (grazes_ && !presses() && certainly_meets_at(end)) return set_contact_between(window);
             move_to(end);
             width_ = std::min(2 * (end - begin), widest());
             return false;
@@ -151,7 +155,7 @@ private:
     /// The time of a contact soon after `now`, if one is found.
     std::optional<double> contact_soon(double now, double end, bool moved_on)
     {
-        if (grazes_ && now == 0 && meets_at(0)) return 0;
+        if (grazes_ && now == 0 && certainly_meets_at(0)) return 0;
         const double soon = std::min(now + tolerance_, next_key()); // after a key, the bodies may be faster
         if ((moved_on || soon != tried_) && meets_at(tried_ = soon)) return soon;
         if (end < soon && meets_at(end)) return end;
@@ -245,7 +249,7 @@ private:
         while (met - free > tolerance) {
             const double middle = 0.5 * (free + met);
             if (middle <= free || middle >= met) break;
-            (meets_at(middle) ? met : free) = middle;
+            (certainly_meets_at(middle) ? met : free) = middle;
         }
         move_to(free), tolerance_ = tolerance, meets_at(met);
         set_contact(met);
@@ -287,13 +291,17 @@ private:
         }
         return found_;
     }
-    /// True if the bodies certainly meet, or come within the clearance, at this time. At the ends of the motion,
-    /// undecided poses count, too.
-    bool meets_at(double time)
+    /// True if the bodies certainly meet, or come within the clearance or the error of a terrain, at this time.
+    bool certainly_meets_at(double time)
     {
         const Finding found = decide(time);
         return found.verdict == Verdict::colliding || found.kind == ContactKind::near ||
-               (found.verdict == Verdict::within && (time == 0 || time == 1 || inexact_));
+               (found.verdict == Verdict::within && inexact_);
+    }
+    /// At the ends of the motion, undecided poses count, too.
+    bool meets_at(double time)
+    {
+        return certainly_meets_at(time) || (found_.verdict == Verdict::within && (time == 0 || time == 1));
     }
     /// Sets the contact of the last decision.
     void set_contact(double time)
@@ -383,7 +391,8 @@ SweepResult sweep(PairWorker& worker, const SweepTask& task, FindEntry entry, Fi
 {
     if (task.bound_only) return bound_of(task, entry);
     SweepResult found = Sweep(worker, task, entry, contact).run();
-    const bool grazes = found.grazes_until > found.clear_until || found.verdict == Verdict::within;
+    const bool stopped = found.verdict == Verdict::undecided && found.steps < task.options.most_steps;
+    const bool grazes = found.grazes_until > found.clear_until || found.verdict == Verdict::within || stopped;
     found.grazes_until = std::max(found.grazes_until, found.clear_until);
     if (!grazes || task.other_order) return found;
     // Where rounding matters, either order of the bodies may find more.

@@ -1,0 +1,228 @@
+#include "verify/trials/graze_trial.hpp"
+
+#include <cmath>
+#include <memory>
+#include <mutex>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/numbers/random.hpp>
+#include <oncollide/base/threads/parallel.hpp>
+#include <oncollide/pipeline/world.hpp>
+#include <oncollide/scenes/scene.hpp>
+#include <oncollide/samples/generators.hpp>
+
+namespace oncollide::tools {
+namespace {
+
+using Eigen::Isometry3d, Eigen::Vector3d;
+
+/// A sweep, and when the bodies meet for certain. Times are of the truth; infinite: never.
+struct GrazeCase {
+    GeometryData a, b;
+    RigidMotion motion_a, motion_b;
+    std::string name{}; ///< kinds
+    SweepOptions options{};
+    double size = 1;              ///< of the bodies and of their coordinates
+    double gap = 0;               ///< of the graze
+    double hidden = 0;            ///< gaps up to this may be hidden by rounding
+    double grazes_from = INFINITY; ///< the bodies are `gap` apart, or meet for an instant, from this time on
+    double meets = INFINITY;      ///< they get into each other
+    double speed = 1;             ///< of that, at least, metres per unit of time; the end of the motion is far
+};
+
+class GrazeDraw {
+public:
+    explicit GrazeDraw(std::uint64_t seed) : seed_(seed) {}
+    double part() { return u01(seed_, 91, next_++); }
+    int number(int count) { return std::min(static_cast<int>(part() * count), count - 1); }
+    double power(int least, int most) { return std::ldexp(1, least + number(most - least + 1)); }
+
+private:
+    std::uint64_t seed_, next_ = 0;
+};
+
+Isometry3d at(double x, double y, double z)
+{
+    Isometry3d pose = Isometry3d::Identity();
+    pose.translation() = Vector3d(x, y, z);
+    return pose;
+}
+
+/// A body whose lowest and foremost points are `s` from its centre.
+GeometryData slider(int kind, double s)
+{
+    switch (kind) {
+    case 0:
+        return Shape(Box{{s, s, s}});
+    case 1:
+        return make_box_mesh({s, s, s});
+    case 2:
+        return Shape(Sphere{s});
+    case 3:
+        return Shape(Ellipsoid{{s, 0.5 * s, s}});
+    case 4:
+        return Shape(Capsule{0.5 * s, s});
+    default:
+        return make_box_mesh({s, s, s}, 3);
+    }
+}
+constexpr int slider_kinds = 6;
+/// The capsule's axis is z: its foremost points are half as far.
+double front_of(int kind, double s) { return kind == 4 ? 0.5 * s : s; }
+
+Mesh box_at(const Vector3d& half, const Vector3d& centre)
+{
+    const Mesh box = make_box_mesh(half);
+    std::vector<Vector3d> vertices = box.vertices;
+    for (Vector3d& v : vertices) v += centre;
+    return make_mesh("box", std::move(vertices), box.triangles);
+}
+
+Mesh floor_with_wall(double s, double wall)
+{
+    const Mesh floor = box_at({16 * s, 16 * s, s}, {0, 0, -s}), front = box_at({s, 4 * s, 4 * s}, {wall + s, 0, 4 * s});
+    std::vector<Vector3d> vertices = floor.vertices;
+    std::vector<Triangle> triangles = floor.triangles;
+    vertices.insert(vertices.end(), front.vertices.begin(), front.vertices.end());
+    for (Triangle t : front.triangles) {
+        for (auto& v : t) v += 8;
+        triangles.push_back(t);
+    }
+    return make_mesh("floor with wall", std::move(vertices), std::move(triangles));
+}
+
+/// Along the floor: into a wall, or to the end of the motion.
+GrazeCase slide(GrazeDraw& draw)
+{
+    const double s = draw.power(-20, 20), gap = draw.number(8) ? s * draw.power(-50, -8) : 0;
+    const int kind = draw.number(slider_kinds), below = draw.number(4);
+    GrazeCase c{.a = slider(kind, s), .b = Shape(HalfSpace{}), .size = 32 * s, .gap = gap, .hidden = 0x1p-39 * 32 * s, .grazes_from = 0};
+    const double from = -8 * s, wall = 4 * s, to = 6 * s;
+    c.motion_a = RigidMotion(at(from, 0, s + gap), at(to, 0, s + gap));
+    if (below == 0) {
+        c.b = floor_with_wall(s, wall);
+        c.speed = to - from, c.meets = (wall - front_of(kind, s) - from) / c.speed;
+    } else if (below == 1) {
+        c.b = Shape(Box{{16 * s, 16 * s, s}}), c.motion_b = RigidMotion(at(0, 0, -s));
+    } else if (below == 2) {
+        c.b = box_at({16 * s, 16 * s, s}, {0, 0, -s});
+    }
+    c.name = fmt::format("slider {} on {}", kind, below);
+    return c;
+}
+
+/// Straight through a plate that is up to 2^23 times as large.
+GrazeCase fall(GrazeDraw& draw)
+{
+    const double s = draw.power(-6, 2), plate = s * draw.power(2, 23);
+    const int kind = draw.number(slider_kinds);
+    GrazeCase c{.a = slider(kind, s), .b = Shape(Box{{plate, plate, s}}), .size = plate};
+    if (draw.number(2)) c.b = make_box_mesh({plate, plate, s});
+    const double x = s * draw.part(), y = s * draw.part();
+    c.motion_a = RigidMotion(at(x, y, 8 * s), at(x, y, -8 * s)), c.speed = 16 * s;
+    c.meets = (8 * s - 2 * s) / c.speed;
+    // As close as doubles allow.
+    const double least = std::max(1e-12, 0x1p-32 * plate);
+    c.options.gap_tolerance = c.options.time_tolerance = std::max(least, draw.number(2) ? 1e-4 : 1e-9);
+    return c;
+}
+
+/// A ball along x past another one, whose top is `gap` below its lowest point.
+GrazeCase pass(GrazeDraw& draw)
+{
+    const double s = draw.power(-20, 20), gap = draw.number(8) ? s * draw.power(-50, -8) : 0;
+    const double sign = draw.number(2) ? 1 : -1, far = 2 * s + sign * gap;
+    GrazeCase c{.a = Shape(Sphere{s}), .b = Shape(Sphere{s}), .size = 8 * s, .gap = gap, .hidden = 0x1p-32 * s, .speed = 8 * s};
+    c.motion_a = RigidMotion(at(-4 * s, 0, far), at(4 * s, 0, far));
+    // The exact time is where x^2 = (2 s)^2 - far^2.
+    const double square = sign < 0 ? (2 * s - far) * (2 * s + far) : 0, half = std::sqrt(square);
+    c.grazes_from = 0.5 - half / c.speed;
+    if (sign < 0 && gap > 0x1p-36 * s) c.meets = c.grazes_from, c.gap = 0;
+    return c;
+}
+
+std::string text_of(const SweepResult& r)
+{
+    return fmt::format("{} {:.17g} to {:.17g}, grazes until {:.17g}, gap {:g}", name_of(r.verdict), r.clear_until,
+                       r.contact_by, r.grazes_until, r.gap);
+}
+
+std::string fault_of(const GrazeCase& c, const SweepResult& r)
+{
+    const SweepOptions& o = c.options;
+    const double tiny = 0x1p-40, pressed = o.stop == SweepStop::press ? o.gap_tolerance : 0;
+    const double late = o.time_tolerance + 2 * (pressed + o.gap_tolerance) / c.speed;
+    const bool grazes = std::isfinite(c.grazes_from) && c.gap <= c.hidden;
+    const double first = std::min(c.meets, grazes ? c.grazes_from : INFINITY);
+    if (r.clear_until > c.meets + tiny) return "a collision is missed";
+    if (!(r.gap <= o.gap_tolerance * (1 + 1e-3)) && std::isfinite(r.contact_by)) return "the gap is above its tolerance";
+    if (r.verdict == Verdict::undecided) return "undecided";
+    if (r.clear_until < std::min(first, 1.0) - late - tiny) return "the bound stops before a graze or a contact";
+    const bool sunk = c.size * tiny > o.gap_tolerance;
+    if (r.verdict == Verdict::separate)
+        return std::isfinite(c.meets) && !(pressed > 0 && c.size < 64 * pressed) ? "a collision is missed" : "";
+    if (r.verdict == Verdict::within) {
+        if (!grazes && !std::isfinite(c.meets)) return "a certain gap is left open";
+        if (!r.normal.isZero(0)) return "a normal without a meaning";
+        if (o.stop == SweepStop::touch || pressed > 0) return "";
+        return std::isfinite(c.meets) && !sunk ? "a certain contact is not found" : "";
+    }
+    if (r.contact_by - r.grazes_until > o.time_tolerance + tiny) return "the bracket is too wide";
+    const bool met = r.contact_by >= c.meets - tiny, touched = grazes && r.contact_by >= c.grazes_from - late - tiny;
+    if (!met && !(touched && pressed == 0)) return "a contact is invented";
+    if (met && !grazes && r.grazes_until > c.meets + late) return "the contact is late";
+    return {};
+}
+
+} // namespace
+
+std::string graze_fault(std::uint64_t seed, GrazeTally& tally)
+{
+    GrazeDraw draw(seed);
+    const int scene = draw.number(4);
+    GrazeCase c = scene < 2 ? slide(draw) : scene == 2 ? fall(draw) : pass(draw);
+    constexpr SweepStop stops[] = {SweepStop::contact, SweepStop::contact, SweepStop::touch, SweepStop::press};
+    c.options.stop = stops[draw.number(4)];
+    // Tolerances are of the size, where they are not the case.
+    if (scene != 2) c.options.gap_tolerance = std::max(1e-12, 0x1p-12 * c.size);
+    World world;
+    const auto add = [&](const GeometryData& data) {
+        return world.add(std::make_shared<const Geometry>(Geometry{{}, data, {}}));
+    };
+    const MovingModel a{add(c.a), c.motion_a}, b{add(c.b), c.motion_b};
+    const SweepResult found = world.sweep(a, b, c.options), swapped = world.sweep(b, a, c.options);
+    ++tally.sweeps;
+    ++(found.verdict == Verdict::colliding  ? tally.contacts
+       : found.verdict == Verdict::within   ? tally.grazes
+       : found.verdict == Verdict::separate ? tally.clear
+                                            : tally.open);
+    std::string fault = fault_of(c, found);
+    if (fault.empty() && !fault_of(c, swapped).empty()) fault = "swapped: " + fault_of(c, swapped);
+    if (fault.empty() && found.verdict != swapped.verdict) fault = "another verdict with the bodies swapped";
+    if (fault.empty()) return {};
+    ++tally.faults;
+    return fmt::format("{}: scene {} ({}), size {:g}, gap {:g}, stop {}: {}; swapped {}; meets at {:.17g}", fault, scene, c.name,
+                       c.size, c.gap, name_of(c.options.stop), text_of(found), text_of(swapped), c.meets);
+}
+
+GrazeTally try_grazes(std::uint64_t first, std::uint64_t count, int threads, const std::function<void()>& done)
+{
+    GrazeTally all;
+    std::mutex guard;
+    parallel_chunks(count, 64, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::uint64_t seed = first + begin; seed < first + end; ++seed) {
+            GrazeTally tally;
+            std::string fault = graze_fault(seed, tally);
+            const std::lock_guard lock(guard);
+            all.sweeps += tally.sweeps, all.contacts += tally.contacts, all.grazes += tally.grazes;
+            all.clear += tally.clear, all.open += tally.open, all.faults += tally.faults;
+            if (!fault.empty() && (all.first_fault.empty() || seed < all.faulty_seed))
+                all.faulty_seed = seed, all.first_fault = std::move(fault);
+            done();
+        }
+    });
+    return all;
+}
+
+} // namespace oncollide::tools
