@@ -159,7 +159,7 @@ which is faster. Raises as check().)")
 
 A configuration, float64 (width,): the numbers of a state of the SRDF file; other joints are as in neutral().)")
         .def(
-            "neutral", [](const HeldRobot& robot) { return array_of_numbers(robot.robot->neutral()); },
+            "neutral", [](const HeldRobot& held) { return array_of_numbers(held.robot->neutral()); },
             R"(neutral(self)
 --
 
@@ -170,17 +170,17 @@ The configuration with all numbers 0, or the nearest limit; float64 (width,).)")
 The poses of all links in the world, float64 (links, 4, 4).)")
         .def_property_readonly(
             "joints",
-            [](const HeldRobot& robot) {
+            [](const HeldRobot& held) {
                 py::list names;
-                for (const std::string& name : robot.robot->names()) names.append(name);
+                for (const std::string& name : held.robot->names()) names.append(name);
                 return names;
             },
             "The name of each number of a configuration (list of str).")
         .def_property_readonly(
             "links",
-            [](const HeldRobot& robot) {
+            [](const HeldRobot& held) {
                 py::list names;
-                for (const RobotLink& link : robot.robot->description().links) names.append(link.name);
+                for (const RobotLink& link : held.robot->description().links) names.append(link.name);
                 return names;
             },
             "The names of the links (list of str).");

@@ -140,8 +140,7 @@ int render(const RenderOptions& options)
         const Image drawn = draw(painter, panels.pictures, view.camera(framing), plan);
         save_png(drawn, image.file);
         if (!options.quiet)
-            write_to_stdout(fmt::format("{}: {} spheres, {} of them red{}{}
-", printable(image.file), panels.spheres,
+            write_to_stdout(fmt::format("{}: {} spheres, {} of them red{}{}\n", printable(image.file), panels.spheres,
                                         panels.red,
                                         panels.meeting ? fmt::format("; {} triangles that meet", panels.meeting) : "",
                                         (panels.red || panels.meeting) && !shows_red(drawn)

@@ -35,7 +35,7 @@ struct Calls {
     std::vector<ModelQuery> queries = std::vector<ModelQuery>(1, {.model = around});
     MovingModel moving{around, {}}, still{world.model(small), {}};
     std::vector<PairOfMovingModels> ways{{moving, still}};
-    std::vector<double> numbers = std::vector<double>(1), rows;
+    std::vector<double> numbers = std::vector<double>(1), rows{};
     std::vector<std::uint8_t> near = {0};
 
     std::map<std::string, std::function<void()>> all()

@@ -9,8 +9,8 @@
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/pipeline/world.hpp>
-#include <oncollide/scenes/scene.hpp>
 #include <oncollide/samples/generators.hpp>
+#include <oncollide/scenes/scene.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -20,15 +20,15 @@ using Eigen::Isometry3d, Eigen::Vector3d;
 /// A sweep, and when the bodies meet for certain. Times are of the truth; infinite: never.
 struct GrazeCase {
     GeometryData a, b;
-    RigidMotion motion_a, motion_b;
+    RigidMotion motion_a{}, motion_b{};
     std::string name{}; ///< kinds
     SweepOptions options{};
-    double size = 1;              ///< of the bodies and of their coordinates
-    double gap = 0;               ///< of the graze
-    double hidden = 0;            ///< gaps up to this may be hidden by rounding
+    double size = 1;               ///< of the bodies and of their coordinates
+    double gap = 0;                ///< of the graze
+    double hidden = 0;             ///< gaps up to this may be hidden by rounding
     double grazes_from = INFINITY; ///< the bodies are `gap` apart, or meet for an instant, from this time on
-    double meets = INFINITY;      ///< they get into each other
-    double speed = 1;             ///< of that, at least, metres per unit of time; the end of the motion is far
+    double meets = INFINITY;       ///< they get into each other
+    double speed = 1;              ///< of that, at least, metres per unit of time; the end of the motion is far
 };
 
 class GrazeDraw {
@@ -69,7 +69,10 @@ GeometryData slider(int kind, double s)
 }
 constexpr int slider_kinds = 6;
 /// The capsule's axis is z: its foremost points are half as far.
-double front_of(int kind, double s) { return kind == 4 ? 0.5 * s : s; }
+double front_of(int kind, double s)
+{
+    return kind == 4 ? 0.5 * s : s;
+}
 
 Mesh box_at(const Vector3d& half, const Vector3d& centre)
 {
@@ -97,7 +100,12 @@ GrazeCase slide(GrazeDraw& draw)
 {
     const double s = draw.power(-20, 20), gap = draw.number(8) ? s * draw.power(-50, -8) : 0;
     const int kind = draw.number(slider_kinds), below = draw.number(4);
-    GrazeCase c{.a = slider(kind, s), .b = Shape(HalfSpace{}), .size = 32 * s, .gap = gap, .hidden = 0x1p-39 * 32 * s, .grazes_from = 0};
+    GrazeCase c{.a = slider(kind, s),
+                .b = Shape(HalfSpace{}),
+                .size = 32 * s,
+                .gap = gap,
+                .hidden = 0x1p-39 * 32 * s,
+                .grazes_from = 0};
     const double from = -8 * s, wall = 4 * s, to = 6 * s;
     c.motion_a = RigidMotion(at(from, 0, s + gap), at(to, 0, s + gap));
     if (below == 0) {
@@ -133,7 +141,8 @@ GrazeCase pass(GrazeDraw& draw)
 {
     const double s = draw.power(-20, 20), gap = draw.number(8) ? s * draw.power(-50, -8) : 0;
     const double sign = draw.number(2) ? 1 : -1, far = 2 * s + sign * gap;
-    GrazeCase c{.a = Shape(Sphere{s}), .b = Shape(Sphere{s}), .size = 8 * s, .gap = gap, .hidden = 0x1p-32 * s, .speed = 8 * s};
+    GrazeCase c{
+        .a = Shape(Sphere{s}), .b = Shape(Sphere{s}), .size = 8 * s, .gap = gap, .hidden = 0x1p-32 * s, .speed = 8 * s};
     c.motion_a = RigidMotion(at(-4 * s, 0, far), at(4 * s, 0, far));
     // The exact time is where x^2 = (2 s)^2 - far^2.
     const double square = sign < 0 ? (2 * s - far) * (2 * s + far) : 0, half = std::sqrt(square);
@@ -156,7 +165,8 @@ std::string fault_of(const GrazeCase& c, const SweepResult& r)
     const bool grazes = std::isfinite(c.grazes_from) && c.gap <= c.hidden;
     const double first = std::min(c.meets, grazes ? c.grazes_from : INFINITY);
     if (r.clear_until > c.meets + tiny) return "a collision is missed";
-    if (!(r.gap <= o.gap_tolerance * (1 + 1e-3)) && std::isfinite(r.contact_by)) return "the gap is above its tolerance";
+    if (!(r.gap <= o.gap_tolerance * (1 + 1e-3)) && std::isfinite(r.contact_by))
+        return "the gap is above its tolerance";
     if (r.verdict == Verdict::undecided) return "undecided";
     if (r.clear_until < std::min(first, 1.0) - late - tiny) return "the bound stops before a graze or a contact";
     const bool sunk = c.size * tiny > o.gap_tolerance;
@@ -202,8 +212,9 @@ std::string graze_fault(std::uint64_t seed, GrazeTally& tally)
     if (fault.empty() && found.verdict != swapped.verdict) fault = "another verdict with the bodies swapped";
     if (fault.empty()) return {};
     ++tally.faults;
-    return fmt::format("{}: scene {} ({}), size {:g}, gap {:g}, stop {}: {}; swapped {}; meets at {:.17g}", fault, scene, c.name,
-                       c.size, c.gap, name_of(c.options.stop), text_of(found), text_of(swapped), c.meets);
+    return fmt::format("{}: scene {} ({}), size {:g}, gap {:g}, stop {}: {}; swapped {}; meets at {:.17g}", fault,
+                       scene, c.name, c.size, c.gap, name_of(c.options.stop), text_of(found), text_of(swapped),
+                       c.meets);
 }
 
 GrazeTally try_grazes(std::uint64_t first, std::uint64_t count, int threads, const std::function<void()>& done)
