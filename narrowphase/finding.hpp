@@ -128,7 +128,7 @@ struct Penetration {
 
 /// Which contact ends a sweep.
 enum class SweepStop : std::uint8_t {
-    contact, ///< the first certain one; a gap that is too small to tell from a contact is passed
+    contact, ///< the first certain one; a gap that rounding hides is passed
     touch,   ///< the first time at which they may touch: such a gap, too
     press,   ///< the first that gets deeper than the gap tolerance; bodies may touch, slide along each other, and part
 };

@@ -77,7 +77,7 @@ std::string why_not_joint(const RobotDescription& robot, const RobotJoint& joint
         return fmt::format("its axis ({}, {}, {}) is not of length 1", joint.axis.x(), joint.axis.y(), joint.axis.z());
     if (!(joint.lower <= joint.upper)) return fmt::format("its limits are {} to {}", joint.lower, joint.upper);
     if (joint.lower > most_joint_number || joint.upper < -most_joint_number)
-        return fmt::format("its limits, {} to {}, allow no number up to 1e9", joint.lower, joint.upper);
+        return fmt::format("its limits, {} to {}, exclude everything up to 1e9", joint.lower, joint.upper);
     return joint.mimics == -1 ? std::string() : why_not_mimic(robot, joint);
 }
 
@@ -137,7 +137,7 @@ std::optional<DescriptionFault> fault_of_names(Of of, const char* kind, const st
     });
 }
 
-/// Each link but one must be the child of one joint, and below that one.
+/// One link is the root. Each other link must be the child of one joint, and below the root.
 std::optional<DescriptionFault> fault_of_tree(const RobotDescription& robot)
 {
     std::vector<std::uint32_t> above(robot.links.size(), none); // by link: the joint that leads to it

@@ -13,7 +13,7 @@ constexpr double most_joint_number = 1e9;
 /// How many numbers of a configuration are the joint's own.
 int numbers_of(const RobotJoint& joint);
 
-/// What is wrong with a description. Readers add the file and the line, Robot the names.
+/// A fault of a description. Readers add the file and the line, Robot the names.
 struct DescriptionFault {
     enum class Of : std::uint8_t { robot, link, joint, excluded, group, state };
     Of of = Of::robot;

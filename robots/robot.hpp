@@ -189,7 +189,7 @@ public:
     /// `spec` are not used.
     void add_bodies(World& world, const BodySpec& spec = {});
     void set_joints(World& world, std::span<const double> configuration);
-    void remove_bodies(World& world);       ///< those that are still there
+    void remove_bodies(World& world);       ///< except bodies that were removed before
     std::span<const BodyId> bodies() const; ///< by geometry: links in order, then attached objects; empty: none
     std::uint32_t link_of(std::size_t body) const;
 

@@ -101,7 +101,7 @@ private:
         if (row.a->inverse_mass + row.b->inverse_mass > 0)
             rows_.push_back(row);
         else
-            row_of_[&point - lists_.points.data()] = ManifoldTracker::none;
+            row_of_[static_cast<std::size_t>(&point - lists_.points.data())] = ManifoldTracker::none;
     }
     Eigen::Vector3d inverse_inertia(const RigidBody& body, const Eigen::Vector3d& torque) const
     {

@@ -48,7 +48,7 @@ void AabbTree::add_filters(std::uint32_t body, const BodyColumns& columns)
 {
     ONCOLLIDE_ASSERT(!filters_.layers || (body < columns.layers.size() && body < columns.masks.size()));
     ONCOLLIDE_ASSERT(!filters_.groups || body < columns.groups.size());
-    // A node that holds them already, and so do all its ancestors, ends the way up.
+    // The way up ends at a node that holds them already: all its ancestors do, too.
     if (filters_.layers) {
         const std::uint32_t layers = columns.layers[body], masks = columns.masks[body];
         std::uint32_t node = places_[body];

@@ -24,7 +24,7 @@ namespace oncollide {
 /// Source: Franquesa-Niubó and Brunet, "Collision prediction using MKtrees", CEIG 2004, for the idea.
 class Delimitation {
 public:
-    /// What forbids pairs of a query.
+    /// The filters that forbid pairs of a query.
     struct Filter {
         std::uint32_t layers = ~0u, mask = ~0u, group = mixed_groups; ///< group: a forbidding_group()
     };

@@ -7,7 +7,7 @@
 
 namespace oncollide {
 
-/// Tracks whether layers, masks or groups forbid any pair at all; passes those that do on to the tree.
+/// Tracks whether layers, masks or groups forbid any pair at all; passes the filters that forbid some on to the tree.
 class PairFilter {
 public:
     /// Applies changes. `changed` includes all bodies that are new or whose layers, mask or group changed. Cost:

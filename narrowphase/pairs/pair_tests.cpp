@@ -7,7 +7,7 @@
 #include <oncollide/narrowphase/pairs/direct_tests.hpp>
 #include <oncollide/narrowphase/pairs/manifold_tests.hpp>
 #include <oncollide/narrowphase/pairs/surface_tests.hpp>
-#include <oncollide/narrowphase/pairs/sweeps/sweep_tests.hpp>
+#include <oncollide/narrowphase/pairs/sweep_tests.hpp>
 #include <oncollide/narrowphase/pairs/walk_tests.hpp>
 
 namespace oncollide {
@@ -134,18 +134,20 @@ constexpr PairTests direct(TreesNeeded trees)
                          PairMemory*) { return direct_tests::decide(test_of<Test, swapped>(task), options.clearance); },
             .near =
                 [](PairWorker&, const PairTask& task, double clearance, double tolerance, PairMemory*) {
-                    return direct_tests::compare(test_of<Test, swapped>(task), clearance, {.below = clearance + tolerance},
-                                                 ContactKind::unknown);
+                    return direct_tests::compare(test_of<Test, swapped>(task), clearance,
+                                                 {.below = clearance + tolerance}, ContactKind::unknown);
                 },
             .distance =
                 [](PairWorker&, const PairTask& task, double tolerance, double farthest, bool) {
-                    return direct_tests::distance(test_of<Test, swapped>(task), {.above = farthest, .tolerance = tolerance});
+                    return direct_tests::distance(test_of<Test, swapped>(task),
+                                                  {.above = farthest, .tolerance = tolerance});
                 },
             .direct_distance =
                 trees == TreesNeeded::always
                     ? nullptr
                     : +[](const PairTask& task,
-                          const EnoughDistance& enough) { return direct_tests::distance(test_of<Test, swapped>(task), enough); },
+                          const EnoughDistance&
+                              enough) { return direct_tests::distance(test_of<Test, swapped>(task), enough); },
             .contacts = [](PairWorker&, const PairTask& task,
                            Contacts& found) { direct_tests::contacts(test_of<Test, swapped>(task), found); },
             .penetration = nullptr,

@@ -3,7 +3,7 @@
 
 #include <oncollide/narrowphase/pairs/pair_memory.hpp>
 #include <oncollide/narrowphase/pairs/pair_worker.hpp>
-#include <oncollide/narrowphase/pairs/sweeps/sweep.hpp>
+#include <oncollide/narrowphase/pairs/sweep.hpp>
 
 namespace oncollide {
 

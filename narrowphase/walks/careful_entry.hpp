@@ -20,7 +20,7 @@ PartsEntry careful_entry(const SweptParts& parts, double from, double until, Eig
     using Eigen::Vector3d;
     constexpr int most_tries = 16, refinements = 3;
     constexpr double enough = 0x1p-12; // shares of the window
-    const auto [small, large] = scales;
+    const double small = scales.first, large = scales.second;
     const double least_lift = 4 * std::max(0.0, -parts.slack), lift = std::max(0x1p-4 * small, least_lift);
     PartsEntry found{from, from, Vector3d::Zero()};
     Vector3d best = line;

@@ -37,15 +37,10 @@ void World::add_bodies(std::span<const BodySpec> bodies, std::span<BodyId> ids)
 void World::reserve_bodies(std::size_t bodies)
 {
     constexpr std::size_t most = std::size_t{1} << 32; // slots
-    const auto refuse = [&](const char* why) {
-        throw Error(ErrorKind::usage, fmt::format("reserve_bodies: {} bodies: {}", bodies, why));
-    };
-    if (bodies >= most) refuse("a World holds up to 4294967295");
-    try {
-        impl().bodies.reserve(bodies);
-    } catch (const std::bad_alloc&) {
-        refuse("there is not enough memory for them");
-    }
+    if (bodies >= most)
+        throw Error(ErrorKind::usage,
+                    fmt::format("reserve_bodies: {} bodies: a World holds up to {}", bodies, most - 1));
+    impl().bodies.reserve(bodies);
 }
 void World::remove_body(BodyId body)
 {

@@ -84,10 +84,11 @@ void World::clear_until(std::span<const PairOfMovingModels> pairs, std::span<con
 
 namespace {
 
-/// True if a sweep ends there, whatever rounding hides.
+/// True if a sweep certainly ends there.
 bool ends_there(const SweepResult& r, const SweepOptions& options)
 {
-    const bool certain = r.verdict == Verdict::colliding || (r.verdict == Verdict::within && r.kind == ContactKind::near);
+    const bool certain =
+        r.verdict == Verdict::colliding || (r.verdict == Verdict::within && r.kind == ContactKind::near);
     return certain || (options.stop == SweepStop::touch && r.verdict == Verdict::within);
 }
 
@@ -134,7 +135,7 @@ SweepHit World::Impl::first_cast(QueryWorker& w, const MovingModel& model, const
         first.verdict = Verdict::separate, first.clear_until = free, first.grazes_until = 1;
         return first;
     }
-    // The first contact that ends a sweep, unless an undecided pair may have met before; then what rounding hides.
+    // The first contact that ends a sweep comes before gaps that rounding hides; an undecided pair may come first.
     const auto rank = [&](const SweepHit& hit) { return std::pair(!ends_there(hit, options), hit.contact_by); };
     first = *std::ranges::min_element(w.sweeps, {}, rank);
     const auto open = std::ranges::find(w.sweeps, Verdict::undecided, &SweepHit::verdict);

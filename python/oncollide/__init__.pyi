@@ -178,6 +178,7 @@ class World:
         time_tolerance: float = 0.0001,
         gap_tolerance: float = 0.0001,
         most_steps: int = 10000,
+        stop: Literal["contact", "touch", "press"] = "contact",
     ) -> NDArray[np.void]: ...
     def cast_model(
         self,
@@ -191,6 +192,7 @@ class World:
         time_tolerance: float = 0.0001,
         gap_tolerance: float = 0.0001,
         most_steps: int = 10000,
+        stop: Literal["contact", "touch", "press"] = "contact",
     ) -> NDArray[np.void]: ...
     def query_box(
         self, low: ArrayLike, high: ArrayLike, layer: int = 1, mask: int = 4294967295, group: int = 0

@@ -18,7 +18,7 @@ using GeometryHandle = std::shared_ptr<const Geometry>;
 
 GeometryHandle geometry(py::handle value, const Place& place);
 
-/// A geometry as a tuple of bytes and numbers, for pickles, and back. What stays in its cooked file is its path.
+/// A geometry as a tuple of bytes and numbers, for pickles, and back. A geometry in a cooked file is its path.
 py::tuple state_of(const Geometry& geometry);
 GeometryHandle geometry_from(const py::tuple& state);
 

@@ -139,7 +139,8 @@ void bind_geometry(py::module_& m)
 
 Made by mesh(), load_mesh(), sphere(), terrain(), load_map() and others. It never changes, copies the arrays that it is
 made from, and is shared, not copied, by every World and Queries that uses it. It can be pickled, for processes that work
-on one scene: a mesh, a shape, a map or a terrain by its data, what stays in a cooked file by the file's path.)")
+on one scene: a mesh, a shape, a map or a terrain by its data, a
+geometry in a cooked file by the file's path.)")
         .def_property_readonly(
             "name",
             [](const Geometry& g) { // a path may contain bytes that are not UTF-8

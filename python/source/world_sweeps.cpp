@@ -103,11 +103,10 @@ void bind_world_sweeps(WorldClass& world)
     using namespace py::literals;
     const py::int_ all(0xffffffffu);
     const SweepOptions usual;
-    world.def(
-        "set_sweep_options", &set_sweep_options, "time_tolerance"_a = usual.time_tolerance,
-        "gap_tolerance"_a = usual.gap_tolerance, "most_steps"_a = usual.most_steps,
-        "stop"_a = std::string(name_of(usual.stop)),
-        R"(set_sweep_options(self, time_tolerance=0.0001, gap_tolerance=0.0001, most_steps=10000, stop="contact")
+    world.def("set_sweep_options", &set_sweep_options, "time_tolerance"_a = usual.time_tolerance,
+              "gap_tolerance"_a = usual.gap_tolerance, "most_steps"_a = usual.most_steps,
+              "stop"_a = std::string(name_of(usual.stop)),
+              R"(set_sweep_options(self, time_tolerance=0.0001, gap_tolerance=0.0001, most_steps=10000, stop="contact")
 --
 
 How step() looks for contacts of moving bodies: as in sweep().)");
@@ -122,7 +121,7 @@ When two moving models first meet, over the time from 0 to 1; many motions on th
 
 a, b: models. a_from and the others: poses (N, 4, 4) or (N, 7), metres, or one pose for all. path: "linear" (the origin
 in a straight line, the rotation along the shorter arc) or "screw". stop: "contact" (the first certain contact; a gap
-too small to tell from a contact is passed), "touch" (such a gap, too) or "press" (the first contact that gets deeper
+that rounding hides is passed), "touch" (such a gap, too) or "press" (the first contact that gets deeper
 than gap_tolerance; bodies may touch, slide along each other, and part).
 
 Returns a structured array (N,): verdict (uint8: SEPARATE, COLLIDING, WITHIN where only a clearance or rounding is

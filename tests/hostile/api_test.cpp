@@ -19,7 +19,7 @@ protected:
     std::vector<PairOfBodies> pairs{{body, other}};
     std::vector<PairOfModels> models{{{box}, {ball}}};
 
-    /// Nothing has changed: the World finds what it would find without the calls.
+    /// Nothing has changed: the World has the results that it would have without the calls.
     ~HostileCalls() override
     {
         EXPECT_EQ(world.size(), 2u);
@@ -263,7 +263,7 @@ TEST_F(HostileCalls, NumbersAreFiniteAndInRange)
         {"no regions", [&] { world.manifold(body, other, {.regions_per_pair = 0}); }},
         {"offsets",
          [&] {
-             ManifoldTracker().update(world, pairs, {.offsets = {0, 4}});
+             ManifoldTracker().update(world, pairs, {.regions = {}, .points = {}, .offsets = {0, 4}, .complete = {}});
          }},
         {"no offsets", [&] { ManifoldTracker().update(world, {}, {}); }},
         {"points",

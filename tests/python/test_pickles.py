@@ -51,7 +51,7 @@ def test_a_geometry_is_the_same_after_a_pickle(name):
         again = pickle.loads(pickle.dumps(made, protocol))
         assert (again.name, again.kind, again.closed) == (made.name, made.kind, made.closed)
         assert repr(again) == repr(made)
-        if name == "coarse":  # of its stored heights; the bounds of the first also have those that were given
+        if name == "coarse":  # made of the stored heights; the first one has the bounds of the given heights, too
             assert np.allclose(again.bounds, made.bounds, rtol=0, atol=0.002)
         else:
             assert np.array_equal(again.bounds, made.bounds)

@@ -1,4 +1,4 @@
-// Descriptions made in code: what a file may not hold, they may not hold either.
+// Descriptions made in code are refused where files are.
 #include <functional>
 
 #include <gtest/gtest.h>
@@ -98,7 +98,8 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"NanAxis", [](auto& r) { slide(r).axis.y() = nan; }, "its axis (1, nan, 0)"},
         Fault{"LimitsReversed", [](auto& r) { slide(r).lower = 2; }, "joint 'slide': its limits are 2 to 1"},
         Fault{"NanLimit", [](auto& r) { slide(r).upper = nan; }, "its limits are -1 to nan"},
-        Fault{"EndlessLimit", [](auto& r) { slide(r).lower = slide(r).upper = inf; }, "allow no number up to 1e9"},
+        Fault{"EndlessLimit", [](auto& r) { slide(r).lower = slide(r).upper = inf; },
+              "exclude everything up to 1e9"},
         Fault{"Loop", [](auto& r) { r.joints.push_back(slide(r)), r.joints[3].name = "back", r.joints[3].child = 0; },
               "link 'base': the joints above it form a loop"},
         Fault{"Diamond",

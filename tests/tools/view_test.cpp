@@ -134,7 +134,7 @@ TEST_F(View, PairsThatDoNotFitAreCountedAndTheirBodiesKeepTheirColours)
         EXPECT_EQ(outcome.code, 0) << outcome.err;
         return outcome.err;
     };
-    const std::string few = page("3"), left_out = " of 22,000 pairs of frame 0 are left out";
+    const std::string few = page("2"), left_out = " of 22,000 pairs of frame 0 are left out";
     EXPECT_NE(few.find(left_out), std::string::npos) << few;
     EXPECT_NE(few.find("--view-limit allows 2.0 MB"), std::string::npos) << few;
     const std::size_t size = folder_.read("x.html").size();

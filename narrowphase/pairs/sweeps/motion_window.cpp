@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/pairs/sweeps/motion_window.hpp>
+#include <oncollide/narrowphase/pairs/motion_window.hpp>
 
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
 
@@ -35,7 +35,8 @@ double bend(const MovingBody& body, double half)
 } // namespace
 
 MotionWindow::MotionWindow(const SweepTask& task, double begin, double end, const NearTouch& touch)
-    : task_(task), begin_(begin), end_(end), touch_(touch), a_(moving_body(*task.a, *task.motion_a, 0.5 * (begin + end))),
+    : task_(task), begin_(begin), end_(end), touch_(touch),
+      a_(moving_body(*task.a, *task.motion_a, 0.5 * (begin + end))),
       b_(moving_body(*task.b, *task.motion_b, 0.5 * (begin + end)))
 {
 }

@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/pairs/sweeps/sweep.hpp>
+#include <oncollide/narrowphase/pairs/sweep.hpp>
 
 #include <algorithm>
 #include <bit>
@@ -105,14 +105,15 @@ private:
         return true;
     }
     bool presses() const { return task_.options.stop == SweepStop::press; }
-    /// Of a contact at time 0: true if it is the result.
+    /// True if a contact at time 0 is the result.
     bool ends_at_begin()
     {
         const bool hidden = result_.verdict == Verdict::within && result_.kind != ContactKind::near && !inexact_;
         const bool passes = presses() || (hidden && task_.options.stop == SweepStop::contact);
         if (!passes || result_.kind == ContactKind::enclosed) return true;
         const double gap = result_.gap;
-        result_.verdict = Verdict::undecided, result_.kind = ContactKind::unknown, result_.contact_by = no_bound, result_.separating = false;
+        result_.verdict = Verdict::undecided, result_.kind = ContactKind::unknown, result_.contact_by = no_bound,
+        result_.separating = false;
         hinted_ = false;
         begin_graze(gap);
         return false;
@@ -175,7 +176,7 @@ private:
         begin_graze(found_.bound + distance_moved(now_, time));
         return false;
     }
-    /// Where parts touch all the time, others that get deeper soon after the time tell the direction of the contact; 0:
+    /// Where parts touch all the time, others that get deeper soon after the time show the direction of the contact; 0:
     /// none do.
     Vector3d closing_normal(double time)
     {
@@ -187,7 +188,7 @@ private:
         const PartsEntry entry = entry_(MotionWindow(task_, now_, end, touch), none);
         return entry.time > 1 ? Vector3d::Zero() : entry.direction;
     }
-    /// The bounds of windows cannot tell how the bodies go on. Returns true if nothing else can.
+    /// The bounds of windows do not show how the bodies go on. Returns true if nothing else does.
     bool end_of_bounds()
     {
         if (!touch_.careful) {
@@ -221,7 +222,7 @@ private:
         touch_ = touch_of(MotionWindow(task_, now_, now_));
         grazes_ = true, result_.gap = gap, result_.grazes_until = now_, tried_ = -1, width_ = widest();
     }
-    /// Nothing but a graze, or rounding, was found.
+    /// Only a graze, or rounding, was found.
     bool leave_open()
     {
         const double time = result_.clear_until;
@@ -308,8 +309,7 @@ private:
     {
         result_.verdict = found_.verdict, result_.kind = found_.kind;
         result_.contact_by = time;
-        if (!grazes_)
-            result_.gap = time > 0 ? found_.bound + distance_moved(result_.clear_until, time) : found_.bound;
+        if (!grazes_) result_.gap = time > 0 ? found_.bound + distance_moved(result_.clear_until, time) : found_.bound;
         if (time == 0) result_.normal.setZero();
         if (found_.kind == ContactKind::enclosed) return;
         if (found_.verdict == Verdict::colliding) {

@@ -198,9 +198,9 @@ StoredResults::StoredResults(const std::filesystem::path& path, const ResultsHea
         open_->read_header(header_);
         open_->frames = open_->rows(name_, "frames", frame_fields(words));
         frames_.resize(open_->frames->size());
-        if (frames_.empty()) throw Hdf5Fault{"it holds no frame"};
-        open_->frames->read(0, frames_.size(), frames_.data());
+        if (!frames_.empty()) open_->frames->read(0, frames_.size(), frames_.data());
         open_->pairs = open_->rows(name_, "pairs", pair_fields(words)); // after the frames, which it may outrun
+        if (frames_.empty()) throw Hdf5Fault{"it holds no frame"};
         header_.sweeps = open_->find("sweeps").has_value();
         if (header_.sweeps) open_->sweeps = open_->rows(name_, "sweeps", sweep_fields());
         std::uint64_t pairs = open_->pairs->size();

@@ -47,7 +47,7 @@ std::vector<std::uint32_t> slots(const std::vector<QueryHit>& hits)
 TEST(Segments, HitWhatAModelOfTheSameShapeHits)
 {
     for (const Mode mode : {Mode::surface, Mode::solid}) {
-        World world({.exact = ExactLevel::predicates, .mode = mode});
+        World world({.exact = ExactLevel::predicates, .mode = mode, .open_as_surface = mode == Mode::solid});
         add_heap(world, 120, 2.5);
         std::size_t found = 0;
         for (std::uint64_t k = 0; k < 300; ++k) {

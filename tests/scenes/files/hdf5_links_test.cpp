@@ -140,7 +140,6 @@ TEST_F(Hdf5Links, ResultsThatAreElsewhereAreRefused)
     const std::filesystem::path path = folder_ / "r.h5";
     for (const std::string& other : others_) {
         ResultsFile(path, header, NameColumn()).close();
-        EXPECT_TRUE(StoredResults(path, header).frames().empty());
         const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
         H5Ldelete(file, "pairs", H5P_DEFAULT);
         H5Lcreate_external(other.c_str(), "/pairs", file, "pairs", H5P_DEFAULT, H5P_DEFAULT);

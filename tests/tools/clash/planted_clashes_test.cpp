@@ -68,12 +68,13 @@ TEST_F(PlantedClashes, AGlbOfNodesWithOneNameIsToldApart)
     tools::PlantedAssembly twice = tools::make_planted_assembly({.parts = 4, .triangles = 100, .meshes = {}});
     for (auto& part : twice.parts) part.name = "part";
     tools::write_glb_file(twice, folder_ / "all.glb");
-    const tools::PartList parts =
-        tools::read_parts({(folder_ / "all.glb").string()}, tools::Units({"mm"}), {.groups = {"node"}}, 1);
+    write_cube("other.off");
+    const tools::PartList parts = tools::read_parts({(folder_ / "all.glb").string(), (folder_ / "other.off").string()},
+                                                    tools::Units({"mm"}), {.groups = {"node"}}, 1);
     std::set<std::string> names;
     for (const tools::Part& part : parts.parts) names.insert(part.name);
-    EXPECT_EQ(names,
-              (std::set<std::string>{"assembly/part", "assembly/part (2)", "assembly/part (3)", "assembly/part (4)"}));
+    EXPECT_EQ(names, (std::set<std::string>{"assembly/part", "assembly/part (2)", "assembly/part (3)",
+                                            "assembly/part (4)", "other"}));
     ASSERT_EQ(parts.warnings.size(), 1u);
     EXPECT_NE(parts.warnings[0].find("4 parts are named 'part'"), std::string::npos) << parts.warnings[0];
     EXPECT_EQ(parts.groups, (std::vector<std::string>{"", "assembly"}));

@@ -40,7 +40,7 @@ bool is_beside_meshes(const fs::path& path)
 }
 
 /// ": b.ifc, c.step"; of many names the first; "" for none.
-std::string listed(std::vector<std::string> names)
+std::string colon_and(std::vector<std::string> names)
 {
     constexpr std::size_t most = 20;
     if (names.empty()) return "";
@@ -63,7 +63,7 @@ std::vector<std::string> files_below(const std::string& folder, std::vector<std:
             left_out.push_back(path_from(folder, file).string());
     }
     if (error) throw Error(ErrorKind::no_input, fmt::format("{}: {}", folder, error.message()));
-    const std::string others = listed(std::move(left_out));
+    const std::string others = colon_and(std::move(left_out));
     if (found.empty())
         throw Error(ErrorKind::no_input,
                     fmt::format("{}: no mesh file in this folder ({}){}{}", folder, fmt::join(mesh_extensions(), ", "),

@@ -130,7 +130,7 @@ GrazeCase fall(GrazeDraw& draw)
     const double x = s * draw.part(), y = s * draw.part();
     c.motion_a = RigidMotion(at(x, y, 8 * s), at(x, y, -8 * s)), c.speed = 16 * s;
     c.meets = (8 * s - 2 * s) / c.speed;
-    // As close as doubles allow.
+    // The tolerances are as small as doubles allow.
     const double least = std::max(1e-12, 0x1p-32 * plate);
     c.options.gap_tolerance = c.options.time_tolerance = std::max(least, draw.number(2) ? 1e-4 : 1e-9);
     return c;

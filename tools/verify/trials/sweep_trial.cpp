@@ -39,7 +39,7 @@ ModelId add(World& world, const GeometryData& data)
     return world.add(std::make_shared<const Geometry>(Geometry{{}, data, {}}));
 }
 
-/// With a clearance, a World decides exactly only where it is told to.
+/// With a clearance, a World decides exactly only on request.
 Settings exactly(Settings settings)
 {
     settings.exact = ExactLevel::predicates;
@@ -52,7 +52,7 @@ public:
     virtual ~Poses() = default;
     virtual bool must_meet(double time) = 0; ///< or come within the clearance
     virtual bool may_meet(double time) = 0;
-    virtual bool confirms(double time) = 0; ///< a contact that is reported as certain
+    virtual bool confirms(double time) = 0;         ///< a contact that is reported as certain
     virtual double least_distance(double time) = 0; ///< less rounding
 };
 

@@ -12,10 +12,10 @@ struct SweepTask {
     Model *a, *b;
     const RigidMotion *motion_a, *motion_b;
     SweepOptions options{};
-    double clearance = 0; ///< metres
-    bool solid = false;   ///< the inside of a closed mesh belongs to the mesh
+    double clearance = 0;     ///< metres
+    bool solid = false;       ///< the inside of a closed mesh belongs to the mesh
     bool other_order = false; ///< this is the same task with its bodies swapped
-    double until = 1;     ///< the search ends as soon as no earlier contact is possible
+    double until = 1;         ///< the search ends as soon as no earlier contact is possible
     /// The bodies have no contact at time 0, and only the bound `clear_until` is wanted: of one window, or of the first
     /// one in which the bodies may meet.
     bool bound_only = false;

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include <oncollide/narrowphase/pairs/direct_tests.hpp>
-#include <oncollide/narrowphase/pairs/sweeps/sweep.hpp>
+#include <oncollide/narrowphase/pairs/sweep.hpp>
 #include <oncollide/narrowphase/pairs/triangle_pairs.hpp>
 #include <oncollide/narrowphase/pairs/walk_tests.hpp>
 #include <oncollide/narrowphase/walks/careful_entry.hpp>
@@ -79,8 +79,8 @@ inline PartsEntry entry_in(const direct_tests::TwoShapes& test, const SweepTask&
     const double size = a.extent + a.radius + b.extent + b.radius;
     SweptParts parts{motion.b.at(in_a(of_b.centre)) - motion.a.at(in_a(of_a.centre)), motion.slack};
     parts.slack += motion.a.turn.norm() * of_a.radius + motion.b.turn.norm() * of_b.radius +
-                   task.clearance * 2 * placed.slack +
-                   (motion.touch.careful ? 0x1p-48 : 0x1p-40) * parts.speed.norm() - motion.touch.depth;
+                   task.clearance * 2 * placed.slack + (motion.touch.careful ? 0x1p-48 : 0x1p-40) * parts.speed.norm() -
+                   motion.touch.depth;
     const double rounding = 0x1p-46 * (size + placed.b_to_a.translation.norm()) + placed.slack * size;
     const auto apart = [&](const Eigen::Vector3d& direction) {
         const Eigen::Vector3d in_b = placed.b_to_a.rotation.transpose() * direction;

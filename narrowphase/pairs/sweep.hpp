@@ -2,8 +2,8 @@
 #include <optional>
 
 #include <oncollide/base/function_ref.hpp>
+#include <oncollide/narrowphase/pairs/motion_window.hpp>
 #include <oncollide/narrowphase/pairs/pair_task.hpp>
-#include <oncollide/narrowphase/pairs/sweeps/motion_window.hpp>
 
 namespace oncollide {
 
