@@ -60,4 +60,7 @@ inline bool is_plane(const MovingBody& body)
 }
 MovingBody moving_body(Model& model, const RigidMotion& motion, double time);
 
+/// How deep parts may be in each other during a graze that begins at a time.
+NearTouch graze_of(const SweepTask& task, double time);
+
 } // namespace oncollide

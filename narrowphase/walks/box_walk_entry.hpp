@@ -80,9 +80,9 @@ FirstEntry<typename Leaves::Pair> BoxWalk<A, B, Leaves>::first_entry(A& a, B& b,
             return Eigen::Vector3d(points.b - points.a);
         };
         const auto between = [&](double time) { return lifted(time, Eigen::Vector3d::Zero()); };
-        const PartsEntry entry =
-            motion.touch.careful ? careful_entry(parts, from, best.time, separating, scales, apart, lifted)
-                                 : oncollide::first_entry(parts, from, best.time, separating, apart, between);
+        const PartsEntry entry = motion.touch.careful
+                                     ? careful_entry(parts, from, best.time, separating, scales, apart, lifted)
+                                     : oncollide::first_entry(parts, from, best.time, separating, apart, between);
         if (entry.time >= best.time) return;
         best.time = entry.time, best.likely = entry.likely, best.direction = entry.direction, best.pair = pair;
         if (!entry.direction.isZero(0)) separating = entry.direction;

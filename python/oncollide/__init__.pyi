@@ -166,6 +166,13 @@ class World:
     def cast_all(
         self, start: ArrayLike, end: ArrayLike, layer: int = 1, mask: int = 4294967295, group: int = 0
     ) -> NDArray[np.void]: ...
+    def set_sweep_options(
+        self,
+        time_tolerance: float = 0.0001,
+        gap_tolerance: float = 0.0001,
+        most_steps: int = 10000,
+        stop: Literal["contact", "touch", "press"] = "contact",
+    ) -> None: ...
     def sweep(
         self,
         a: Model,

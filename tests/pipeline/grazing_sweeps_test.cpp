@@ -24,8 +24,8 @@ Mesh make_room()
 {
     std::vector<Vector3d> vertices;
     std::vector<Triangle> triangles;
-    for (const auto& [half, centre] : {std::pair(Vector3d(10, 10, 0.5), Vector3d(0, 0, -0.5)),
-                                       std::pair(Vector3d(0.1, 5, 2), Vector3d(3, 0, 2))}) {
+    for (const auto& [half, centre] :
+         {std::pair(Vector3d(10, 10, 0.5), Vector3d(0, 0, -0.5)), std::pair(Vector3d(0.1, 5, 2), Vector3d(3, 0, 2))}) {
         const Mesh box = make_box_mesh(half);
         for (Triangle t : box.triangles) {
             for (auto& v : t) v += static_cast<std::uint32_t>(vertices.size());

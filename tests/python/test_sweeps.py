@@ -31,6 +31,19 @@ def test_a_cast_of_a_model_gives_the_first_body_and_the_last_valid_time():
     assert far in world
 
 
+def test_a_sweep_passes_a_hidden_gap_or_stops_at_a_touch():
+    world = oncollide.World()
+    floor, box = world.add(oncollide.box([10, 10, 0.5])), world.add(oncollide.box([0.5, 0.5, 0.5]))
+    ways = (box, at(-5, 0, 0.5 + 1e-13), at(5, 0, 0.5 + 1e-13), floor, at(0, 0, -0.5), at(0, 0, -0.5))
+    passes, stops = world.sweep(*ways)[0], world.sweep(*ways, stop="touch")[0]
+    assert (passes["verdict"], stops["verdict"]) == (Verdict.WITHIN, Verdict.WITHIN)
+    assert passes["grazes_until"] == 1 and stops["grazes_until"] < 1
+    assert world.sweep(*ways, stop="press")[0]["verdict"] == Verdict.WITHIN
+    with pytest.raises(ValueError, match='expected "contact", "touch" or "press"'):
+        world.sweep(*ways, stop="hit")
+    world.set_sweep_options(stop="press")
+
+
 def test_frames_report_contacts_on_the_way():
     world = oncollide.World()
     world.add_body(world.add(oncollide.box([0.01, 5, 5])), static=True)

@@ -178,14 +178,16 @@ std::string describe(const Scene& scene, const PairSweep& sweep)
         break;
     }
     const std::string_view word = name_of(sweep.verdict);
-    if (sweep.verdict == Verdict::within && sweep.kind == ContactKind::unknown && sweep.grazes_until > sweep.clear_until)
-        return fmt::format("within {:.6g} m: {} graze from time {:.9g} to {:.9g}, and no deeper contact was found then.",
-                           sweep.gap, both, sweep.clear_until, sweep.grazes_until);
+    if (sweep.verdict == Verdict::within && sweep.kind == ContactKind::unknown &&
+        sweep.grazes_until > sweep.clear_until)
+        return fmt::format(
+            "within {:.6g} m: {} graze from time {:.9g} to {:.9g}, and no deeper contact was found then.", sweep.gap,
+            both, sweep.clear_until, sweep.grazes_until);
     if (sweep.verdict == Verdict::colliding && sweep.grazes_until > sweep.clear_until)
-        return fmt::format("{}: {} graze from time {:.9g}, {:.6g} m apart or less, and meet from time {:.9g} to {:.9g}, "
-                           "at ({:.6g}, {:.6g}, {:.6g}).",
-                           word, both, sweep.clear_until, sweep.gap, sweep.grazes_until, sweep.contact_by, at.x(),
-                           at.y(), at.z());
+        return fmt::format(
+            "{}: {} graze from time {:.9g}, {:.6g} m apart or less, and meet from time {:.9g} to {:.9g}, "
+            "at ({:.6g}, {:.6g}, {:.6g}).",
+            word, both, sweep.clear_until, sweep.gap, sweep.grazes_until, sweep.contact_by, at.x(), at.y(), at.z());
     if (sweep.contact_by == 0)
         return fmt::format("{}: {} are in contact at time 0{}.", word, both,
                            sweep.separating ? ", and apart soon after" : "");
@@ -278,10 +280,11 @@ void add_check(Arguments app)
                    "A moves to this pose, over the time from 0 to 1: in a straight line, rotating along the shorter "
                    "arc; the result is the first contact on the way");
     sub.add_option("--to-pose-b \"x y z qx qy qz qw\"", options->to_pose_b, "the same for B");
-    sub.add_option("--stop", options->stop,
-                   "which contact on the way is the result: contact (default: the first certain one; a gap that rounding "
-                   "hides is passed), touch (such a gap, too) or press (the first that gets deeper than 0.1 mm; bodies "
-                   "may touch, slide along each other, and part)");
+    sub.add_option(
+        "--stop", options->stop,
+        "which contact on the way is the result: contact (default: the first certain one; a gap that rounding "
+        "hides is passed), touch (such a gap, too) or press (the first that gets deeper than 0.1 mm; bodies "
+        "may touch, slide along each other, and part)");
     add_accuracy_options(sub, options->settings);
     add_cache_options(sub, options->cache);
     sub.add_option("--json FILE", options->json, "write the result as JSON; '-' is standard output");

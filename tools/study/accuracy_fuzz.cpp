@@ -59,9 +59,9 @@ int fuzz_sweeps(const FuzzOptions& options, int threads)
 int fuzz_grazes(const FuzzOptions& options, int threads)
 {
     Progress progress("grazes", std::size_t(options.grazes));
-    const GrazeTally all =
-        try_grazes(options.seed, std::uint64_t(options.grazes), threads, [&] { progress.step(); });
-    say("{} grazing sweeps, seeds {} to {}: {} with a certain contact, {} without, {} free, {} not decided: {} faults\n",
+    const GrazeTally all = try_grazes(options.seed, std::uint64_t(options.grazes), threads, [&] { progress.step(); });
+    say("{} grazing sweeps, seeds {} to {}: {} with a certain contact, {} without, {} free, {} not decided: {} "
+        "faults\n",
         all.sweeps, options.seed, options.seed + all.sweeps - 1, all.contacts, all.grazes, all.clear, all.open,
         all.faults);
     if (all.first_fault.empty()) return 0;

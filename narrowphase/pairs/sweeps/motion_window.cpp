@@ -1,5 +1,8 @@
 #include <oncollide/narrowphase/pairs/motion_window.hpp>
 
+#include <algorithm>
+#include <limits>
+
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
 
 namespace oncollide {
@@ -63,6 +66,23 @@ SweptMotion MotionWindow::motion(bool swap) const
     // Round solids have other sizes in such frames; else the bounds of the tests hold that.
     if (touch_.careful) motion.slack += stretched * (first.radius + second.radius);
     return motion;
+}
+
+NearTouch graze_of(const SweepTask& task, double time)
+{
+    constexpr double no_bound = std::numeric_limits<double>::infinity();
+    const MotionWindow window(task, time, time);
+    const MovingBody &a = window.body(true), &b = window.body(false);
+    // Bodies that are thinner than the depth could pass each other.
+    const auto thickness = [](const MovingBody& body) {
+        return is_plane(body) ? no_bound : bounds_of(body.model.geometry()).half_extent().minCoeff();
+    };
+    const auto radius = [](const MovingBody& body) { return is_plane(body) ? no_bound : body.radius; };
+    const double thick = 0.25 * std::max(thickness(a), thickness(b)), wide = 0.125 * std::min(radius(a), radius(b));
+    const double size = task.a->reach() + task.b->reach() + (a.centre - b.centre).norm();
+    const double rounding = 8 * (window.motion(false).slack - task.clearance + 0x1p-44 * size);
+    const double tolerance = task.options.gap_tolerance;
+    return {true, std::max({std::min({0.5 * tolerance, thick, wide}), 0x1p-10 * tolerance, rounding})};
 }
 
 } // namespace oncollide

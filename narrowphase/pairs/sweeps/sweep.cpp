@@ -184,7 +184,7 @@ private:
         const double end = std::min(now_ + soon * std::max(tolerance_, time - now_), next_key());
         if (!(end > now_)) return Vector3d::Zero();
         PairMemory none;
-        const NearTouch touch = grazes_ ? touch_ : touch_of(MotionWindow(task_, now_, now_));
+        const NearTouch touch = grazes_ ? touch_ : graze_of(task_, now_);
         const PartsEntry entry = entry_(MotionWindow(task_, now_, end, touch), none);
         return entry.time > 1 ? Vector3d::Zero() : entry.direction;
     }
@@ -200,26 +200,11 @@ private:
         begin_graze(tests_.distance(worker_, at_, 0, no_bound, task_.solid).upper);
         return false;
     }
-    /// How deep parts may be in each other during a graze.
-    NearTouch touch_of(const MotionWindow& window) const
-    {
-        const MovingBody &a = window.body(true), &b = window.body(false);
-        // Bodies that are thinner than the depth could pass each other.
-        const auto thickness = [](const MovingBody& body) {
-            return is_plane(body) ? no_bound : bounds_of(body.model.geometry()).half_extent().minCoeff();
-        };
-        const auto radius = [](const MovingBody& body) { return is_plane(body) ? no_bound : body.radius; };
-        const double thick = 0.25 * std::max(thickness(a), thickness(b)), wide = 0.125 * std::min(radius(a), radius(b));
-        const double size = task_.a->reach() + task_.b->reach() + (a.centre - b.centre).norm();
-        const double rounding = 8 * (window.motion(false).slack - task_.clearance + 0x1p-44 * size);
-        const double tolerance = task_.options.gap_tolerance;
-        return {true, std::max({std::min({0.5 * tolerance, thick, wide}), 0x1p-10 * tolerance, rounding})};
-    }
     /// From now on, parts may overlap by a depth.
     /// @param gap  upper bound of the distance now
     void begin_graze(double gap)
     {
-        touch_ = touch_of(MotionWindow(task_, now_, now_));
+        touch_ = graze_of(task_, now_);
         grazes_ = true, result_.gap = gap, result_.grazes_until = now_, tried_ = -1, width_ = widest();
     }
     /// Only a graze, or rounding, was found.
