@@ -5,14 +5,12 @@ namespace oncollide {
 
 namespace {
 
-/// Spreadsheets take a text that begins so for a formula; a number with a sign, perhaps in per cent, is none.
+/// Spreadsheets take a text that begins so for a formula; "-5 %" is none.
 bool begins_formula(std::string_view text)
 {
     if (text.empty() || std::string_view("=+-@\t\r").find(text[0]) == std::string_view::npos) return false;
-    if (text[0] != '-' && text[0] != '+') return true;
-    std::string_view number = text.substr(1);
-    if (number.ends_with(" %")) number.remove_suffix(2);
-    return number.empty() || number.find_first_not_of("0123456789.") != std::string_view::npos;
+    return text[0] != '-' || !text.ends_with(" %") ||
+           text.substr(1, text.size() - 3).find_first_not_of("0123456789.") != std::string_view::npos;
 }
 
 } // namespace
