@@ -191,7 +191,7 @@ std::string fault_in(const DrawnSweep& drawn, const SweepResult& r, const SweepR
     if (r.verdict != Verdict::separate && r.verdict != Verdict::undecided) {
         // Where one solid encloses the other, their surfaces are apart.
         const double distance = r.kind == ContactKind::enclosed ? 0 : poses->least_distance(r.clear_until);
-        const bool bracket = r.contact_by - r.clear_until <= options.time_tolerance * (1 + 1e-12),
+        const bool bracket = r.contact_by - r.grazes_until <= options.time_tolerance * (1 + 1e-12),
                    gap = r.verdict != Verdict::colliding || r.gap <= options.gap_tolerance * (1 + 1e-3) ||
                          (is_half_space(drawn.a) && is_half_space(drawn.b) && std::isinf(r.gap));
         if (!bracket || !gap || distance > r.gap + drawn.settings.clearance)
