@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/text/near_word.hpp>
-#include <oncollide/scenes/files/common/file_warning.hpp>
+#include <oncollide/base/files/file_warning.hpp>
 
 namespace oncollide {
 

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include <oncollide/base/files/file_bytes.hpp>
+#include <oncollide/base/files/file_warning.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
-#include <oncollide/scenes/files/common/file_warning.hpp>
 
 namespace oncollide {
 

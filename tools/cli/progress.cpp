@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/base/files/file_warning.hpp>
 #include <oncollide/base/reading_progress.hpp>
 #include <oncollide/base/text/printable.hpp>
-#include <oncollide/scenes/files/geometry_file.hpp>
 
 #include "cli/log.hpp"
 #include "cli/system.hpp"
@@ -93,7 +93,7 @@ void print_warning(const std::string& line)
 
 void show_reading(bool quiet)
 {
-    on_file_warning(quiet ? FileWarningWatcher{} : print_warning);
+    watch_file_warnings(quiet ? nullptr : print_warning);
     if (quiet || !stderr_is_terminal()) return on_reading(nullptr);
     on_reading([](const std::string& file, std::uint64_t bytes, std::uint64_t total) {
         static Reading reading;

@@ -4,12 +4,12 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/base/files/file_warning.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/scenes/files/assembly/expanded_size.hpp>
 #include <oncollide/scenes/files/assembly/placed_meshes.hpp>
 #include <oncollide/scenes/files/collada/collada_mesh.hpp>
 #include <oncollide/scenes/files/collada/collada_pose.hpp>
-#include <oncollide/scenes/files/common/file_warning.hpp>
 #include <oncollide/scenes/files/xml/xml_reader.hpp>
 
 namespace oncollide {

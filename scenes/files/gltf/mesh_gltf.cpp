@@ -4,8 +4,8 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include <oncollide/base/files/file_warning.hpp>
 #include <oncollide/scenes/files/assembly/part_placer.hpp>
-#include <oncollide/scenes/files/common/file_warning.hpp>
 #include <oncollide/scenes/files/gltf/gltf_instances.hpp>
 #include <oncollide/scenes/files/gltf/gltf_nodes.hpp>
 #include <oncollide/scenes/files/gltf/gltf_primitive.hpp>
