@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/base/text/file_warning.hpp>
 #include <oncollide/base/text/near_word.hpp>
-#include <oncollide/base/files/file_warning.hpp>
 
 namespace oncollide {
 

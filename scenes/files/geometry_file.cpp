@@ -4,7 +4,7 @@
 #include <memory>
 
 #include <oncollide/base/files/file_bytes.hpp>
-#include <oncollide/base/files/file_warning.hpp>
+#include <oncollide/base/text/file_warning.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 
 namespace oncollide {

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/files/file_warning.hpp>
 #include <oncollide/base/reading_progress.hpp>
+#include <oncollide/base/text/file_warning.hpp>
 #include <oncollide/base/text/printable.hpp>
 
 #include "cli/log.hpp"

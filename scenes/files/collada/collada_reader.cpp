@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/files/file_warning.hpp>
+#include <oncollide/base/text/file_warning.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/scenes/files/assembly/expanded_size.hpp>
 #include <oncollide/scenes/files/assembly/placed_meshes.hpp>

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include <oncollide/base/files/file_warning.hpp>
+#include <oncollide/base/text/file_warning.hpp>
 #include <oncollide/scenes/files/assembly/part_placer.hpp>
 #include <oncollide/scenes/files/gltf/gltf_instances.hpp>
 #include <oncollide/scenes/files/gltf/gltf_nodes.hpp>

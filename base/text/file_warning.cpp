@@ -1,4 +1,4 @@
-#include <oncollide/base/files/file_warning.hpp>
+#include <oncollide/base/text/file_warning.hpp>
 
 #include <oncollide/base/text/printable.hpp>
 
