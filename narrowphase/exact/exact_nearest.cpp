@@ -213,14 +213,12 @@ NearestOfSegments exact_nearest_of_segments(const Vector3d& p, const Vector3d& q
                 if (squared < least) least = squared, found.s = s, found.t = t;
             };
             const auto u = between(q, p), v = between(d, c);
-            take(to_segment(between(p, c), between(p, d), v).squared, 0,
-                 to_segment(between(p, c), between(p, d), v).at);
-            take(to_segment(between(q, c), between(q, d), v).squared, 1,
-                 to_segment(between(q, c), between(q, d), v).at);
-            take(to_segment(between(c, p), between(c, q), u).squared, to_segment(between(c, p), between(c, q), u).at,
-                 0);
-            take(to_segment(between(d, p), between(d, q), u).squared, to_segment(between(d, p), between(d, q), u).at,
-                 1);
+            const auto from_p = to_segment(between(p, c), between(p, d), v),
+                       from_q = to_segment(between(q, c), between(q, d), v),
+                       from_c = to_segment(between(c, p), between(c, q), u),
+                       from_d = to_segment(between(d, p), between(d, q), u);
+            take(from_p.squared, 0, from_p.at), take(from_q.squared, 1, from_q.at);
+            take(from_c.squared, from_c.at, 0), take(from_d.squared, from_d.at, 1);
             if (ToLine line; to_line(u, v, between(p, c), line)) take(line.squared, line.s, line.t);
             found.distance = least.root(exponent);
             return found;

@@ -37,6 +37,13 @@ protected:
 
     nlohmann::json read_json(const std::string& name) { return nlohmann::json::parse(folder_.read(name)); }
 
+    /// Writes a.off and b.off, equal cubes, and s.json, in which two of them cross.
+    void write_two_cubes()
+    {
+        write_cube("a.off"), write_cube("b.off");
+        folder_.write("s.json", R"({"frames": 1, "geometries": {"a": {"mesh": {"file": "a.off"}}},
+                                    "bodies": [{"geometry": "a"}, {"geometry": "a", "position": [0.5, 0.2, 0.1]}]})");
+    }
     /// A closed cube of side 1 around the origin.
     void write_cube(const std::string& name)
     {

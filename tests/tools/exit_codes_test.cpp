@@ -13,9 +13,7 @@ class ExitCodes : public CommandLine {
 protected:
     void SetUp() override
     {
-        write_cube("a.off"), write_cube("b.off");
-        folder_.write("s.json", R"({"frames": 1, "geometries": {"a": {"mesh": {"file": "a.off"}}},
-                                    "bodies": [{"geometry": "a"}, {"geometry": "a", "position": [0.5, 0.2, 0.1]}]})");
+        write_two_cubes();
         for (const char* broken : {"x.json", "x.off", "x.urdf", "x.h5", "x.csv", "x.cooked"})
             folder_.write(broken, "{ nothing of the kind");
     }

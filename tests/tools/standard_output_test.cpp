@@ -13,9 +13,7 @@ class StandardOutput : public CommandLine {
 protected:
     void SetUp() override
     {
-        write_cube("a.off"), write_cube("b.off");
-        folder_.write("s.json", R"({"frames": 1, "geometries": {"a": {"mesh": {"file": "a.off"}}},
-                                    "bodies": [{"geometry": "a"}, {"geometry": "a", "position": [0.5, 0.2, 0.1]}]})");
+        write_two_cubes();
         folder_.write("r.urdf", R"(<robot name="r">
             <link name="a"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
             <joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint><link name="b"/>
