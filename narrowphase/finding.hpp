@@ -91,6 +91,13 @@ struct Contact {
     Eigen::Vector3d middle() const { return 0.5 * (ends[0] + ends[1]); }
 };
 
+/// How closely a distance is measured, and up to where.
+struct DistanceOptions {
+    double tolerance = 0; ///< metres, >= 0: of the bounds, besides rounding
+    /// Metres, >= 0: if the two are farther apart, only a lower bound above it is found.
+    double cutoff = std::numeric_limits<double>::infinity();
+};
+
 /// How far apart two bodies are.
 struct Distance {
     double lower = 0, upper = std::numeric_limits<double>::infinity(); ///< certified bounds, metres; both 0 where they
@@ -230,7 +237,7 @@ struct ManifoldOptions {
     double normal_spread = 0.174532925199433; ///< radians: faces of one region differ by at most twice this
     std::uint32_t points_per_region = 4, regions_per_pair = 16; ///< at least 1
     std::uint32_t points_per_pair = 64; ///< at least 1; regions share them in turn, the deepest region first
-    /// Points of all pairs of one call of World::manifolds(). Pairs share the points in turn, the deepest pair first.
+    /// Points of all pairs of one call of Pairs::manifold(). Pairs share the points in turn, the deepest pair first.
     /// 0: no limit.
     std::uint32_t points_in_all = 0;
 };

@@ -14,11 +14,9 @@
 
 namespace oncollide {
 
-class World;
-
 // The ids and the results that a World returns.
 
-/// A body of a World, as World::add_body() returned it. `BodyId{}` is null. The World refuses an id that is null, stale
+/// A body of a World, as Bodies::add() returned it. `BodyId{}` is null. The World refuses an id that is null, stale
 /// (its body was removed) or foreign (another World issued it).
 struct alignas(8) BodyId {
     std::uint32_t slot = 0;       ///< row in the World's columns; free slots are reused
@@ -29,7 +27,7 @@ struct alignas(8) BodyId {
     friend constexpr auto operator<=>(const BodyId&, const BodyId&) = default;
 };
 
-/// A model of a World, as World::add() returned it; in the same form as BodyId.
+/// A model of a World, as Models::add() returned it; in the same form as BodyId.
 struct alignas(8) ModelId {
     std::uint32_t slot = 0;
     std::uint16_t generation = 0;
@@ -61,16 +59,18 @@ struct PairResult : Finding {
 };
 static_assert(sizeof(PairResult) == 32);
 
-/// When the two bodies of a pair first met in a frame in which one of them moved (World::set_motion).
+/// When the two bodies of a pair first met in a frame in which one of them moved (Bodies::set_motion).
 struct PairSweep : SweepResult {
     std::uint32_t pair = 0; ///< index in FrameView::pairs
 };
 
-/// Two bodies.
-struct PairOfBodies {
-    BodyId a, b;
-    friend auto operator<=>(const PairOfBodies&, const PairOfBodies&) = default;
+/// Two sides of one kind, such as two bodies.
+template <class Side>
+struct PairOf {
+    Side a, b;
+    friend auto operator<=>(const PairOf&, const PairOf&) = default;
 };
+using PairOfBodies = PairOf<BodyId>;
 
 /// Counts of one stage. WorldInfo::totals has the sums over all frames.
 struct StageStats {
@@ -134,17 +134,35 @@ struct FrameView {
     std::span<const Round> rounds; ///< in order
     std::uint64_t hash; ///< of the pairs of this frame that are not separate: slots, verdicts and bounds, and kinds
                         ///< where requested; and the times of their sweeps
-    /// Pairs with a body that World::set_motion() moved, ascending. If the bodies did not meet on the way, the result
+    /// Pairs with a body that Bodies::set_motion() moved, ascending. If the bodies did not meet on the way, the result
     /// in `pairs` is separate, with a bound > 0; otherwise it has the verdict and the gap of the sweep.
     std::span<const PairSweep> sweeps;
 };
 
 // --- Queries.
 
-/// The contacts of many pairs: contacts[offsets[i]] up to contacts[offsets[i + 1]] belong to pair i.
-struct ContactLists {
-    std::vector<Contact> contacts;
-    std::vector<std::size_t> offsets; ///< one more than there are pairs; the first is 0
+/// A list for each of many queries: items[offsets[i]] up to items[offsets[i + 1]] belong to query i.
+template <class Item>
+struct Lists {
+    std::vector<Item> items;
+    std::vector<std::size_t> offsets; ///< one more than there are queries; the first is 0
+
+    std::size_t size() const { return offsets.empty() ? 0 : offsets.size() - 1; } ///< number of queries
+    std::span<const Item> operator[](std::size_t query) const
+    {
+        return std::span(items).subspan(offsets[query], offsets[query + 1] - offsets[query]);
+    }
+};
+
+/// A body that a query could not rule out: its verdict is never separate.
+struct QueryHit : Finding {
+    BodyId body;
+};
+
+/// A body near a model at a pose.
+struct BodyDistance {
+    BodyId body;
+    Distance distance;
 };
 
 /// The first contact of a moving model with a body.
@@ -163,52 +181,6 @@ struct ManifoldLists {
 
 /// Depends on all bits of the lists.
 ONCOLLIDE_API std::uint64_t hash_of(const ManifoldLists& manifolds);
-
-/// The near features of many pairs, in the same form as ContactLists.
-struct NearFeatureLists {
-    std::vector<NearFeatures> features;
-    std::vector<std::size_t> offsets;
-};
-
-/// Finds the points of the last frame in a new one, so that a solver can keep their impulses. Two points of the same
-/// two bodies match if their features are equal, and otherwise if they are at most `match_distance` apart in the frame
-/// of one of the bodies; their normals may differ by 5 degrees. Verdicts, hashes and manifolds do not depend on this
-/// class.
-class ONCOLLIDE_API ManifoldTracker {
-public:
-    static constexpr std::uint32_t none = ~0u;
-    struct Update {
-        std::vector<std::uint32_t> previous; ///< for each point: its index in the last frame, or none
-        std::vector<std::uint64_t> ids;      ///< for each point: kept while the point persists, never used again
-        std::vector<std::uint32_t> ended;    ///< indices of points of the last frame that have no successor
-    };
-    /// @param match_distance  metres, >= 0. Throws Error{usage} otherwise.
-    explicit ManifoldTracker(double match_distance = 0.01);
-    /// Takes the next frame. The lists must be the manifolds of `pairs`; each pair occurs once, its bodies always in
-    /// the same order. Throws Error{usage} for lists of another length.
-    const Update& update(const World& world, std::span<const PairOfBodies> pairs, const ManifoldLists& manifolds);
-
-private:
-    struct Point {
-        FeatureBits feature_a, feature_b;
-        Eigen::Vector3d in_a, in_b, normal; ///< in the bodies' frames; the normal in a's
-        std::uint64_t id;
-    };
-    struct PointsOfPair {
-        PairOfBodies pair;
-        std::uint32_t first, end;
-    };
-    struct Frame {
-        std::vector<Point> points;
-        std::vector<PointsOfPair> pairs; ///< sorted
-    };
-    void match(const PointsOfPair& before, const PointsOfPair& now);
-
-    double match_distance_;
-    std::uint64_t next_id_ = 0;
-    Frame last_, now_;
-    Update update_;
-};
 
 /// The first point of a segment in bodies. The fractions of the segment from its first point, 0, to its last, 1, hold
 /// for its points moved into the body's frame in double.

@@ -68,7 +68,7 @@ Robot::Impl::Impl(World& world, RobotDescription given, const Eigen::Isometry3d&
         const auto first = static_cast<std::uint32_t>(parts.size());
         for (const LinkGeometry& collision : description.links[i].collision) {
             ModelId& model = models[collision.geometry.get()];
-            if (!model) model = world.add(collision.geometry);
+            if (!model) model = world.models().add(collision.geometry);
             add_part(i, model, collision.pose, cover(*collision.geometry, solid), {});
             if (const Mesh* const mesh = std::get_if<Mesh>(&collision.geometry->data)) {
                 std::shared_ptr<const PartSolids>& own = solids[mesh];
@@ -213,7 +213,7 @@ void Robot::Impl::sort_pairs()
 
 void Robot::Impl::check_world(const World& world) const
 {
-    if (!world.contains(any_model)) fail("the World is not the one that the robot was made for");
+    if (!world.models().contains(any_model)) fail("the World is not the one that the robot was made for");
 }
 
 void Robot::Impl::check_pose(const std::string& of, const Eigen::Isometry3d& pose) const
@@ -253,7 +253,7 @@ std::vector<std::uint32_t> Robot::Impl::own_slots(const World& world) const
 {
     std::vector<std::uint32_t> slots;
     for (const BodyId body : bodies)
-        if (world.contains(body)) slots.push_back(body.slot);
+        if (world.bodies().contains(body)) slots.push_back(body.slot);
     std::ranges::sort(slots);
     return slots;
 }

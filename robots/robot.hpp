@@ -104,7 +104,7 @@ struct RobotFinding {
 /// The tests of Robot::check().
 struct RobotCheck {
     bool self = true, environment = true;
-    QueryFilter filter{}; ///< of the links, against the World's bodies
+    CollisionFilter filter{}; ///< of the links, against the World's bodies
 };
 
 /// The result of an edge: the motion between two configurations.
@@ -207,7 +207,7 @@ public:
     /// between samples: each pair is tested in windows of time, with an upper bound on how far its links move in them
     /// (Schwarzer, Saha, Latombe: Adaptive dynamic collision checking, 2005). A pair nested without contact of surfaces
     /// (Mode::solid) is found where check() finds it, at both ends and the configurations between them that are checked
-    /// first. Threads, errors and settings as check(), with the exact bounds of World::near(). The robot keeps for
+    /// first. Threads, errors and settings as check(), with the exact bounds of Pairs::distance(). The robot keeps for
     /// later calls where pairs are apart between which few joints act; results do not depend on it. Cost: of 50 to 250
     /// configurations, with the first contact of 100 to 600.
     void check_edges(const World& world, std::span<const double> from, std::span<const double> to,

@@ -37,7 +37,7 @@ std::uint32_t Robot::attach(World& world, std::uint32_t link, ModelId model, con
     for (const std::uint32_t other : touching) check_link(other);
     p.check_pose("attached object", pose);
     WorldAccess::check_inside(world, model);
-    const Aabb box = world.bounds(model, Eigen::Isometry3d::Identity());
+    const Aabb box = world.models().bounds(model, Eigen::Isometry3d::Identity());
     p.add_part(link, model, pose, cover_box(box, spheres_of_object), touching);
     p.add_group(static_cast<std::uint32_t>(p.parts.size() - 1));
     p.take_in_groups();
@@ -66,13 +66,13 @@ void Robot::add_bodies(World& world, const BodySpec& given)
         spec.model = part.model, spec.pose = p.pose_of(part, links.data());
     }
     std::vector<BodyId> bodies(specs.size());
-    world.add_bodies(specs, bodies);
+    world.bodies().add(specs, bodies);
     p.bodies = std::move(bodies);
     std::set<std::pair<std::uint32_t, std::uint32_t>> tested;
     for (const Impl::PartPair& pair : p.pairs) tested.insert({pair.a, pair.b});
     for (std::uint32_t b = 0; b < p.parts.size(); ++b)
         for (std::uint32_t a = 0; a < b; ++a)
-            if (!tested.contains({a, b})) world.exclude(p.bodies[a], p.bodies[b]);
+            if (!tested.contains({a, b})) world.bodies().exclude(p.bodies[a], p.bodies[b]);
 }
 
 void Robot::set_joints(World& world, std::span<const double> configuration)
@@ -84,14 +84,14 @@ void Robot::set_joints(World& world, std::span<const double> configuration)
     std::vector<Eigen::Isometry3d> links(p.description.links.size(), Eigen::Isometry3d::Identity()), poses;
     p.tree.link_poses(configuration.data(), p.base, links.data());
     for (const Impl::Part& part : p.parts) poses.push_back(p.pose_of(part, links.data()));
-    world.set_poses(p.bodies, poses);
+    world.bodies().set_pose(p.bodies, poses);
 }
 
 void Robot::remove_bodies(World& world)
 {
     impl_->check_world(world);
-    std::erase_if(impl_->bodies, [&](BodyId body) { return !world.contains(body); }); // removed by others
-    world.remove_bodies(impl_->bodies);
+    std::erase_if(impl_->bodies, [&](BodyId body) { return !world.bodies().contains(body); }); // removed by others
+    world.bodies().remove(impl_->bodies);
     impl_->bodies.clear();
 }
 

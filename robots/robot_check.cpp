@@ -42,7 +42,7 @@ public:
         models_.clear();
         for (const Robot::Impl::Part& part : robot_.parts) models_.push_back(&tests_.model(part.model));
         const std::vector<std::uint32_t> own = robot_.own_slots(world);
-        has_surroundings_ = world.size() > own.size();
+        has_surroundings_ = world.bodies().size() > own.size();
         surroundings_.begin(what.filter, own);
     }
 

@@ -62,7 +62,10 @@ public:
     }
 
     /// @param own  sorted slots of bodies that do not count
-    void begin(const QueryFilter& filter, std::vector<std::uint32_t> own) { filter_ = filter, own_ = std::move(own); }
+    void begin(const CollisionFilter& filter, std::vector<std::uint32_t> own)
+    {
+        filter_ = filter, own_ = std::move(own);
+    }
 
     /// Finds the bodies that may be near in any configuration. Keeps references.
     void prepare(const GroupCentres& centres, const NearParts& near);
@@ -77,7 +80,7 @@ private:
 
     std::span<const GroupCover> groups_;
     WorldAccess::PlacedTests& tests_;
-    QueryFilter filter_;
+    CollisionFilter filter_;
     std::vector<std::uint32_t> own_;
     const GroupCentres* centres_ = nullptr;
     const NearParts* parts_ = nullptr;

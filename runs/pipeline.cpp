@@ -20,7 +20,7 @@ struct Pipeline::Played {
 
 Pipeline::Pipeline(const Scene& scene, World world) : world_(std::move(world)), played_(std::make_unique<Played>())
 {
-    if (world_.models() || world_.size())
+    if (world_.models().size() || world_.bodies().size())
         throw Error(ErrorKind::usage, "Pipeline: the World has models or bodies; pass a new World");
     play(scene);
 }
@@ -44,43 +44,43 @@ void Pipeline::play_geometries(const Scene& scene)
     for (std::uint32_t g = 0; g < scene.geometries.size(); ++g) {
         const std::shared_ptr<const Geometry>& geometry = scene.geometries.share(g);
         if (g == known.size())
-            world_.add(geometry), known.push_back(geometry);
+            world_.models().add(geometry), known.push_back(geometry);
         else if (known[g] != geometry)
-            world_.replace(world_.model_at(g), geometry), known[g] = geometry;
+            world_.models().replace(world_.models().at(g), geometry), known[g] = geometry;
     }
 }
 
 void Pipeline::add_body(const Scene& scene, std::uint32_t body)
 {
-    world_.add_body({.model = model(scene.geometry[body]),
-                     .pose = scene.poses[body],
-                     .is_static = scene.is_static[body] != 0,
-                     .layer = scene.layers[body],
-                     .mask = scene.masks[body],
-                     .group = scene.groups[body]});
+    world_.bodies().add({.model = model(scene.geometry[body]),
+                         .pose = scene.poses[body],
+                         .is_static = scene.is_static[body] != 0,
+                         .layer = scene.layers[body],
+                         .mask = scene.masks[body],
+                         .group = scene.groups[body]});
 }
 
 void Pipeline::move_body(const Scene& scene, std::uint32_t body)
 {
-    const BodyId id = world_.body_at(body);
+    const BodyId id = world_.bodies().at(body);
     const Eigen::Isometry3d pose = scene.poses[body];
-    if (!continuous_) return world_.set_pose(id, pose);
+    if (!continuous_) return world_.bodies().set_pose(id, pose);
     Played& p = *played_;
     if (p.moved.size() <= body) p.moved.resize(scene.size());
     if (std::exchange(p.moved[body], p.calls) == p.calls) return;
-    const auto way = way_between(scene.motions[body], p.time, scene.time, world_.pose(id), pose);
-    way.size() > 2 ? world_.set_motion(id, RigidMotion(way)) : world_.set_motion(id, pose);
+    const auto way = way_between(scene.motions[body], p.time, scene.time, world_.bodies().pose(id), pose);
+    way.size() > 2 ? world_.bodies().set_motion(id, RigidMotion(way)) : world_.bodies().set_motion(id, pose);
 }
 
 /// The World ignores values that have not changed.
 void Pipeline::change_body(const Scene& scene, std::uint32_t body)
 {
-    const BodyId id = world_.body_at(body);
+    const BodyId id = world_.bodies().at(body);
     move_body(scene, body);
-    if (const ModelId of = model(scene.geometry[body]); world_.model(id) != of) world_.set_model(id, of);
-    world_.set_static(id, scene.is_static[body] != 0);
-    world_.set_layers(id, scene.layers[body], scene.masks[body]);
-    world_.set_group(id, scene.groups[body]);
+    if (const ModelId of = model(scene.geometry[body]); world_.bodies().model(id) != of)
+        world_.bodies().set_model(id, of);
+    world_.bodies().set_static(id, scene.is_static[body] != 0);
+    world_.bodies().set_filter(id, {scene.layers[body], scene.masks[body], scene.groups[body]});
 }
 
 void Pipeline::play(const Scene& scene)
@@ -101,7 +101,7 @@ void Pipeline::play(const Scene& scene)
         } else {
             for (body = 0; body < p.bodies; ++body) change_body(scene, body);
         }
-        if (p.bodies == 0) world_.reserve_bodies(scene.size());
+        if (p.bodies == 0) world_.bodies().reserve(scene.size());
         for (body = p.bodies; body < scene.size(); ++body, ++p.bodies) add_body(scene, body);
     } catch (const Error& error) { // the World does not know the bodies' names
         const std::string_view what = error.what();
@@ -114,7 +114,8 @@ void Pipeline::play(const Scene& scene)
     p.changes = scene.changes.now();
     p.time = scene.time;
     for (; p.excluded < scene.excluded.size(); ++p.excluded)
-        world_.exclude(world_.body_at(scene.excluded[p.excluded].a), world_.body_at(scene.excluded[p.excluded].b));
+        world_.bodies().exclude(world_.bodies().at(scene.excluded[p.excluded].a),
+                                world_.bodies().at(scene.excluded[p.excluded].b));
 }
 
 } // namespace oncollide

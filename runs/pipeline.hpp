@@ -38,10 +38,10 @@ public:
     World& world() { return world_; }
     const World& world() const { return world_; }
 
-    BodyId body(SceneBodyId body) const { return world_.body_at(index(body)); }
-    ModelId model(GeometryId geometry) const { return world_.model_at(index(geometry)); }
+    BodyId body(SceneBodyId body) const { return world_.bodies().at(index(body)); }
+    ModelId model(GeometryId geometry) const { return world_.models().at(index(geometry)); }
 
-    std::span<const std::string_view> stages() const { return World::stages(); }
+    std::span<const std::string_view> stages() const { return all_stage_names(); }
     std::uint64_t hash() const { return world_.hash(); }
     WorldInfo inspect() const { return world_.inspect(); }
     const Settings& settings() const { return world_.settings(); }

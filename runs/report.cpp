@@ -218,7 +218,7 @@ void Report::add_json(const FrameView& f, const Verdicts& verdicts)
             json.array(JsonText{names[index(pair.a)]}, JsonText{names[index(pair.b)]}, name_of(pair.verdict),
                        pair.bound, name_of(pair.stage),
                        pair.kind == ContactKind::unknown ? std::nullopt : std::optional(name_of(pair.kind)),
-                       pipeline_.world().max_error(pair.a, pair.b));
+                       pipeline_.world().pairs().max_error(pair.a, pair.b));
     json.end_array();
     if (pipeline_.continuous()) {
         json.key("sweeps"), json.begin_array();
@@ -239,7 +239,7 @@ void Report::add_csv(const FrameView& f)
         const PairResult& pair = f.pairs[i];
         if (!keeps(pair)) continue;
         add_csv_cells(csv, f.frame, names[index(pair.a)], names[index(pair.b)], pair, name_of(pair.stage),
-                      pipeline_.world().max_error(pair.a, pair.b));
+                      pipeline_.world().pairs().max_error(pair.a, pair.b));
         if (pipeline_.continuous()) add_csv_cells(csv, sweep_of(i));
         csv.end_row();
     }

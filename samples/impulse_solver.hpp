@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include <oncollide/pipeline/manifold_tracker.hpp>
 #include <oncollide/pipeline/world.hpp>
 
 namespace oncollide::example {
@@ -60,7 +61,7 @@ private:
     {
         pairs_.clear();
         for (const PairResult& pair : world_.step().pairs) pairs_.push_back({pair.a, pair.b});
-        world_.manifolds(pairs_, {.margin = margin}, lists_);
+        world_.pairs().manifold(pairs_, {.margin = margin}, lists_);
         const ManifoldTracker::Update& update = tracker_.update(world_, pairs_, lists_);
         std::vector<Eigen::Vector3d> kept(lists_.points.size(), Eigen::Vector3d::Zero());
         for (std::size_t i = 0; i < kept.size(); ++i)
@@ -86,7 +87,8 @@ private:
     {
         Row row{&bodies[pair.a.slot], &bodies[pair.b.slot], {}, {}, point.normal, {}, point.depth, 0, {}, impulse};
         const Eigen::Vector3d at = 0.5 * (point.point_a + point.point_b);
-        row.arm_a = at - world_.pose(pair.a).translation(), row.arm_b = at - world_.pose(pair.b).translation();
+        row.arm_a = at - world_.bodies().pose(pair.a).translation(),
+        row.arm_b = at - world_.bodies().pose(pair.b).translation();
         Eigen::Index axis = 0;
         point.normal.cwiseAbs().minCoeff(&axis);
         row.along[0] = point.normal.cross(Eigen::Vector3d::Unit(axis)).normalized();
@@ -105,7 +107,7 @@ private:
     }
     Eigen::Vector3d inverse_inertia(const RigidBody& body, const Eigen::Vector3d& torque) const
     {
-        const Eigen::Matrix3d& turn = world_.pose(body.id).linear();
+        const Eigen::Matrix3d& turn = world_.bodies().pose(body.id).linear();
         return turn * body.inverse_inertia.cwiseProduct(turn.transpose() * torque);
     }
     void apply(const Row& row, const Eigen::Vector3d& impulse)
@@ -138,13 +140,13 @@ private:
     }
     void move(const RigidBody& body)
     {
-        Eigen::Isometry3d pose = world_.pose(body.id);
+        Eigen::Isometry3d pose = world_.bodies().pose(body.id);
         pose.translation() += dt * body.velocity;
         if (const double angle = dt * body.spin.norm(); angle > 0) {
             const Eigen::Quaterniond turned(Eigen::AngleAxisd(angle, body.spin.normalized()) * pose.linear());
             pose.linear() = turned.normalized().toRotationMatrix();
         }
-        world_.set_pose(body.id, pose);
+        world_.bodies().set_pose(body.id, pose);
     }
 
     World& world_;

@@ -52,7 +52,7 @@ void OncollideCollisionDetector::Core::add_contacts(std::span<const Pair> pairs,
 {
     bodies_.clear();
     for (const Pair& pair : pairs) bodies_.push_back({pair.a->body, pair.b->body});
-    world.manifolds(bodies_, manifold, manifolds_);
+    world.pairs().manifold(bodies_, manifold, manifolds_);
     for (std::size_t i = 0; i < pairs.size(); ++i)
         add_contacts(pairs[i], std::span(manifolds_.regions)
                                    .subspan(manifolds_.offsets[i], manifolds_.offsets[i + 1] - manifolds_.offsets[i]));

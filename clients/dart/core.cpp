@@ -22,12 +22,12 @@ ShapeModel::ShapeModel(oncollide::World& of, const dynamics::Shape& shape, bool 
 {
     const PlacedGeometry placed = geometry_of(shape, solid_heightmaps);
     pose = placed.pose;
-    if (placed.geometry) id = world.add(placed.geometry);
+    if (placed.geometry) id = world.models().add(placed.geometry);
 }
 
 ShapeModel::~ShapeModel()
 {
-    if (id) world.remove(id);
+    if (id) world.models().remove(id);
 }
 
 } // namespace oncollide_client
@@ -68,7 +68,7 @@ void OncollideCollisionDetector::Core::add(Object& object)
 void OncollideCollisionDetector::Core::remove(Object& object)
 {
     std::erase(objects_, &object);
-    if (object.body) world.remove_body(object.body);
+    if (object.body) world.bodies().remove(object.body);
     object.body = {}, object.model.reset();
 }
 
@@ -85,11 +85,11 @@ void OncollideCollisionDetector::Core::refresh(Object& object)
     }
     const bool has_model = model && model->id;
     if (object.body && has_model)
-        world.set_model(object.body, model->id);
+        world.bodies().set_model(object.body, model->id);
     else if (object.body)
-        world.remove_body(std::exchange(object.body, {}));
+        world.bodies().remove(std::exchange(object.body, {}));
     else if (has_model) {
-        object.body = world.add_body({.model = model->id, .layer = 0, .mask = 0});
+        object.body = world.bodies().add({.model = model->id, .layer = 0, .mask = 0});
         by_slot_.resize(std::max(by_slot_.size(), index(object.body) + std::size_t{1}));
         by_slot_[index(object.body)] = &object;
     }
@@ -105,10 +105,10 @@ void OncollideCollisionDetector::Core::update(Object& object)
     try {
         if (const dynamics::SoftMeshShape* soft = object.model->soft) {
             const_cast<dynamics::SoftMeshShape*>(soft)->update(); // the detector has to, as DART's do
-            world.replace(object.model->id, oncollide_client::mesh_of(*soft));
+            world.models().replace(object.model->id, oncollide_client::mesh_of(*soft));
         }
         const Eigen::Isometry3d pose = object.getTransform() * object.model->pose;
-        if (pose.matrix() != world.pose(object.body).matrix()) world.set_pose(object.body, pose);
+        if (pose.matrix() != world.bodies().pose(object.body).matrix()) world.bodies().set_pose(object.body, pose);
     } catch (const oncollide::Error& error) {
         object.sides = 0;
         if (!std::exchange(warned_of_pose_, true))
@@ -134,8 +134,9 @@ void OncollideCollisionDetector::Core::select(const Group& a, const Group& b)
     }
     for (const Object* object : objects_) {
         const std::uint32_t layer = object->sides, mask = layer == 3 ? 3 : layer == 0 ? 0 : 3 - layer;
-        if (object->body && (world.layer(object->body) != layer || world.mask(object->body) != mask))
-            world.set_layers(object->body, layer, mask);
+        const oncollide::CollisionFilter filter{layer, mask};
+        if (object->body && world.bodies().filter(object->body) != filter)
+            world.bodies().set_filter(object->body, filter);
     }
 }
 

@@ -17,7 +17,8 @@ double OncollideCollisionDetector::Core::distance(const DistanceOption& option, 
         const Object *a, *b;
     };
     std::vector<oncollide::Aabb> boxes;
-    for (const Object* object : selected_) boxes.push_back(world.bounds(object->model->id, world.pose(object->body)));
+    for (const Object* object : selected_)
+        boxes.push_back(world.models().bounds(object->model->id, world.bodies().pose(object->body)));
     std::vector<Candidate> candidates;
     for (std::size_t i = 0; i < selected_.size(); ++i)
         for (std::size_t j = i + 1; j < selected_.size(); ++j) {
@@ -35,10 +36,10 @@ double OncollideCollisionDetector::Core::distance(const DistanceOption& option, 
         const double cutoff = std::max(least, 0.0);
         if (candidate.gap > cutoff || least <= option.distanceLowerBound) break;
         const oncollide::BodyId a = candidate.a->body, b = candidate.b->body;
-        const oncollide::Distance found = world.distance(a, b, 0, cutoff);
+        const oncollide::Distance found = world.pairs().distance(a, b, {.cutoff = cutoff});
         double value = found.upper; // rounded outward: the points have the value itself
         if (value <= cutoff) value = std::clamp((found.point_a - found.point_b).norm(), found.lower, found.upper);
-        if (value == 0 && option.distanceLowerBound < 0) value = -world.penetration(a, b).depth_upper;
+        if (value == 0 && option.distanceLowerBound < 0) value = -world.pairs().penetration(a, b).depth_upper;
         if (!(value < least)) continue;
         least = value;
         if (!result) continue;
@@ -56,12 +57,12 @@ bool OncollideCollisionDetector::Core::raycast(const Eigen::Vector3d& from, cons
 {
     if (from == to) return false;
     const oncollide::Segment segment{from, to};
-    constexpr oncollide::QueryFilter selected{.layer = 3, .mask = 3};
+    constexpr oncollide::CollisionFilter selected{.layer = 3, .mask = 3};
     std::vector<oncollide::CastHit> hits;
     if (option.mEnableAllHits)
-        hits = world.cast_all(segment, selected);
-    else if (const auto first = world.cast(segment, selected))
-        hits = {*first};
+        hits = world.space().cast_all(segment, selected);
+    else if (const oncollide::CastHit first = world.space().cast(segment, selected); first.body)
+        hits = {first};
     if (result)
         for (const oncollide::CastHit& hit : hits) {
             RayHit& ray = result->mRayHits.emplace_back();

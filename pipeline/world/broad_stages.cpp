@@ -13,11 +13,11 @@ class BoundsStage final : public Stage {
 public:
     StageId id() const override { return StageId::bounds; }
     std::string_view unit() const override { return "bodies"; }
-    void run(Bodies& bodies, Frame& frame, StageStats& stats) override { update(bodies, frame, true, stats); }
-    void skip(Bodies& bodies, Frame& frame, StageStats& stats) override { update(bodies, frame, false, stats); }
+    void run(BodyTable& bodies, Frame& frame, StageStats& stats) override { update(bodies, frame, true, stats); }
+    void skip(BodyTable& bodies, Frame& frame, StageStats& stats) override { update(bodies, frame, false, stats); }
 
 private:
-    static void update(Bodies& bodies, const Frame& frame, bool tight, StageStats& stats)
+    static void update(BodyTable& bodies, const Frame& frame, bool tight, StageStats& stats)
     {
         update_boxes(bodies, frame.changes, tight, frame.context.threads);
         stats.in = stats.out = bodies.size();
@@ -30,14 +30,14 @@ public:
     explicit DelimitationStage(BroadPhase& broad) : broad_(broad) {}
     StageId id() const override { return StageId::delimitation; }
     std::string_view unit() const override { return "bodies"; }
-    std::string_view reason_to_skip(const Bodies& bodies, const Frame& frame) const override
+    std::string_view reason_to_skip(const BodyTable& bodies, const Frame& frame) const override
     {
         if (bodies.size() < 64) return "fewer than 64 bodies";
         if (4 * frame.moved > bodies.size()) return "over a quarter of the bodies moved";
         return {};
     }
 
-    void run(Bodies& bodies, Frame& frame, StageStats& stats) override
+    void run(BodyTable& bodies, Frame& frame, StageStats& stats) override
     {
         broad_.delimit(bodies.columns());
         frame.delimitation.assign(broad_.levels().begin(), broad_.levels().end());
@@ -45,7 +45,7 @@ public:
         stats.out = broad_.bodies_left();
     }
 
-    void skip(Bodies& bodies, Frame& frame, StageStats& stats) override
+    void skip(BodyTable& bodies, Frame& frame, StageStats& stats) override
     {
         frame.delimitation.clear();
         stats.in = stats.out = bodies.size();
@@ -61,7 +61,7 @@ public:
     StageId id() const override { return StageId::broad; }
     std::string_view unit() const override { return "pairs"; }
 
-    void run(Bodies& bodies, Frame& frame, StageStats& stats) override
+    void run(BodyTable& bodies, Frame& frame, StageStats& stats) override
     {
         const std::span<const BodyPair> pairs = broad_.find_pairs(bodies.columns(), frame.whole);
         frame.pairs.assign(pairs.begin(), pairs.end());
@@ -69,7 +69,7 @@ public:
         count(bodies, frame, frame.delimitation.empty() ? bodies.size() : broad_.bodies_left(), stats);
     }
 
-    void skip(Bodies& bodies, Frame& frame, StageStats& stats) override
+    void skip(BodyTable& bodies, Frame& frame, StageStats& stats) override
     {
         survivors_.clear();
         if (frame.delimitation.empty())
@@ -91,7 +91,7 @@ public:
     }
 
 private:
-    void leave(const Bodies& bodies, Frame& frame)
+    void leave(const BodyTable& bodies, Frame& frame)
     {
         if (bodies.any_excluded())
             std::erase_if(frame.pairs, [&](BodyPair pair) { return bodies.excluded(pair.a, pair.b); });
@@ -99,7 +99,7 @@ private:
     }
 
     /// Applies the caller's filter, run by run.
-    void filter(const Bodies& bodies, Frame& frame)
+    void filter(const BodyTable& bodies, Frame& frame)
     {
         constexpr std::size_t run = 1024;
         std::size_t kept = 0;
@@ -125,7 +125,7 @@ private:
     }
 
     /// stats.in is the number of pairs of `left` bodies that are not both static, if they include all dynamic bodies.
-    static void count(const Bodies& bodies, const Frame& frame, std::uint64_t left, StageStats& stats)
+    static void count(const BodyTable& bodies, const Frame& frame, std::uint64_t left, StageStats& stats)
     {
         const auto pairs = [](std::uint64_t n) { return n * (n - (n > 0)) / 2; };
         stats.in = std::max<std::uint64_t>(pairs(left) - pairs(left - std::min<std::uint64_t>(bodies.dynamic(), left)),

@@ -6,7 +6,7 @@
 #include <oncollide/pipeline/results.hpp>
 #include <oncollide/pipeline/settings.hpp>
 #include <oncollide/pipeline/world.hpp>
-#include <oncollide/pipeline/world/bodies.hpp>
+#include <oncollide/pipeline/world/body_table.hpp>
 
 namespace oncollide {
 

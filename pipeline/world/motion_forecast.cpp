@@ -11,7 +11,7 @@ bool MotionForecast::found_lately(const PrefetchPart& part) const
            (part.box.max.array() <= known->second.max.array()).all();
 }
 
-std::vector<PrefetchPart> MotionForecast::find(const Bodies& bodies, std::span<const std::uint32_t> moved,
+std::vector<PrefetchPart> MotionForecast::find(const BodyTable& bodies, std::span<const std::uint32_t> moved,
                                                const BroadPhase& broad, std::uint32_t frame, std::uint32_t frames)
 {
     const std::uint32_t turns = std::max(1u, frames / 2);

@@ -6,7 +6,7 @@
 
 #include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/pipeline/models/prefetcher.hpp>
-#include <oncollide/pipeline/world/bodies.hpp>
+#include <oncollide/pipeline/world/body_table.hpp>
 
 namespace oncollide {
 
@@ -15,8 +15,8 @@ class MotionForecast {
 public:
     /// Parts of cooked meshes that moving bodies reach within `frames` frames, except parts found recently. Each call
     /// examines a share of the bodies; all are examined within `frames` / 2 calls. The broad phase must be up to date.
-    std::vector<PrefetchPart> find(const Bodies& bodies, std::span<const std::uint32_t> moved, const BroadPhase& broad,
-                                   std::uint32_t frame, std::uint32_t frames);
+    std::vector<PrefetchPart> find(const BodyTable& bodies, std::span<const std::uint32_t> moved,
+                                   const BroadPhase& broad, std::uint32_t frame, std::uint32_t frames);
 
 private:
     struct Seen {

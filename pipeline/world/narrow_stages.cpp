@@ -10,7 +10,7 @@ namespace oncollide {
 namespace {
 
 /// The result of a pair of which only the boxes are known.
-PairResult undecided(const Bodies& bodies, BodyPair pair)
+PairResult undecided(const BodyTable& bodies, BodyPair pair)
 {
     return {{Verdict::undecided, ContactKind::unknown, farthest_apart(bodies.boxes()[pair.a], bodies.boxes()[pair.b])},
             StageId::refine,
@@ -28,14 +28,14 @@ public:
 
     /// Decides the open pairs whose result `wanted` selects. Without coherence, also pairs at rest, without their
     /// memory, which must stay as if they had not been tested.
-    void run(const Bodies& bodies, Frame& frame, StageStats& stats, auto wanted)
+    void run(const BodyTable& bodies, Frame& frame, StageStats& stats, auto wanted)
     {
         decide(bodies, frame, frame.open, &frame.cache, stats, wanted);
         if (!frame.retested.empty()) decide(bodies, frame, frame.retested, nullptr, stats, wanted);
     }
 
 private:
-    void decide(const Bodies& bodies, Frame& frame, std::span<const std::uint32_t> pairs, PairCache* cache,
+    void decide(const BodyTable& bodies, Frame& frame, std::span<const std::uint32_t> pairs, PairCache* cache,
                 StageStats& stats, auto wanted)
     {
         tasks_.clear(), refined_.clear();
@@ -55,7 +55,7 @@ private:
             stats.out += refined.verdict != Verdict::separate;
         }
     }
-    void add(const Bodies& bodies, const PairResult& result, std::uint32_t number)
+    void add(const BodyTable& bodies, const PairResult& result, std::uint32_t number)
     {
         const std::uint32_t a = result.a.slot, b = result.b.slot;
         tasks_.push_back({number, &bodies.model(a), &bodies.model(b), &bodies.pose(a), &bodies.pose(b),
@@ -78,12 +78,12 @@ public:
     }
     StageId id() const override { return StageId::refine; }
     std::string_view unit() const override { return "pairs"; }
-    std::string_view reason_to_skip(const Bodies&, const Frame& frame) const override
+    std::string_view reason_to_skip(const BodyTable&, const Frame& frame) const override
     {
         return frame.pairs.empty() ? no_candidates : std::string_view{};
     }
 
-    void run(Bodies& bodies, Frame& frame, StageStats& stats) override
+    void run(BodyTable& bodies, Frame& frame, StageStats& stats) override
     {
         begin(bodies, frame);
         level_.run(bodies, frame, stats, [](const PairResult&) { return true; });
@@ -92,7 +92,7 @@ public:
         for (const Round& round : frame.context.rounds) stats.gpu_ms += round.gpu_ms, stats.wait_ms += round.wait_ms;
     }
 
-    void skip(Bodies& bodies, Frame& frame, StageStats& stats) override
+    void skip(BodyTable& bodies, Frame& frame, StageStats& stats) override
     {
         begin(bodies, frame);
         stats.in = stats.out = stats.undecided = frame.pairs.size();
@@ -101,7 +101,7 @@ public:
 private:
     /// Fills the results: of a pair of which nothing changed with its last result, of all others with a bound from the
     /// boxes. An undecided pair is tried again.
-    static void begin(const Bodies& bodies, Frame& frame)
+    static void begin(const BodyTable& bodies, Frame& frame)
     {
         frame.cache.begin_frame(frame.pairs, frame.changed.marks(), frame.fresh.marks());
         const bool ended = std::exchange(frame.ended, false);
@@ -127,7 +127,7 @@ private:
     }
 
     /// Without Frame::keeps, only pairs of bodies that are asleep or static.
-    static void keep(const Bodies& bodies, Frame& frame, PairRun run)
+    static void keep(const BodyTable& bodies, Frame& frame, PairRun run)
     {
         const PairResult* const last = frame.last_results.data() + run.before;
         const auto stays = [&](const PairResult& pair) {
@@ -144,7 +144,7 @@ private:
     }
 
     /// Pairs that met, of which a body moves on: the poses at time 0 decide, not the last ones.
-    static void leave_to_sweeps(const Bodies& bodies, Frame& frame)
+    static void leave_to_sweeps(const BodyTable& bodies, Frame& frame)
     {
         frame.swept.clear();
         if (!bodies.any_motion() || !frame.settings.coherence) return;
@@ -166,7 +166,7 @@ private:
         }
     }
 
-    static void bound(const Bodies& bodies, Frame& frame, std::span<const std::uint32_t> pairs)
+    static void bound(const BodyTable& bodies, Frame& frame, std::span<const std::uint32_t> pairs)
     {
         constexpr std::size_t ahead = 8;
         for (std::size_t k = 0; k < pairs.size(); ++k) {
@@ -188,18 +188,18 @@ public:
     ExactStage(const Settings& settings, ModelStore& models) : level_(settings, models, Level::exact, StageId::exact) {}
     StageId id() const override { return StageId::exact; }
     std::string_view unit() const override { return "pairs"; }
-    std::string_view reason_to_skip(const Bodies&, const Frame& frame) const override
+    std::string_view reason_to_skip(const BodyTable&, const Frame& frame) const override
     {
         return frame.settings.exact == ExactLevel::off ? "off" : std::string_view{};
     }
 
-    void run(Bodies& bodies, Frame& frame, StageStats& stats) override
+    void run(BodyTable& bodies, Frame& frame, StageStats& stats) override
     {
         level_.run(bodies, frame, stats, [](const PairResult& result) { return is_open(result.verdict); });
         stats.in += frame.kept_counts.exact, stats.out += frame.kept_counts.left_by_exact;
     }
 
-    void skip(Bodies&, Frame& frame, StageStats& stats) override
+    void skip(BodyTable&, Frame& frame, StageStats& stats) override
     {
         for (const PairResult& result : frame.results) {
             stats.in += result.verdict != Verdict::separate;

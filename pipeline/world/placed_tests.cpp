@@ -5,13 +5,13 @@
 namespace oncollide {
 
 struct WorldAccess::PlacedTests::Parts {
-    World::Impl& world;
+    WorldImpl& world;
     Settings settings;
-    World::Impl::QueryWorker worker;
+    WorldImpl::QueryWorker worker;
 
-    explicit Parts(World::Impl& impl) : world(impl), settings(settings_of(impl)), worker(impl, settings) {}
+    explicit Parts(WorldImpl& impl) : world(impl), settings(settings_of(impl)), worker(impl, settings) {}
 
-    static Settings settings_of(const World::Impl& impl)
+    static Settings settings_of(const WorldImpl& impl)
     {
         Settings s = impl.settings;
         const bool bounds_pairs = s.exact == ExactLevel::off && s.max_error && s.clearance == 0 && wants_obbs(s) &&
@@ -41,9 +41,9 @@ Model& WorldAccess::PlacedTests::model(ModelId id) const
     return parts_->world.check_model(id);
 }
 
-std::span<const AabbHit> WorldAccess::PlacedTests::around(std::span<const Aabb> boxes, const QueryFilter& filter)
+std::span<const AabbHit> WorldAccess::PlacedTests::around(std::span<const Aabb> boxes, const CollisionFilter& filter)
 {
-    World::Impl& world = parts_->world;
+    WorldImpl& world = parts_->world;
     std::vector<AabbHit>& hits = parts_->worker.hits;
     world.broad->query(world.bodies.columns(), boxes, hits);
     std::erase_if(hits, [&](const AabbHit& hit) { return !world.allows(filter, hit.body); });
@@ -72,7 +72,7 @@ bool WorldAccess::PlacedTests::is_exact() const
 
 std::span<const Finding> WorldAccess::PlacedTests::decide(std::span<const PairTask> tasks)
 {
-    World::Impl::QueryWorker& worker = parts_->worker;
+    WorldImpl::QueryWorker& worker = parts_->worker;
     worker.context.trees = {}, worker.context.rounds.clear();
     worker.tasks.assign(tasks.begin(), tasks.end());
     parts_->world.decide(worker);

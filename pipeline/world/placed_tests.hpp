@@ -26,12 +26,12 @@ public:
 
     /// Bodies that the filter allows and whose AABBs are at most the clearance from each box; sorted by boxes, then by
     /// slots. Valid until the next call.
-    std::span<const AabbHit> around(std::span<const Aabb> boxes, const QueryFilter& filter);
+    std::span<const AabbHit> around(std::span<const Aabb> boxes, const CollisionFilter& filter);
     Model& model_at(std::uint32_t slot) const;
     const Eigen::Isometry3d& pose_at(std::uint32_t slot) const;
     BodyId body_at(std::uint32_t slot) const;
 
-    /// The results of World::decide(), in the order of `tasks`. A World with an automatic exact level and `max_error`
+    /// The results of Pairs::decide(), in the order of `tasks`. A World with an automatic exact level and `max_error`
     /// decides exactly where OBB trees refine: to find that two bodies meet takes less time than to bound their
     /// distance. Valid until the next call.
     std::span<const Finding> decide(std::span<const PairTask> tasks);

@@ -12,9 +12,9 @@
 namespace oncollide {
 
 /// One query thread's working memory.
-struct World::Impl::QueryWorker {
+struct WorldImpl::QueryWorker {
     /// @param settings  kept by reference
-    QueryWorker(Impl& impl, const Settings& settings);
+    QueryWorker(WorldImpl& impl, const Settings& settings);
     BothLevels levels;
     RefineContext context;
     PairWorker pairs; ///< for distances, contacts and penetrations
@@ -30,9 +30,9 @@ struct World::Impl::QueryWorker {
 };
 
 /// A worker for the time of one call.
-class World::Impl::Lease {
+class WorldImpl::Lease {
 public:
-    explicit Lease(Impl& impl) : impl_(impl)
+    explicit Lease(WorldImpl& impl) : impl_(impl)
     {
         {
             const std::lock_guard lock(impl.idle_guard);
@@ -53,12 +53,15 @@ public:
     QueryWorker& operator*() { return *worker_; }
 
 private:
-    Impl& impl_;
+    WorldImpl& impl_;
     std::unique_ptr<QueryWorker> worker_;
 };
 
 /// Throws Error{bad_data}, which begins with the call's name, for a segment that is not finite or goes beyond 1e15 m.
 void check_ends(const char* call, std::span<const Segment> segments);
+
+/// Throws Error{usage} for a tolerance or a cutoff that is negative or NaN.
+void check_distance(const DistanceOptions& options);
 
 /// Throws Error{usage} for a negative reach, NaN, or one beyond 1e15 m.
 void check_reaches(const char* what, std::span<const double> reaches);
@@ -79,8 +82,8 @@ void naming(const char* item, std::size_t number, const char* part, Check check)
 }
 
 /// Throws, with the number of the pair and its side, for an id or a pose that is refused.
-template <class Pairs>
-void World::Impl::check_pairs(const Pairs& pairs)
+template <class Pair>
+void WorldImpl::check_pairs(std::span<const Pair> pairs)
 {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         naming("pair", i, "a", [&] { check_side(pairs[i].a); });
@@ -88,20 +91,9 @@ void World::Impl::check_pairs(const Pairs& pairs)
     }
 }
 
-/// Checks the pairs and makes their trees.
-template <class Pairs>
-std::vector<PairTask> World::Impl::ready_tasks(const Pairs& pairs)
-{
-    check_pairs(pairs);
-    std::vector<PairTask> tasks;
-    for (const auto& pair : pairs) tasks.push_back(task_of(pair.a, pair.b));
-    need_trees(tasks);
-    return tasks;
-}
-
 /// Calls work(worker, i) for each item on the World's threads.
 template <class Work>
-void World::Impl::each(std::size_t items, std::size_t chunk, Work work)
+void WorldImpl::each(std::size_t items, std::size_t chunk, Work work)
 {
     const ExecutorScope scope(settings.executor);
     parallel_chunks(items, chunk, frame.context.threads, [&](std::size_t begin, std::size_t end, int) {
@@ -110,12 +102,12 @@ void World::Impl::each(std::size_t items, std::size_t chunk, Work work)
     });
 }
 
-/// Calls work(worker, i, found), which appends, for each item i on the World's threads; item i's are found[offsets[i]]
-/// up to found[offsets[i + 1]]. Overwrites both.
+/// Calls work(worker, i, found), which appends to the list of item i, for each item on the World's threads. Overwrites
+/// `lists`.
 template <class Found, class Work>
-void World::Impl::gather(std::size_t items, std::size_t chunk, std::vector<Found>& found,
-                         std::vector<std::size_t>& offsets, Work work)
+void WorldImpl::gather(std::size_t items, std::size_t chunk, Lists<Found>& lists, Work work)
 {
+    auto& [found, offsets] = lists;
     found.clear(), offsets.assign(1, 0);
     const ExecutorScope scope(settings.executor);
     if (frame.context.threads == 1) { // without copies

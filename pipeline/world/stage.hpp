@@ -19,12 +19,12 @@ public:
     /// The unit of its counts: "bodies" or "pairs".
     virtual std::string_view unit() const = 0;
     /// The reason to skip the stage in this frame; empty: run it.
-    virtual std::string_view reason_to_skip(const Bodies&, const Frame&) const { return {}; }
+    virtual std::string_view reason_to_skip(const BodyTable&, const Frame&) const { return {}; }
 
     /// Fills the stage's columns of `frame` and the counts of `stats`.
-    virtual void run(Bodies& bodies, Frame& frame, StageStats& stats) = 0;
+    virtual void run(BodyTable& bodies, Frame& frame, StageStats& stats) = 0;
     /// The safe substitute for run(): keeps everything.
-    virtual void skip(Bodies& bodies, Frame& frame, StageStats& stats) = 0;
+    virtual void skip(BodyTable& bodies, Frame& frame, StageStats& stats) = 0;
 };
 
 // The stages keep references to their arguments.

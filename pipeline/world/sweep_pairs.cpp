@@ -19,7 +19,7 @@ SweepResult sweep_pair(ModelStore& models, PairWorker& worker, const SweepTask& 
 }
 
 /// Upper bound on how far any point of the body moves on its way.
-double SweepPairs::moved(const Bodies& bodies, std::uint32_t slot)
+double SweepPairs::moved(const BodyTable& bodies, std::uint32_t slot)
 {
     if (moved_[slot] >= 0) return moved_[slot];
     const RigidMotion* const motion = bodies.motion(slot);
@@ -27,7 +27,8 @@ double SweepPairs::moved(const Bodies& bodies, std::uint32_t slot)
 }
 
 /// True if the hulls are apart at both ends of the ways, in one direction, by more than any point bends out between.
-bool SweepPairs::hulls_stay_apart(const Bodies& bodies, const PairMemory& memory, const PairResult& last, double needed)
+bool SweepPairs::hulls_stay_apart(const BodyTable& bodies, const PairMemory& memory, const PairResult& last,
+                                  double needed)
 {
     Eigen::Isometry3d starts[2];
     double bends = 0x1p-20 * farthest_apart(bodies.boxes()[last.a.slot], bodies.boxes()[last.b.slot]);
@@ -47,7 +48,7 @@ bool SweepPairs::hulls_stay_apart(const Bodies& bodies, const PairMemory& memory
     return gap_along(*a, *b, RelativePose(starts[0], starts[1]), in_a) - bends > needed;
 }
 
-bool SweepPairs::apart_on_the_way(const Bodies& bodies, Frame& frame, std::uint32_t pair)
+bool SweepPairs::apart_on_the_way(const BodyTable& bodies, Frame& frame, std::uint32_t pair)
 {
     const PairResult& last = frame.results[pair];
     if (last.verdict != Verdict::separate || last.kind == ContactKind::touching) return false;
@@ -61,7 +62,7 @@ bool SweepPairs::apart_on_the_way(const Bodies& bodies, Frame& frame, std::uint3
     return memory.by_hulls && memory.walked_at == travel && hulls_stay_apart(bodies, memory, last, needed);
 }
 
-void SweepPairs::run(const Bodies& bodies, Frame& frame, StageStats& stats)
+void SweepPairs::run(const BodyTable& bodies, Frame& frame, StageStats& stats)
 {
     frame.sweeps.clear(), open_.clear();
     moved_.assign(bodies.slots(), -1);
@@ -84,7 +85,7 @@ void SweepPairs::run(const Bodies& bodies, Frame& frame, StageStats& stats)
 }
 
 /// Sets the results of the pairs, and the counts of pairs as if these results were of the last stage.
-void SweepPairs::report(const Bodies& bodies, Frame& frame, StageStats& stats)
+void SweepPairs::report(const BodyTable& bodies, Frame& frame, StageStats& stats)
 {
     if (!stats.skipped) stats.in += frame.swept.size(), stats.out += frame.swept.size();
     std::uint64_t before = 0;
@@ -102,7 +103,7 @@ void SweepPairs::report(const Bodies& bodies, Frame& frame, StageStats& stats)
     stats.out -= std::min(stats.out, before), stats.culled = stats.in - stats.out;
 }
 
-void SweepPairs::sweep(const Bodies& bodies, Frame& frame)
+void SweepPairs::sweep(const BodyTable& bodies, Frame& frame)
 {
     std::vector<SweepTask> tasks;
     for (const Open& open : open_) {

@@ -16,14 +16,15 @@ public:
     /// bodies, or if a gap of an earlier frame exceeds all motion since; without coherence, it is swept anyway. Pairs
     /// stay undecided if a budget has no room for a tree, if a file cannot be read, or once the caller stops the frame.
     /// @param stats  of the last stage
-    void run(const Bodies& bodies, Frame& frame, StageStats& stats);
+    void run(const BodyTable& bodies, Frame& frame, StageStats& stats);
 
 private:
-    double moved(const Bodies& bodies, std::uint32_t slot);
-    static bool hulls_stay_apart(const Bodies& bodies, const PairMemory& memory, const PairResult& last, double needed);
-    bool apart_on_the_way(const Bodies& bodies, Frame& frame, std::uint32_t pair);
-    void sweep(const Bodies& bodies, Frame& frame);
-    static void report(const Bodies& bodies, Frame& frame, StageStats& stats);
+    double moved(const BodyTable& bodies, std::uint32_t slot);
+    static bool hulls_stay_apart(const BodyTable& bodies, const PairMemory& memory, const PairResult& last,
+                                 double needed);
+    bool apart_on_the_way(const BodyTable& bodies, Frame& frame, std::uint32_t pair);
+    void sweep(const BodyTable& bodies, Frame& frame);
+    static void report(const BodyTable& bodies, Frame& frame, StageStats& stats);
 
     ModelStore& models_;
     std::vector<double> moved_; ///< by slot: see moved(); negative: not known yet

@@ -1,4 +1,4 @@
-// World: construction, checks of arguments, models.
+// World: construction, checks of arguments, settings.
 #include <oncollide/pipeline/world/world_impl.hpp>
 
 #include <atomic>
@@ -7,52 +7,12 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/threads/parallel.hpp>
-#include <oncollide/pipeline/world/query_worker.hpp> // for the destructor of Impl
+#include <oncollide/pipeline/world/query_worker.hpp> // for the destructor of WorldImpl
 #include <oncollide/pipeline/world/world_access.hpp>
 
 namespace oncollide {
 
 namespace {
-
-std::shared_ptr<const Geometry> share(std::string name, GeometryData data)
-{
-    return std::make_shared<const Geometry>(Geometry{std::move(name), std::move(data), {}});
-}
-
-std::string name_or(const std::string& name, const char* kind)
-{
-    return name.empty() ? std::string(kind) : name;
-}
-
-std::shared_ptr<const Geometry> checked(std::string name, Mesh mesh)
-{
-    check_mesh(name_or(name, "mesh"), mesh);
-    return share(std::move(name), std::move(mesh));
-}
-std::shared_ptr<const Geometry> checked(std::string name, Shape shape)
-{
-    check_shape(name_or(name, "shape"), shape);
-    return share(std::move(name), std::move(shape));
-}
-std::shared_ptr<const Geometry> checked(std::string name, OccupancyMap map)
-{
-    return share(std::move(name), std::move(map));
-}
-std::shared_ptr<const Geometry> checked(std::string name, Terrain terrain)
-{
-    return share(std::move(name), std::move(terrain));
-}
-std::shared_ptr<const Geometry> checked(std::shared_ptr<const Geometry> geometry)
-{
-    if (!geometry) throw Error(ErrorKind::usage, "model: no geometry given");
-    check_geometry(name_or(geometry->name, "model"), geometry->data);
-    return geometry;
-}
-
-std::string text_of(const char* what, std::uint32_t slot, std::uint32_t generation)
-{
-    return fmt::format("{} {} (generation {})", what, slot, generation);
-}
 
 /// A tag that differs from World to World: 1 to 65535, then from 1 again.
 std::uint16_t next_tag()
@@ -71,38 +31,43 @@ void check_origin(const char* what, const char* maker, Id id, std::uint16_t tag)
 
 } // namespace
 
-World::Impl::Impl(const Settings& s, std::unique_ptr<OcclusionBackend> backend, std::string note)
+std::string text_of(const char* what, std::uint32_t slot, std::uint32_t generation)
+{
+    return fmt::format("{} {} (generation {})", what, slot, generation);
+}
+
+WorldImpl::WorldImpl(const Settings& s, std::unique_ptr<OcclusionBackend> backend, std::string note)
     : settings(s), tag(next_tag()), models(settings, std::move(backend), tag), bodies(tag), frame(settings),
       backend_note(std::move(note))
 {
     frame.context.threads = thread_count(settings);
 }
 
-World::Impl& World::impl() const
+WorldImpl& World::impl() const
 {
     if (!impl_) throw Error(ErrorKind::usage, "World: it was moved from; only assign to it or destroy it");
     return *impl_;
 }
 
-std::uint32_t World::Impl::slot_of(BodyId id) const
+std::uint32_t WorldImpl::slot_of(BodyId id) const
 {
     if (bodies.valid(id)) return id.slot;
-    check_origin("body", "add_body()", id, tag);
+    check_origin("body", "Bodies::add()", id, tag);
     throw Error(ErrorKind::usage,
                 text_of("body", id.slot, id.generation) +
                     (id.slot < bodies.slots() ? ": was removed; its id is stale" : ": does not exist"));
 }
 
-Model& World::Impl::model_of(ModelId id)
+Model& WorldImpl::model_of(ModelId id)
 {
     if (models.valid(id)) return models[id];
-    check_origin("model", "add()", id, tag);
+    check_origin("model", "Models::add()", id, tag);
     throw Error(ErrorKind::usage,
                 text_of("model", id.slot, id.generation) +
                     (id.slot < models.slots() ? ": was removed; its id is stale" : ": does not exist"));
 }
 
-Model& World::Impl::check_model(ModelId id)
+Model& WorldImpl::check_model(ModelId id)
 {
     Model& model = model_of(id);
     if (model.file() && !reads_on_demand(settings)) model.read_all();
@@ -110,10 +75,10 @@ Model& World::Impl::check_model(ModelId id)
     return model;
 }
 
-void World::Impl::check_inside(const Model& model) const
+void WorldImpl::check_inside(const Model& model) const
 {
     if (settings.mode == Mode::solid && !settings.open_as_surface && model.is_open_mesh())
-        refuse_open_mesh(name_or(model.geometry().name, "mesh"), *model.mesh());
+        refuse_open_mesh(model.geometry().name.empty() ? "mesh" : model.geometry().name, *model.mesh());
 }
 
 std::string WorldAccess::why_refused(const Eigen::Isometry3d& pose)
@@ -123,19 +88,19 @@ std::string WorldAccess::why_refused(const Eigen::Isometry3d& pose)
     return why;
 }
 
-void World::Impl::check_pose(const char* whose, const Eigen::Isometry3d& pose)
+void WorldImpl::check_pose(const char* whose, const Eigen::Isometry3d& pose)
 {
     if (const std::string why = WorldAccess::why_refused(pose); !why.empty())
         throw Error(ErrorKind::bad_data, whose + why);
 }
 
-void World::Impl::check_pose(std::uint32_t slot, const Eigen::Isometry3d& pose)
+void WorldImpl::check_pose(std::uint32_t slot, const Eigen::Isometry3d& pose)
 {
     if (const std::string why = WorldAccess::why_refused(pose); !why.empty())
         throw Error(ErrorKind::bad_data, fmt::format("{}: {}", label(slot), why));
 }
 
-void World::Impl::check_body(const BodySpec& body)
+void WorldImpl::check_body(const BodySpec& body)
 {
     const Model& model = model_of(body.model);
     check_pose("new body: ", body.pose);
@@ -143,7 +108,7 @@ void World::Impl::check_body(const BodySpec& body)
     check_inside(model);
 }
 
-BodyId World::Impl::add_checked(const BodySpec& body)
+BodyId WorldImpl::add_checked(const BodySpec& body)
 {
     Model& model = models[body.model];
     if (users.size() <= body.model.slot) users.resize(body.model.slot + std::size_t{1});
@@ -152,163 +117,56 @@ BodyId World::Impl::add_checked(const BodySpec& body)
         bodies.add({&model, body.model, body.pose, body.layer, body.mask, body.group, body.user, body.is_static}));
 }
 
-void World::Impl::remove_checked(std::uint32_t slot)
+void WorldImpl::remove_checked(std::uint32_t slot)
 {
     --users[bodies.model_id(slot).slot];
     bodies.remove(slot);
 }
 
-void World::Impl::replace(ModelId id, std::shared_ptr<const Geometry> geometry)
-{
-    model_of(id);
-    if (settings.mode == Mode::solid && id.slot < users.size() && users[id.slot]) check_inside(Model(geometry));
-    models.replace(id, std::move(geometry));
-    std::uint32_t left = id.slot < users.size() ? users[id.slot] : 0;
-    for (std::uint32_t slot = 0; left > 0; ++slot)
-        if (bodies.alive(slot) && bodies.model_id(slot) == id) bodies.set_model(slot, &models[id], id), --left;
-    changed();
-}
-
-const OccupancyMap& World::Impl::map_of(ModelId id)
-{
-    const Model& model = model_of(id);
-    if (!model.map())
-        throw Error(ErrorKind::usage, text_of("model", id.slot, id.generation) + ": is not an occupancy map");
-    return *model.map();
-}
-
-template <class Change>
-void World::Impl::change_map(ModelId id, Change change)
-{
-    map_of(id);
-    const std::shared_ptr<Geometry> own = models.own(id);
-    change(std::get<OccupancyMap>(own->data));
-    replace(id, own);
-}
-
-World::World(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+World::World(std::unique_ptr<WorldImpl> impl) : impl_(std::move(impl)) {}
 World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
-ModelId World::add(Mesh mesh, std::string name)
+Models& World::models()
 {
-    return impl().models.add(checked(std::move(name), std::move(mesh)));
+    return impl().models_view;
 }
-ModelId World::add(Shape shape, std::string name)
+const Models& World::models() const
 {
-    return impl().models.add(checked(std::move(name), std::move(shape)));
+    return impl().models_view;
 }
-ModelId World::add(OccupancyMap map, std::string name)
+Bodies& World::bodies()
 {
-    return impl().models.add(checked(std::move(name), std::move(map)));
+    return impl().bodies_view;
 }
-ModelId World::add(Terrain terrain, std::string name)
+const Bodies& World::bodies() const
 {
-    return impl().models.add(checked(std::move(name), std::move(terrain)));
+    return impl().bodies_view;
 }
-ModelId World::add(std::shared_ptr<const CookedMesh> mesh, std::string name)
+Pairs World::pairs() const
 {
-    if (!mesh) throw Error(ErrorKind::usage, "model: no mesh given");
-    return impl().models.add(share(std::move(name), std::move(mesh)));
+    return Pairs(impl());
 }
-ModelId World::add(std::shared_ptr<const Geometry> geometry)
+Space World::space() const
 {
-    return impl().models.add(checked(std::move(geometry)));
-}
-void World::replace(ModelId model, Mesh mesh)
-{
-    impl().replace(model, checked(impl_->model_of(model).geometry().name, std::move(mesh)));
-}
-void World::replace(ModelId model, Shape shape)
-{
-    impl().replace(model, checked(impl_->model_of(model).geometry().name, std::move(shape)));
-}
-void World::replace(ModelId model, OccupancyMap map)
-{
-    impl().replace(model, checked(impl_->model_of(model).geometry().name, std::move(map)));
-}
-void World::replace(ModelId model, Terrain terrain)
-{
-    impl().replace(model, checked(impl_->model_of(model).geometry().name, std::move(terrain)));
-}
-void World::replace(ModelId model, std::shared_ptr<const Geometry> geometry)
-{
-    impl().replace(model, checked(std::move(geometry)));
-}
-void World::set_cells(ModelId map, std::span<const Eigen::Vector3d> points, CellState state)
-{
-    impl().change_map(map, [&](OccupancyMap& own) { own.set(points, state); });
-}
-void World::set_cells(ModelId map, const Aabb& box, CellState state)
-{
-    impl().change_map(map, [&](OccupancyMap& own) { own.set(box, state); });
-}
-void World::replace_cells(ModelId map, const Aabb& box, const OccupancyMap& by)
-{
-    impl().change_map(map, [&](OccupancyMap& own) { own.replace(box, by); });
-}
-void World::insert_scan(ModelId map, std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& origin,
-                        double max_range)
-{
-    impl().change_map(map, [&](OccupancyMap& own) { own.insert_scan(points, origin, max_range); });
-}
-const OccupancyMap& World::map(ModelId map) const
-{
-    return impl().map_of(map);
-}
-void World::remove(ModelId model)
-{
-    Impl& p = impl();
-    p.model_of(model);
-    if (model.slot < p.users.size() && p.users[model.slot])
-        throw Error(ErrorKind::usage, fmt::format("{}: {} bodies use it; remove them first",
-                                                  text_of("model", model.slot, model.generation), p.users[model.slot]));
-    p.models.remove(model);
-}
-bool World::closed(ModelId model) const
-{
-    return impl().model_of(model).closed();
-}
-bool World::contains(ModelId model) const
-{
-    return impl().models.valid(model);
-}
-std::size_t World::models() const
-{
-    return impl().models.size();
+    return Space(impl());
 }
 
-ModelId World::model_at(std::uint32_t slot) const
+void World::set_sweep_options(const SweepOptions& options)
 {
-    return impl().models.alive(slot) ? impl().models.id(slot) : ModelId{};
+    WorldImpl::check_sweep("set_sweep_options", options);
+    impl().frame.sweep_options = options;
 }
-
+const SweepOptions& World::sweep_options() const
+{
+    return impl().frame.sweep_options;
+}
 const Settings& World::settings() const
 {
     return impl().settings;
 }
-Aabb World::bounds(ModelId model, const Eigen::Isometry3d& pose)
-{
-    PoseBounds& bounds = impl().model_of(model).bounds();
-    Impl::check_pose("", pose);
-    if (!impl_->runs(StageId::bounds)) return bounds.sphere_box(pose);
-    bounds.expect(pose);
-    return bounds.box(pose);
-}
-Aabb World::bounds(ModelId model, const RigidMotion& motion)
-{
-    PoseBounds& bounds = impl().model_of(model).bounds();
-    const bool tight = impl_->runs(StageId::bounds);
-    if (tight) bounds.expect(motion);
-    return bounds.box(motion, tight);
-}
-double World::max_error(BodyId a, BodyId b) const
-{
-    const Bodies& bodies = impl().bodies;
-    return impl_->models.max_error(bodies.model(impl_->slot_of(a)), bodies.model(impl_->slot_of(b)));
-}
-std::string World::Impl::note_on_backend() const
+std::string WorldImpl::note_on_backend() const
 {
     const std::string& lost = models.lost();
     if (!lost.empty()) return "the CPU took over when the GPU was lost: " + lost;

@@ -6,7 +6,7 @@ namespace oncollide {
 
 World WorldAccess::make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
 {
-    return World(World::Impl::make(settings, std::move(backend)));
+    return World(WorldImpl::make(settings, std::move(backend)));
 }
 
 std::string WorldAccess::backend(const World& world)
@@ -37,6 +37,22 @@ void WorldAccess::grow_ahead(World& world, bool on)
 void WorldAccess::parts_by_poses(World& world)
 {
     world.impl().frame.parts_by_poses = true;
+}
+
+Aabb WorldAccess::step_bounds(World& world, ModelId model, const Eigen::Isometry3d& pose)
+{
+    PoseBounds& bounds = world.impl().model_of(model).bounds();
+    WorldImpl::check_pose("", pose);
+    if (!world.impl().runs(StageId::bounds)) return bounds.sphere_box(pose);
+    bounds.expect(pose);
+    return bounds.box(pose);
+}
+Aabb WorldAccess::step_bounds(World& world, ModelId model, const RigidMotion& motion)
+{
+    PoseBounds& bounds = world.impl().model_of(model).bounds();
+    const bool tight = world.impl().runs(StageId::bounds);
+    if (tight) bounds.expect(motion);
+    return bounds.box(motion, tight);
 }
 
 void WorldAccess::check_inside(const World& world, const std::shared_ptr<const Geometry>& geometry)

@@ -1,4 +1,4 @@
-// Parts of a World that no installed header can name: for the library itself, its tools and tests.
+// Parts of a World that no installed header can name: for the library's own layers, tools and tests.
 #pragma once
 #include <functional>
 #include <memory>
@@ -30,7 +30,21 @@ struct WorldAccess {
     static void parts_by_poses(World& world);
     /// The sphere-tree of a model as it is now. Null until a test reaches it. Valid until the next step.
     static const Ocst* tree(const World& world, ModelId model);
-    /// Throws as World::add_body() for a geometry of a model yet to come, or a model, that has no inside where the
+    /// Makes the next step frame `frame`. `hash` is the hash of the frames before it, which another World stepped.
+    static void continue_from(World& world, std::uint32_t frame, std::uint64_t hash);
+    // The AABB that step() computes for a body of this model, at rest or on its way: the same bits in every World.
+    static Aabb step_bounds(World& world, ModelId model, const Eigen::Isometry3d& pose);
+    static Aabb step_bounds(World& world, ModelId model, const RigidMotion& motion);
+    /// Sets near[i] to 0 for models that are certainly farther apart than the clearance and reaches[i] (m, >= 0), as
+    /// bounding boxes show, and to 1 for others. Costs much less than distances. Surfaces alone count for meshes.
+    static void near(const World& world, std::span<const PairOfModels> pairs, std::span<const double> reaches,
+                     std::span<std::uint8_t> near);
+    /// Sets until[i] to a lower bound of the time at which the models come within margins[i] (m, >= 0) more than the
+    /// clearance of each other, if they are farther apart at time 0; 1: not before the end. Cost: of a step of
+    /// Pairs::sweep().
+    static void clear_until(const World& world, std::span<const PairOf<MovingModel>> pairs,
+                            std::span<const double> margins, std::span<double> until);
+    /// Throws as Bodies::add() for a geometry of a model yet to come, or a model, that has no inside where the
     /// settings require one.
     static void check_inside(const World& world, const std::shared_ptr<const Geometry>& geometry);
     static void check_inside(const World& world, ModelId model);

@@ -21,185 +21,165 @@ void same_length(const char* what, std::size_t a, std::size_t b)
 
 } // namespace
 
-BodyId World::add_body(const BodySpec& body)
+BodyId Bodies::add(const BodySpec& body)
 {
-    impl().check_body(body);
-    impl_->changed();
-    return impl_->add_checked(body);
+    world_->check_body(body);
+    world_->changed();
+    return world_->add_checked(body);
 }
-void World::add_bodies(std::span<const BodySpec> bodies, std::span<BodyId> ids)
+void Bodies::add(std::span<const BodySpec> bodies, std::span<BodyId> ids)
 {
-    same_length("add_bodies", bodies.size(), ids.size());
-    for (const BodySpec& body : bodies) impl().check_body(body);
-    impl_->changed();
-    for (std::size_t i = 0; i < bodies.size(); ++i) ids[i] = impl_->add_checked(bodies[i]);
+    same_length("add", bodies.size(), ids.size());
+    for (const BodySpec& body : bodies) world_->check_body(body);
+    world_->changed();
+    for (std::size_t i = 0; i < bodies.size(); ++i) ids[i] = world_->add_checked(bodies[i]);
 }
-void World::reserve_bodies(std::size_t bodies)
+void Bodies::reserve(std::size_t bodies)
 {
     constexpr std::size_t most = std::size_t{1} << 32; // slots
     if (bodies >= most)
-        throw Error(ErrorKind::usage,
-                    fmt::format("reserve_bodies: {} bodies: a World holds up to {}", bodies, most - 1));
-    impl().bodies.reserve(bodies);
+        throw Error(ErrorKind::usage, fmt::format("reserve: {} bodies: a World holds up to {}", bodies, most - 1));
+    world_->bodies.reserve(bodies);
 }
-void World::remove_body(BodyId body)
+void Bodies::remove(BodySpan bodies)
 {
-    remove_bodies({&body, 1});
-}
-void World::remove_bodies(std::span<const BodyId> bodies)
-{
-    for (const BodyId body : bodies) impl().slot_of(body);
-    std::vector<std::uint32_t> slots;
-    for (const BodyId body : bodies) slots.push_back(body.slot);
-    if (slots.size() > 1) {
-        std::vector<std::uint32_t> sorted = slots;
-        std::sort(sorted.begin(), sorted.end());
-        if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())
-            throw Error(ErrorKind::usage, fmt::format("remove_bodies: body {} is listed twice", *twice));
+    for (const BodyId body : bodies) world_->slot_of(body);
+    if (bodies.size() > 1) {
+        std::vector<BodyId> sorted(bodies.begin(), bodies.end());
+        std::ranges::sort(sorted);
+        if (const auto twice = std::ranges::adjacent_find(sorted); twice != sorted.end())
+            throw Error(ErrorKind::usage, fmt::format("remove: body {} is listed twice", twice->slot));
     }
-    impl_->changed();
-    for (std::uint32_t slot : slots) impl_->remove_checked(slot);
+    world_->changed();
+    for (const BodyId body : bodies) world_->remove_checked(body.slot);
 }
-bool World::contains(BodyId body) const
+bool Bodies::contains(BodyId body) const
 {
-    return impl().bodies.valid(body);
+    return world_->bodies.valid(body);
 }
-std::size_t World::size() const
+std::size_t Bodies::size() const
 {
-    return impl().bodies.size();
+    return world_->bodies.size();
+}
+BodyId Bodies::at(std::uint32_t slot) const
+{
+    return world_->bodies.alive(slot) ? world_->bodies.id(slot) : BodyId{};
 }
 
-void World::set_pose(BodyId body, const Eigen::Isometry3d& pose)
+const Eigen::Isometry3d& Bodies::pose(BodyId body) const
 {
-    const std::uint32_t slot = impl().slot_of(body);
-    impl_->check_pose(slot, pose);
-    impl_->changed();
-    impl_->bodies.set_pose(slot, pose);
+    return world_->bodies.pose(world_->slot_of(body));
 }
-void World::set_poses(std::span<const BodyId> bodies, std::span<const Eigen::Isometry3d> poses)
+void Bodies::set_pose(BodyId body, const Eigen::Isometry3d& pose)
 {
-    Impl& p = impl();
-    same_length("set_poses", bodies.size(), poses.size());
+    const std::uint32_t slot = world_->slot_of(body);
+    world_->check_pose(slot, pose);
+    world_->changed();
+    world_->bodies.set_pose(slot, pose);
+}
+void Bodies::set_pose(std::span<const BodyId> bodies, std::span<const Eigen::Isometry3d> poses)
+{
+    WorldImpl& p = *world_;
+    same_length("set_pose", bodies.size(), poses.size());
     for (std::size_t i = 0; i < bodies.size(); ++i) p.check_pose(p.slot_of(bodies[i]), poses[i]);
     p.changed();
     for (std::size_t i = 0; i < bodies.size(); ++i) p.bodies.set_pose(bodies[i].slot, poses[i]);
 }
-void World::set_motion(BodyId body, const Eigen::Isometry3d& to, MotionPath path)
+void Bodies::set_motion(BodyId body, const Eigen::Isometry3d& to, MotionPath path)
 {
-    set_motions({&body, 1}, {&to, 1}, path);
+    set_motion({&body, 1}, {&to, 1}, path);
 }
-void World::set_motions(std::span<const BodyId> bodies, std::span<const Eigen::Isometry3d> to, MotionPath path)
+void Bodies::set_motion(std::span<const BodyId> bodies, std::span<const Eigen::Isometry3d> to, MotionPath path)
 {
-    Impl& p = impl();
-    same_length("set_motions", bodies.size(), to.size());
+    WorldImpl& p = *world_;
+    same_length("set_motion", bodies.size(), to.size());
     for (std::size_t i = 0; i < bodies.size(); ++i) p.check_pose(p.slot_of(bodies[i]), to[i]);
     p.changed();
     for (std::size_t i = 0; i < bodies.size(); ++i)
         p.bodies.set_motion(bodies[i].slot, {p.bodies.pose(bodies[i].slot), to[i], path});
 }
-void World::set_motion(BodyId body, const RigidMotion& motion)
+void Bodies::set_motion(BodyId body, const RigidMotion& motion)
 {
-    const std::uint32_t slot = impl().slot_of(body);
-    impl_->changed();
-    impl_->bodies.set_motion(slot, motion);
-}
-void World::set_sweep_options(const SweepOptions& options)
-{
-    Impl::check_sweep("set_sweep_options", options);
-    impl().frame.sweep_options = options;
-}
-void World::set_static(BodyId body, bool is_static)
-{
-    const std::uint32_t slot = impl().slot_of(body);
-    impl_->changed();
-    impl_->bodies.set_static(slot, is_static);
-}
-void World::sleep(std::span<const BodyId> bodies)
-{
-    for (const BodyId body : bodies) impl().slot_of(body);
-    for (const BodyId body : bodies) impl_->bodies.set_asleep(body.slot, true);
-}
-void World::wake(std::span<const BodyId> bodies)
-{
-    for (const BodyId body : bodies) impl().slot_of(body);
-    for (const BodyId body : bodies) impl_->bodies.set_asleep(body.slot, false);
-}
-void World::set_layers(BodyId body, std::uint32_t layer, std::uint32_t mask)
-{
-    const std::uint32_t slot = impl().slot_of(body);
-    impl_->changed();
-    impl_->bodies.set_filter(slot, layer, mask, impl_->bodies.group(slot));
-}
-void World::set_group(BodyId body, std::uint32_t group)
-{
-    const std::uint32_t slot = impl().slot_of(body);
-    impl_->changed();
-    impl_->bodies.set_filter(slot, impl_->bodies.layer(slot), impl_->bodies.mask(slot), group);
-}
-void World::set_model(BodyId body, ModelId model)
-{
-    Impl& p = impl();
-    const std::uint32_t slot = p.slot_of(body);
-    p.check_body({.model = model});
-    if (p.users.size() <= model.slot) p.users.resize(model.slot + std::size_t{1});
-    --p.users[p.bodies.model_id(slot).slot], ++p.users[model.slot];
-    p.changed();
-    p.bodies.set_model(slot, &p.models[model], model);
-}
-void World::set_user(BodyId body, std::uint64_t user)
-{
-    impl().bodies.set_user(impl_->slot_of(body), user);
-}
-void World::exclude(BodyId a, BodyId b)
-{
-    const std::uint32_t slot_a = impl().slot_of(a), slot_b = impl_->slot_of(b);
-    if (slot_a == slot_b) throw Error(ErrorKind::usage, impl_->label(slot_a) + ": cannot be excluded from itself");
-    impl_->bodies.exclude(slot_a, slot_b);
-}
-void World::include(BodyId a, BodyId b)
-{
-    impl().bodies.include(impl_->slot_of(a), impl_->slot_of(b));
+    const std::uint32_t slot = world_->slot_of(body);
+    world_->changed();
+    world_->bodies.set_motion(slot, motion);
 }
 
-const Eigen::Isometry3d& World::pose(BodyId body) const
+bool Bodies::is_static(BodyId body) const
 {
-    return impl().bodies.pose(impl_->slot_of(body));
+    return world_->bodies.is_static(world_->slot_of(body));
 }
-ModelId World::model(BodyId body) const
+void Bodies::set_static(BodySpan bodies, bool is_static)
 {
-    return impl().bodies.model_id(impl_->slot_of(body));
+    for (const BodyId body : bodies) world_->slot_of(body);
+    world_->changed();
+    for (const BodyId body : bodies) world_->bodies.set_static(body.slot, is_static);
 }
-std::uint64_t World::user(BodyId body) const
+void Bodies::sleep(BodySpan bodies)
 {
-    return impl().bodies.user(impl_->slot_of(body));
+    for (const BodyId body : bodies) world_->slot_of(body);
+    for (const BodyId body : bodies) world_->bodies.set_asleep(body.slot, true);
 }
-bool World::is_static(BodyId body) const
+void Bodies::wake(BodySpan bodies)
 {
-    return impl().bodies.is_static(impl_->slot_of(body));
+    for (const BodyId body : bodies) world_->slot_of(body);
+    for (const BodyId body : bodies) world_->bodies.set_asleep(body.slot, false);
 }
-bool World::is_asleep(BodyId body) const
+bool Bodies::is_asleep(BodyId body) const
 {
-    return impl().bodies.is_asleep(impl_->slot_of(body));
+    return world_->bodies.is_asleep(world_->slot_of(body));
 }
-BodyId World::body_at(std::uint32_t slot) const
+
+CollisionFilter Bodies::filter(BodyId body) const
 {
-    return impl().bodies.alive(slot) ? impl().bodies.id(slot) : BodyId{};
+    const std::uint32_t slot = world_->slot_of(body);
+    const BodyTable& bodies = world_->bodies;
+    return {bodies.layer(slot), bodies.mask(slot), bodies.group(slot)};
 }
-std::uint32_t World::layer(BodyId body) const
+void Bodies::set_filter(BodySpan bodies, const CollisionFilter& filter)
 {
-    return impl().bodies.layer(impl().slot_of(body));
+    for (const BodyId body : bodies) world_->slot_of(body);
+    world_->changed();
+    for (const BodyId body : bodies) world_->bodies.set_filter(body.slot, filter.layer, filter.mask, filter.group);
 }
-std::uint32_t World::mask(BodyId body) const
+void Bodies::exclude(BodyId a, BodyId b)
 {
-    return impl().bodies.mask(impl().slot_of(body));
+    const std::uint32_t slot_a = world_->slot_of(a), slot_b = world_->slot_of(b);
+    if (slot_a == slot_b) throw Error(ErrorKind::usage, world_->label(slot_a) + ": cannot be excluded from itself");
+    world_->bodies.exclude(slot_a, slot_b);
 }
-std::uint32_t World::group(BodyId body) const
+void Bodies::include(BodyId a, BodyId b)
 {
-    return impl().bodies.group(impl().slot_of(body));
+    world_->bodies.include(world_->slot_of(a), world_->slot_of(b));
 }
-bool World::excluded(BodyId a, BodyId b) const
+bool Bodies::excluded(BodyId a, BodyId b) const
 {
-    return impl().bodies.excluded(impl().slot_of(a), impl_->slot_of(b));
+    return world_->bodies.excluded(world_->slot_of(a), world_->slot_of(b));
+}
+
+ModelId Bodies::model(BodyId body) const
+{
+    return world_->bodies.model_id(world_->slot_of(body));
+}
+void Bodies::set_model(BodySpan bodies, ModelId model)
+{
+    WorldImpl& p = *world_;
+    for (const BodyId body : bodies) p.slot_of(body);
+    p.check_body({.model = model});
+    if (p.users.size() <= model.slot) p.users.resize(model.slot + std::size_t{1});
+    p.changed();
+    for (const BodyId body : bodies) {
+        --p.users[p.bodies.model_id(body.slot).slot], ++p.users[model.slot];
+        p.bodies.set_model(body.slot, &p.models[model], model);
+    }
+}
+std::uint64_t Bodies::user(BodyId body) const
+{
+    return world_->bodies.user(world_->slot_of(body));
+}
+void Bodies::set_user(BodyId body, std::uint64_t user)
+{
+    world_->bodies.set_user(world_->slot_of(body), user);
 }
 
 } // namespace oncollide

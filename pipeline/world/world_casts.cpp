@@ -1,4 +1,4 @@
-// World: the first points of segments in bodies, safe from many threads at once.
+// Space: the first points of segments in bodies, safe from many threads at once.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -17,7 +17,7 @@ void check_segments(std::span<const Segment> segments)
     for (std::size_t i = 0; i < segments.size(); ++i)
         if (segments[i].from == segments[i].to)
             throw Error(ErrorKind::bad_data,
-                        fmt::format("cast {}: the segment has no length; query() finds the bodies at a point", i));
+                        fmt::format("cast {}: the segment has no length; overlaps() finds the bodies at a point", i));
 }
 
 /// A lower bound on the fraction at which a segment enters a box that it may meet.
@@ -37,7 +37,7 @@ auto rank(const CastHit& hit)
 } // namespace
 
 /// The first point of the segment in a body, if its fraction may be at most `reach`.
-std::optional<CastHit> World::Impl::cast(QueryWorker& w, std::uint32_t slot, const Segment& segment, double reach)
+std::optional<CastHit> WorldImpl::cast(QueryWorker& w, std::uint32_t slot, const Segment& segment, double reach)
 {
     Model& model = bodies.model(slot);
     const Eigen::Isometry3d& pose = bodies.pose(slot);
@@ -65,7 +65,7 @@ std::optional<CastHit> World::Impl::cast(QueryWorker& w, std::uint32_t slot, con
 }
 
 /// Leaves in worker.casts all hits of a segment, or only the hits that may be the first.
-void World::Impl::find_casts(QueryWorker& w, const Segment& segment, const QueryFilter& filter, bool all)
+void WorldImpl::find_casts(QueryWorker& w, const Segment& segment, const CollisionFilter& filter, bool all)
 {
     find_boxes(w, segment);
     w.entries.clear(), w.casts.clear();
@@ -86,7 +86,7 @@ void World::Impl::find_casts(QueryWorker& w, const Segment& segment, const Query
     std::erase_if(w.casts, [&](const CastHit& hit) { return hit.fraction_lower > reach; });
 }
 
-std::optional<CastHit> World::Impl::first_cast(QueryWorker& w, const Segment& segment, const QueryFilter& filter)
+CastHit WorldImpl::first_cast(QueryWorker& w, const Segment& segment, const CollisionFilter& filter)
 {
     find_casts(w, segment, filter, false);
     if (w.casts.empty()) return {};
@@ -99,36 +99,43 @@ std::optional<CastHit> World::Impl::first_cast(QueryWorker& w, const Segment& se
     return first;
 }
 
-std::optional<CastHit> World::cast(const Segment& segment, const QueryFilter& filter) const
+CastHit Space::cast(const Segment& segment, const CollisionFilter& filter) const
 {
-    Impl& p = impl();
+    WorldImpl& p = *world_;
     check_segments(std::span(&segment, 1));
     p.bring_up_to_date();
-    Impl::Lease worker(p);
+    WorldImpl::Lease worker(p);
     return p.first_cast(*worker, segment, filter);
 }
 
-void World::cast(std::span<const Segment> segments, const QueryFilter& filter, std::span<CastHit> hits) const
+void Space::cast(std::span<const Segment> segments, const CollisionFilter& filter, std::span<CastHit> hits) const
 {
-    Impl& p = impl();
+    WorldImpl& p = *world_;
     same_room("cast", "segments", segments.size(), "hits", hits.size());
     check_segments(segments);
     p.bring_up_to_date();
-    p.each(segments.size(), 64, [&](auto& worker, std::size_t i) {
-        hits[i] = p.first_cast(worker, segments[i], filter).value_or(CastHit{});
-    });
+    p.each(segments.size(), 64,
+           [&](auto& worker, std::size_t i) { hits[i] = p.first_cast(worker, segments[i], filter); });
 }
 
-std::vector<CastHit> World::cast_all(const Segment& segment, const QueryFilter& filter) const
+std::vector<CastHit> Space::cast_all(const Segment& segment, const CollisionFilter& filter) const
 {
-    Impl& p = impl();
-    check_segments(std::span(&segment, 1));
+    Lists<CastHit> hits;
+    cast_all(std::span(&segment, 1), filter, hits);
+    return std::move(hits.items);
+}
+
+void Space::cast_all(std::span<const Segment> segments, const CollisionFilter& filter, Lists<CastHit>& hits) const
+{
+    WorldImpl& p = *world_;
+    check_segments(segments);
     p.bring_up_to_date();
-    Impl::Lease worker(p);
-    p.find_casts(*worker, segment, filter, true);
-    std::ranges::sort(worker->casts, {},
-                      [](const CastHit& hit) { return std::pair(hit.fraction_lower, hit.body.slot); });
-    return worker->casts;
+    p.gather(segments.size(), 64, hits, [&](auto& worker, std::size_t i, auto& list) {
+        p.find_casts(worker, segments[i], filter, true);
+        std::ranges::sort(worker.casts, {},
+                          [](const CastHit& hit) { return std::pair(hit.fraction_lower, hit.body.slot); });
+        list.insert(list.end(), worker.casts.begin(), worker.casts.end());
+    });
 }
 
 } // namespace oncollide

@@ -9,14 +9,26 @@
 
 namespace oncollide {
 
-/// The data of a World. Implemented in world.cpp (models), world_bodies.cpp, world_step.cpp (frames), world_pairs.cpp,
-/// world_queries.cpp, world_casts.cpp and world_sweeps.cpp (const queries).
-struct World::Impl {
+/// The pairs of a query, checked.
+struct PairTasks {
+    std::vector<PairTask> tasks;
+    std::vector<Eigen::Isometry3d> poses; ///< of pairs given as columns
+
+    std::size_t size() const { return tasks.size(); }
+    const PairTask& operator[](std::size_t i) const { return tasks[i]; }
+};
+
+/// The data of a World, which its views share. Implemented in the files of those who call it: world.cpp (checks of
+/// arguments), world_models.cpp, world_bodies.cpp, world_step.cpp (frames), world_pairs.cpp and world_sweeps.cpp
+/// (pairs), world_space.cpp and world_casts.cpp (space).
+struct ONCOLLIDE_LOCAL WorldImpl {
+    Models models_view{*this};
+    Bodies bodies_view{*this};
     Settings settings; ///< with `exact` resolved
     ExactLevel requested_exact = ExactLevel::automatic;
     const std::uint16_t tag; ///< in the ids that this World issues
     ModelStore models;
-    Bodies bodies;
+    BodyTable bodies;
     std::vector<std::uint32_t> users; ///< by model slot: number of bodies that use it
     std::unique_ptr<BroadPhase> broad;
 
@@ -38,9 +50,9 @@ struct World::Impl {
     std::atomic<const Model*> with_tree{nullptr};
     std::vector<std::unique_ptr<QueryWorker>> idle_workers;
 
-    Impl(const Settings& settings, std::unique_ptr<OcclusionBackend> backend, std::string note);
-    ~Impl();
-    static std::unique_ptr<Impl> make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
+    WorldImpl(const Settings& settings, std::unique_ptr<OcclusionBackend> backend, std::string note);
+    ~WorldImpl();
+    static std::unique_ptr<WorldImpl> make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
 
     // Checks of arguments. Each throws before anything changes.
     std::uint32_t slot_of(BodyId id) const;
@@ -57,9 +69,6 @@ struct World::Impl {
     BodyId add_checked(const BodySpec& body);
     void remove_checked(std::uint32_t slot);
     void replace(ModelId id, std::shared_ptr<const Geometry> geometry);
-    template <class Change>
-    void change_map(ModelId id, Change change);
-    const OccupancyMap& map_of(ModelId id);
     void changed()
     {
         taken_in.store(false, std::memory_order_release);
@@ -73,10 +82,10 @@ struct World::Impl {
     void check_side(const PairSide& side);                  ///< throws for an id or a pose that is refused
     PairTask task_of(const PairSide& a, const PairSide& b); ///< of sides that were checked
     PairTask checked_task(const PairSide& a, const PairSide& b);
-    template <class Pairs>
-    void check_pairs(const Pairs& pairs);
-    template <class Pairs>
-    std::vector<PairTask> ready_tasks(const Pairs& pairs);
+    PairTask task_of(const PairOfColumns& pairs, std::size_t i, Eigen::Isometry3d* poses);
+    template <class Pair>
+    void check_pairs(std::span<const Pair> pairs);
+    PairTasks ready_tasks(const char* call, const PairSpan& pairs);
     /// True if a body of the pair is in a cooked file and read on demand.
     bool reads_a_part(const PairTask& task) const
     {
@@ -86,34 +95,37 @@ struct World::Impl {
     /// Makes the trees that contacts and distances are found with, where a walk does not make them.
     void need_trees(std::span<const PairTask> tasks);
     void decide(QueryWorker& worker);
-    Distance distance(QueryWorker& worker, const PairTask& task, double tolerance, double cutoff);
+    Distance distance(QueryWorker& worker, const PairTask& task, const DistanceOptions& options);
     /// The trees must be there.
     bool may_be_near(QueryWorker& worker, const PairTask& task, double reach);
     void contacts(QueryWorker& worker, const PairTask& task, std::vector<Contact>& found);
     Penetration penetration(QueryWorker& worker, const PairTask& task);
     /// The trees must be there.
     SweepResult sweep(QueryWorker& worker, const SweepTask& task);
+    std::vector<SweepTask> ready_tasks(std::span<const PairOf<MovingModel>> pairs, const SweepOptions& options);
     SweepTask task_of(const MovingModel& a, const MovingModel& b, const SweepOptions& options);
-    double find_casts(QueryWorker& worker, const MovingModel& model, const QueryFilter& filter,
+    double find_casts(QueryWorker& worker, const MovingModel& model, const CollisionFilter& filter,
                       const SweepOptions& options, bool all, std::vector<SweepHit>& hits);
-    SweepHit first_cast(QueryWorker& worker, const MovingModel& model, const QueryFilter& filter,
+    SweepHit first_cast(QueryWorker& worker, const MovingModel& model, const CollisionFilter& filter,
                         const SweepOptions& options);
     Manifold manifold(QueryWorker& worker, const PairTask& task, const ManifoldOptions& options);
-    struct Probe; // a model at a pose against all bodies: world_queries.cpp
+    void check_placed(const char* call, std::size_t number, const PlacedModel& placed);
+    struct Probe; // a model at a pose against all bodies: world_space.cpp
     void find_near(QueryWorker& worker, const Probe& probe, double margin);
     void refine_hits(QueryWorker& worker, const Probe& probe, std::vector<QueryHit>& hits);
     void find_hits(QueryWorker& worker, const Probe& probe, std::vector<QueryHit>& hits);
-    bool allows(const QueryFilter& filter, std::uint32_t slot) const;
+    bool allows(const CollisionFilter& filter, std::uint32_t slot) const;
     bool has_tree_for_segments(std::uint32_t slot);
     bool tests_segments(std::uint32_t slot);
     void find_boxes(QueryWorker& worker, const Segment& segment);
     Finding on_segment(QueryWorker& worker, std::uint32_t slot, const Segment& segment);
-    void find_hits(QueryWorker& worker, const Segment& segment, const QueryFilter& filter, std::vector<QueryHit>& hits);
+    void find_hits(QueryWorker& worker, const Segment& segment, const CollisionFilter& filter,
+                   std::vector<QueryHit>& hits);
     std::optional<CastHit> cast(QueryWorker& worker, std::uint32_t slot, const Segment& segment, double reach);
-    void find_casts(QueryWorker& worker, const Segment& segment, const QueryFilter& filter, bool all);
-    std::optional<CastHit> first_cast(QueryWorker& worker, const Segment& segment, const QueryFilter& filter);
-    template <class Pairs, class Work>
-    void in_batches(const Pairs& pairs, std::size_t count, Work work);
+    void find_casts(QueryWorker& worker, const Segment& segment, const CollisionFilter& filter, bool all);
+    CastHit first_cast(QueryWorker& worker, const Segment& segment, const CollisionFilter& filter);
+    template <class Form, class Work>
+    void in_batches(const char* call, const Form& pairs, std::size_t room, Work work);
     /// Passes the changes to the broad phase and lists the AABBs to update.
     void take_in_changes();
     /// True if this frame must have the results of the last one, pair by pair.
@@ -131,8 +143,10 @@ struct World::Impl {
     template <class Work>
     void each(std::size_t items, std::size_t chunk, Work work);
     template <class Found, class Work>
-    void gather(std::size_t items, std::size_t chunk, std::vector<Found>& found, std::vector<std::size_t>& offsets,
-                Work work);
+    void gather(std::size_t items, std::size_t chunk, Lists<Found>& lists, Work work);
 };
+
+/// "model 3 (generation 1)".
+std::string text_of(const char* what, std::uint32_t slot, std::uint32_t generation);
 
 } // namespace oncollide

@@ -1,4 +1,4 @@
-// World: manifolds and near features.
+// Pairs: manifolds and near features.
 #include <bit>
 #include <cmath>
 #include <numbers>
@@ -18,19 +18,19 @@ void check_options(const ManifoldOptions& options)
 {
     const auto check = [](const char* name, double value, double most) {
         if (!(value >= 0 && value <= most))
-            throw Error(ErrorKind::usage, fmt::format("manifolds: {} of {}; must be from 0 to {}", name, value, most));
+            throw Error(ErrorKind::usage, fmt::format("manifold: {} of {}; must be from 0 to {}", name, value, most));
     };
     check("margin", options.margin, 1e15), check("normal_spread", options.normal_spread, std::numbers::pi / 2);
     for (const auto& [name, value] : {std::pair("points_per_region", options.points_per_region),
                                       std::pair("regions_per_pair", options.regions_per_pair),
                                       std::pair("points_per_pair", options.points_per_pair)})
-        if (value == 0) throw Error(ErrorKind::usage, fmt::format("manifolds: {} of 0; must be at least 1", name));
+        if (value == 0) throw Error(ErrorKind::usage, fmt::format("manifold: {} of 0; must be at least 1", name));
 }
 
 } // namespace
 
 /// The trees must be there.
-Manifold World::Impl::manifold(QueryWorker& worker, const PairTask& task, const ManifoldOptions& options)
+Manifold WorldImpl::manifold(QueryWorker& worker, const PairTask& task, const ManifoldOptions& options)
 {
     const auto find = tests_for(task).manifold;
     Manifold found;
@@ -41,21 +41,21 @@ Manifold World::Impl::manifold(QueryWorker& worker, const PairTask& task, const 
     return found;
 }
 
-Manifold World::manifold(PairSide a, PairSide b, const ManifoldOptions& options) const
+Manifold Pairs::manifold(PairSide a, PairSide b, const ManifoldOptions& options) const
 {
     check_options(options);
-    Impl& p = impl();
+    WorldImpl& p = *world_;
     const PairTask task = p.checked_task(a, b);
     p.need_trees({&task, 1});
-    Impl::Lease worker(p);
+    WorldImpl::Lease worker(p);
     return p.manifold(*worker, task, options);
 }
 
-void World::manifolds(std::span<const PairOfBodies> pairs, const ManifoldOptions& options, ManifoldLists& lists) const
+void Pairs::manifold(PairSpan pairs, const ManifoldOptions& options, ManifoldLists& lists) const
 {
     check_options(options);
-    Impl& p = impl();
-    const std::vector<PairTask> tasks = p.ready_tasks(pairs);
+    WorldImpl& p = *world_;
+    const PairTasks tasks = p.ready_tasks("manifold", pairs);
     std::vector<Manifold> found(tasks.size());
     p.each(tasks.size(), 4, [&](auto& worker, std::size_t i) { found[i] = p.manifold(worker, tasks[i], options); });
     if (options.points_in_all > 0) limit_points(found, options.points_in_all);
@@ -68,23 +68,45 @@ void World::manifolds(std::span<const PairOfBodies> pairs, const ManifoldOptions
     }
 }
 
-void World::near_features(std::span<const PairOfBodies> pairs, double dhat, NearFeatureLists& lists) const
+namespace {
+
+void find_near_features(WorldImpl& p, const PairTasks& tasks, double dhat, Lists<NearFeatures>& lists)
 {
-    if (!(dhat >= 0 && dhat <= 1e15))
-        throw Error(ErrorKind::usage, fmt::format("near_features: dhat of {}; must be from 0 to 1e15", dhat));
-    Impl& p = impl();
-    const std::vector<PairTask> tasks = p.ready_tasks(pairs);
     for (std::size_t i = 0; i < tasks.size(); ++i)
         if (!tests_for(tasks[i]).near_features || p.reads_a_part(tasks[i]))
             throw Error(ErrorKind::usage, fmt::format("pair {}: near_features: a body is a map, round or a half-space, "
                                                       "or is read on demand; it needs triangles in memory",
                                                       i));
-    p.gather(tasks.size(), 4, lists.features, lists.offsets, [&](auto& worker, std::size_t i, auto& found) {
+    p.gather(tasks.size(), 4, lists, [&](auto& worker, std::size_t i, auto& found) {
         p.models.with_room([&, begin = found.size()] {
             found.resize(begin);
             tests_for(tasks[i]).near_features(worker.pairs, tasks[i], dhat, found);
         });
     });
+}
+
+void check_dhat(double dhat)
+{
+    if (!(dhat >= 0 && dhat <= 1e15))
+        throw Error(ErrorKind::usage, fmt::format("near_features: dhat of {}; must be from 0 to 1e15", dhat));
+}
+
+} // namespace
+
+std::vector<NearFeatures> Pairs::near_features(PairSide a, PairSide b, double dhat) const
+{
+    check_dhat(dhat);
+    PairTasks task{{world_->checked_task(a, b)}, {}};
+    world_->need_trees(task.tasks);
+    Lists<NearFeatures> lists;
+    find_near_features(*world_, task, dhat, lists);
+    return std::move(lists.items);
+}
+
+void Pairs::near_features(PairSpan pairs, double dhat, Lists<NearFeatures>& found) const
+{
+    check_dhat(dhat);
+    find_near_features(*world_, world_->ready_tasks("near_features", pairs), dhat, found);
 }
 
 std::uint64_t hash_of(const ManifoldLists& lists)

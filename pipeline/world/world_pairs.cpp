@@ -4,8 +4,8 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
 #include <oncollide/narrowphase/shapes/convex_distance.hpp>
-#include <oncollide/pipeline/check_distance.hpp>
 #include <oncollide/pipeline/world/query_worker.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 
 namespace oncollide {
 
@@ -22,16 +22,30 @@ const Number* entry(std::span<const Number> column, std::size_t width, std::size
     return column.data() + (column.size() > width ? width * i : 0);
 }
 
-void check_columns(const char* call, const ModelPairColumns& columns, std::size_t room)
+/// The number of pairs in columns: the longest column's, to which the others must fit.
+std::size_t count_of(const char* call, const PairOfColumns& pairs)
 {
-    const auto check = [&](const char* name, std::size_t numbers, std::size_t width) {
-        if (numbers != width && numbers != width * room)
+    const struct {
+        const char* name;
+        std::size_t numbers, width;
+    } columns[] = {{"a.models", pairs.a.models.size(), 1},
+                   {"a.poses", pairs.a.poses.size(), 16},
+                   {"b.models", pairs.b.models.size(), 1},
+                   {"b.poses", pairs.b.poses.size(), 16}};
+    std::size_t count = 1;
+    for (const auto& column : columns)
+        if (column.numbers != column.width) count = column.numbers / column.width;
+    for (const auto& [name, numbers, width] : columns)
+        if (numbers != width && numbers != width * count)
             throw Error(ErrorKind::usage, fmt::format("{}: column {}: {} numbers; must be {}, or {} for all of the {} "
                                                       "pairs",
-                                                      call, name, numbers, width * room, width, room));
-    };
-    check("a", columns.a.size(), 1), check("b", columns.b.size(), 1);
-    check("poses_a", columns.poses_a.size(), 16), check("poses_b", columns.poses_b.size(), 16);
+                                                      call, name, numbers, width * count, width, count));
+    return count;
+}
+template <class Pair>
+std::size_t count_of(const char*, std::span<const Pair> pairs)
+{
+    return pairs.size();
 }
 
 /// A lower bound on the distance of points of two AABBs; 0 if they overlap.
@@ -50,7 +64,7 @@ void same_room(const char* call, const char* items, std::size_t count, const cha
                     fmt::format("{}: {} {}, room for {} {}; must be of one length", call, count, items, room, results));
 }
 
-World::Impl::QueryWorker::QueryWorker(Impl& impl, const Settings& settings)
+WorldImpl::QueryWorker::QueryWorker(WorldImpl& impl, const Settings& settings)
     : levels(settings, impl.models), context{.settings = settings,
                                              .trees = {},
                                              .rounds = {},
@@ -59,9 +73,9 @@ World::Impl::QueryWorker::QueryWorker(Impl& impl, const Settings& settings)
 {
 }
 
-World::Impl::~Impl() = default;
+WorldImpl::~WorldImpl() = default;
 
-void World::Impl::check_side(const PairSide& side)
+void WorldImpl::check_side(const PairSide& side)
 {
     if (!side.placed()) {
         slot_of(side.body());
@@ -71,7 +85,7 @@ void World::Impl::check_side(const PairSide& side)
     check_pose("", side.placed()->pose);
 }
 
-PairTask World::Impl::task_of(const PairSide& a, const PairSide& b)
+PairTask WorldImpl::task_of(const PairSide& a, const PairSide& b)
 {
     PairTask task{};
     const auto fill = [&](const PairSide& side, Model*& model, const Eigen::Isometry3d*& pose) {
@@ -84,17 +98,34 @@ PairTask World::Impl::task_of(const PairSide& a, const PairSide& b)
     return task;
 }
 
-PairTask World::Impl::checked_task(const PairSide& a, const PairSide& b)
+PairTask WorldImpl::checked_task(const PairSide& a, const PairSide& b)
 {
     check_side(a), check_side(b);
     return task_of(a, b);
 }
 
-/// Calls work(worker, first), whose worker.tasks are pairs `first` and following, on the World's threads.
-template <class Pairs, class Work>
-void World::Impl::in_batches(const Pairs& pairs, std::size_t count, Work work)
+/// Pair i of columns, whose two poses are written to `poses`.
+PairTask WorldImpl::task_of(const PairOfColumns& pairs, std::size_t i, Eigen::Isometry3d* poses)
 {
-    constexpr bool columns = std::is_same_v<Pairs, ModelPairColumns>;
+    const auto side = [&](const char* name, const ModelColumns& of, Eigen::Isometry3d& pose) {
+        const ModelId id = *entry(of.models, 1, i);
+        pose.matrix() = RowByRow(entry(of.poses, 16, i));
+        naming("pair", i, name, [&] { check_model(id), check_pose("", pose); });
+        return &models[id];
+    };
+    Model* const a = side("a", pairs.a, poses[0]);
+    Model* const b = side("b", pairs.b, poses[1]);
+    return {0, a, b, &poses[0], &poses[1]};
+}
+
+/// Calls work(worker, first), whose worker.tasks are pairs `first` and following, on the World's threads. Throws unless
+/// there is room for their results.
+template <class Form, class Work>
+void WorldImpl::in_batches(const char* call, const Form& pairs, std::size_t room, Work work)
+{
+    constexpr bool columns = std::is_same_v<Form, PairOfColumns>;
+    const std::size_t count = count_of(call, pairs);
+    same_room(call, "pairs", count, "results", room);
     if constexpr (!columns) check_pairs(pairs);
     const int threads = frame.context.threads;
     const std::size_t batch =
@@ -109,17 +140,7 @@ void World::Impl::in_batches(const Pairs& pairs, std::size_t count, Work work)
             if constexpr (columns) worker->poses.resize(2 * many);
             for (std::size_t i = 0; i < many; ++i) {
                 if constexpr (columns) {
-                    const auto side = [&](const char* name, std::span<const ModelId> ids, std::span<const double> rows,
-                                          Eigen::Isometry3d& pose) {
-                        const ModelId id = *entry(ids, 1, first + i);
-                        pose.matrix() = RowByRow(entry(rows, 16, first + i));
-                        naming("pair", first + i, name, [&] { check_model(id), check_pose("", pose); });
-                        return &models[id];
-                    };
-                    Eigen::Isometry3d &pose_a = worker->poses[2 * i], &pose_b = worker->poses[2 * i + 1];
-                    Model* const a = side("a", pairs.a, pairs.poses_a, pose_a);
-                    Model* const b = side("b", pairs.b, pairs.poses_b, pose_b);
-                    worker->tasks.push_back({0, a, b, &pose_a, &pose_b});
+                    worker->tasks.push_back(task_of(pairs, first + i, &worker->poses[2 * i]));
                 } else {
                     worker->tasks.push_back(task_of(pairs[first + i].a, pairs[first + i].b));
                 }
@@ -130,8 +151,26 @@ void World::Impl::in_batches(const Pairs& pairs, std::size_t count, Work work)
     });
 }
 
+/// Checks the pairs and makes their trees.
+PairTasks WorldImpl::ready_tasks(const char* call, const PairSpan& pairs)
+{
+    PairTasks ready;
+    pairs.visit([&]<class Form>(const Form& form) {
+        const std::size_t count = count_of(call, form);
+        if constexpr (std::is_same_v<Form, PairOfColumns>) {
+            ready.poses.resize(2 * count);
+            for (std::size_t i = 0; i < count; ++i) ready.tasks.push_back(task_of(form, i, &ready.poses[2 * i]));
+        } else {
+            check_pairs(form);
+            for (const auto& pair : form) ready.tasks.push_back(task_of(pair.a, pair.b));
+        }
+    });
+    need_trees(ready.tasks);
+    return ready;
+}
+
 /// Refines worker.tasks to worker.refined.
-void World::Impl::decide(QueryWorker& worker)
+void WorldImpl::decide(QueryWorker& worker)
 {
     constexpr double unknown = std::numeric_limits<double>::infinity();
     worker.refined.assign(worker.tasks.size(), {Verdict::undecided, ContactKind::unknown, unknown});
@@ -148,49 +187,27 @@ void World::Impl::decide(QueryWorker& worker)
     }
 }
 
-Finding World::decide(PairSide a, PairSide b) const
+Finding Pairs::decide(PairSide a, PairSide b) const
 {
-    Impl& p = impl();
+    WorldImpl& p = *world_;
     const PairTask task = p.checked_task(a, b);
-    Impl::Lease worker(p);
+    WorldImpl::Lease worker(p);
     worker->tasks.assign(1, task);
     p.decide(*worker);
     return worker->refined.front();
 }
 
-void World::decide(std::span<const PairOfBodies> pairs, std::span<Finding> found) const
+void Pairs::decide(PairSpan pairs, std::span<Finding> found) const
 {
-    same_room("decide", "pairs", pairs.size(), "results", found.size());
-    impl().in_batches(pairs, pairs.size(), [&](Impl::QueryWorker& worker, std::size_t first) {
-        impl_->decide(worker);
-        std::ranges::copy(worker.refined, found.begin() + static_cast<std::ptrdiff_t>(first));
+    pairs.visit([&](const auto& form) {
+        world_->in_batches("decide", form, found.size(), [&](WorldImpl::QueryWorker& worker, std::size_t first) {
+            world_->decide(worker);
+            std::ranges::copy(worker.refined, found.begin() + static_cast<std::ptrdiff_t>(first));
+        });
     });
 }
 
-void World::decide(std::span<const PairOfModels> pairs, std::span<Finding> found) const
-{
-    same_room("decide", "pairs", pairs.size(), "results", found.size());
-    impl().in_batches(pairs, pairs.size(), [&](Impl::QueryWorker& worker, std::size_t first) {
-        impl_->decide(worker);
-        std::ranges::copy(worker.refined, found.begin() + static_cast<std::ptrdiff_t>(first));
-    });
-}
-
-void World::decide(const ModelPairColumns& pairs, std::span<Verdict> verdicts, std::span<double> bounds) const
-{
-    if (verdicts.size() != bounds.size())
-        throw Error(ErrorKind::usage,
-                    fmt::format("decide: room for {} verdicts, but {} bounds", verdicts.size(), bounds.size()));
-    if (verdicts.empty()) return;
-    check_columns("decide", pairs, verdicts.size());
-    impl().in_batches(pairs, verdicts.size(), [&](Impl::QueryWorker& worker, std::size_t first) {
-        impl_->decide(worker);
-        for (std::size_t i = 0; i < worker.refined.size(); ++i)
-            verdicts[first + i] = worker.refined[i].verdict, bounds[first + i] = worker.refined[i].bound;
-    });
-}
-
-void World::Impl::need_trees(std::span<const PairTask> tasks)
+void WorldImpl::need_trees(std::span<const PairTask> tasks)
 {
     const auto there = [&](Model& model) {
         model.need_obb_tree(frame.number);
@@ -207,11 +224,13 @@ void World::Impl::need_trees(std::span<const PairTask> tasks)
 }
 
 /// The trees must be there.
-Distance World::Impl::distance(QueryWorker& worker, const PairTask& task, double tolerance, double cutoff)
+Distance WorldImpl::distance(QueryWorker& worker, const PairTask& task, const DistanceOptions& options)
 {
+    if (const auto direct = tests_for(task).direct_distance) // needs no tree
+        return direct(task, {.above = options.cutoff, .tolerance = options.tolerance});
     const bool solid = settings.mode == Mode::solid;
     return models.with_room([&] {
-        Distance found = tests_for(task).distance(worker.pairs, task, tolerance, cutoff, solid);
+        Distance found = tests_for(task).distance(worker.pairs, task, options.tolerance, options.cutoff, solid);
         // The distance of a box from triangles is computed in another frame than the exact decision. Where rounding
         // leaves open whether they meet, the decision is the truth.
         if (found.lower == 0 && found.upper > 0 && found.upper <= rounding_of(task) &&
@@ -221,60 +240,40 @@ Distance World::Impl::distance(QueryWorker& worker, const PairTask& task, double
     });
 }
 
-Distance World::distance(PairSide a, PairSide b, double tolerance, double cutoff) const
+void check_distance(const DistanceOptions& options)
 {
-    Impl& p = impl();
-    check_distance(tolerance, cutoff);
-    const PairTask task = p.checked_task(a, b);
-    if (const auto direct = tests_for(task).direct_distance) // needs no worker and no tree
-        return direct(task, {.above = cutoff, .tolerance = tolerance});
-    p.need_trees({&task, 1});
-    Impl::Lease worker(p);
-    return p.distance(*worker, task, tolerance, cutoff);
+    for (const auto& [what, value] : {std::pair("tolerance", options.tolerance), std::pair("cutoff", options.cutoff)})
+        if (!(value >= 0))
+            throw Error(ErrorKind::usage, fmt::format("distance: a {} of {}; must be 0 or more", what, value));
 }
 
-namespace {
-
-/// The work of one batch of distances. Once the caller stops it, the rest stays unknown.
-auto find_distances(auto& impl, std::span<Distance> found, double tolerance, double cutoff)
+Distance Pairs::distance(PairSide a, PairSide b, const DistanceOptions& options) const
 {
-    return [&impl, found, tolerance, cutoff](auto& worker, std::size_t first) {
-        impl.need_trees(worker.tasks);
-        bool stopped = false;
+    WorldImpl& p = *world_;
+    check_distance(options);
+    const PairTask task = p.checked_task(a, b);
+    if (const auto direct = tests_for(task).direct_distance) // needs no worker, either
+        return direct(task, {.above = options.cutoff, .tolerance = options.tolerance});
+    p.need_trees({&task, 1});
+    WorldImpl::Lease worker(p);
+    return p.distance(*worker, task, options);
+}
+
+void Pairs::distance(PairSpan pairs, const DistanceOptions& options, std::span<Distance> found) const
+{
+    check_distance(options);
+    const auto work = [&](WorldImpl::QueryWorker& worker, std::size_t first) {
+        world_->need_trees(worker.tasks);
+        bool stopped = false; // once the caller stops it, the rest stays unknown
         for (std::size_t i = 0; i < worker.tasks.size(); ++i) {
             if (i % 16 == 0) stopped = worker.context.stopped();
-            found[first + i] = stopped ? Distance{} : impl.distance(worker, worker.tasks[i], tolerance, cutoff);
+            found[first + i] = stopped ? Distance{} : world_->distance(worker, worker.tasks[i], options);
         }
     };
+    pairs.visit([&](const auto& form) { world_->in_batches("distance", form, found.size(), work); });
 }
 
-} // namespace
-
-void World::distances(std::span<const PairOfBodies> pairs, std::span<Distance> found, double tolerance,
-                      double cutoff) const
-{
-    check_distance(tolerance, cutoff);
-    same_room("distances", "pairs", pairs.size(), "results", found.size());
-    impl().in_batches(pairs, pairs.size(), find_distances(*impl_, found, tolerance, cutoff));
-}
-
-void World::distances(std::span<const PairOfModels> pairs, std::span<Distance> found, double tolerance,
-                      double cutoff) const
-{
-    check_distance(tolerance, cutoff);
-    same_room("distances", "pairs", pairs.size(), "results", found.size());
-    impl().in_batches(pairs, pairs.size(), find_distances(*impl_, found, tolerance, cutoff));
-}
-
-void World::distances(const ModelPairColumns& pairs, std::span<Distance> found, double tolerance, double cutoff) const
-{
-    check_distance(tolerance, cutoff);
-    if (found.empty()) return;
-    check_columns("distances", pairs, found.size());
-    impl().in_batches(pairs, found.size(), find_distances(*impl_, found, tolerance, cutoff));
-}
-
-bool World::Impl::may_be_near(QueryWorker& worker, const PairTask& task, double reach)
+bool WorldImpl::may_be_near(QueryWorker& worker, const PairTask& task, double reach)
 {
     constexpr double any = std::numeric_limits<double>::infinity();
     const double beyond = surely_separate(task, settings.clearance + reach);
@@ -295,21 +294,21 @@ void check_reaches(const char* what, std::span<const double> reaches)
             throw Error(ErrorKind::usage, fmt::format("{} {}: {}: must be 0 to 1e15 m", what, i, reaches[i]));
 }
 
-void World::near(std::span<const PairOfModels> pairs, std::span<const double> reaches,
-                 std::span<std::uint8_t> near) const
+void WorldAccess::near(const World& world, std::span<const PairOfModels> pairs, std::span<const double> reaches,
+                       std::span<std::uint8_t> near)
 {
+    WorldImpl& p = world.impl();
     same_room("near", "pairs", pairs.size(), "reaches", reaches.size());
-    same_room("near", "pairs", pairs.size(), "results", near.size());
     check_reaches("near: reach", reaches);
-    impl().in_batches(pairs, pairs.size(), [&](Impl::QueryWorker& worker, std::size_t first) {
-        impl_->need_trees(worker.tasks);
+    p.in_batches("near", pairs, near.size(), [&](WorldImpl::QueryWorker& worker, std::size_t first) {
+        p.need_trees(worker.tasks);
         for (std::size_t i = 0; i < worker.tasks.size(); ++i)
-            near[first + i] = impl_->may_be_near(worker, worker.tasks[i], reaches[first + i]);
+            near[first + i] = p.may_be_near(worker, worker.tasks[i], reaches[first + i]);
     });
 }
 
 /// The trees must be there. Appends.
-void World::Impl::contacts(QueryWorker& worker, const PairTask& task, std::vector<Contact>& found)
+void WorldImpl::contacts(QueryWorker& worker, const PairTask& task, std::vector<Contact>& found)
 {
     models.with_room([&, begin = found.size()] {
         found.resize(begin);
@@ -317,41 +316,26 @@ void World::Impl::contacts(QueryWorker& worker, const PairTask& task, std::vecto
     });
 }
 
-std::vector<Contact> World::contacts(PairSide a, PairSide b) const
+std::vector<Contact> Pairs::contacts(PairSide a, PairSide b) const
 {
-    Impl& p = impl();
+    WorldImpl& p = *world_;
     const PairTask task = p.checked_task(a, b);
     p.need_trees({&task, 1});
     std::vector<Contact> found;
-    Impl::Lease worker(p);
+    WorldImpl::Lease worker(p);
     p.contacts(*worker, task, found);
     return found;
 }
 
-namespace {
-
-template <class Pairs>
-void find_contacts(auto& impl, const Pairs& pairs, ContactLists& lists)
+void Pairs::contacts(PairSpan pairs, Lists<Contact>& found) const
 {
-    const std::vector<PairTask> tasks = impl.ready_tasks(pairs);
-    impl.gather(tasks.size(), 16, lists.contacts, lists.offsets,
-                [&](auto& worker, std::size_t i, auto& found) { impl.contacts(worker, tasks[i], found); });
-}
-
-} // namespace
-
-void World::contacts(std::span<const PairOfBodies> pairs, ContactLists& lists) const
-{
-    find_contacts(impl(), pairs, lists);
-}
-
-void World::contacts(std::span<const PairOfModels> pairs, ContactLists& lists) const
-{
-    find_contacts(impl(), pairs, lists);
+    const PairTasks tasks = world_->ready_tasks("contacts", pairs);
+    world_->gather(tasks.size(), 16, found,
+                   [&](auto& worker, std::size_t i, auto& list) { world_->contacts(worker, tasks[i], list); });
 }
 
 /// The trees must be there.
-Penetration World::Impl::penetration(QueryWorker& worker, const PairTask& task)
+Penetration WorldImpl::penetration(QueryWorker& worker, const PairTask& task)
 {
     const auto measure = tests_for(task).penetration;
     if (!measure || reads_a_part(task)) {
@@ -362,35 +346,27 @@ Penetration World::Impl::penetration(QueryWorker& worker, const PairTask& task)
     return models.with_room([&] { return measure(worker.pairs, task); });
 }
 
-Penetration World::penetration(PairSide a, PairSide b) const
+Penetration Pairs::penetration(PairSide a, PairSide b) const
 {
-    Impl& p = impl();
+    WorldImpl& p = *world_;
     const PairTask task = p.checked_task(a, b);
     p.need_trees({&task, 1});
-    Impl::Lease worker(p);
+    WorldImpl::Lease worker(p);
     return p.penetration(*worker, task);
 }
 
-namespace {
-
-template <class Pairs>
-void find_penetrations(auto& impl, const Pairs& pairs, std::span<Penetration> found)
+void Pairs::penetration(PairSpan pairs, std::span<Penetration> found) const
 {
-    same_room("penetration", "pairs", pairs.size(), "results", found.size());
-    const std::vector<PairTask> tasks = impl.ready_tasks(pairs);
-    impl.each(tasks.size(), 4, [&](auto& worker, std::size_t i) { found[i] = impl.penetration(worker, tasks[i]); });
+    const PairTasks tasks = world_->ready_tasks("penetration", pairs);
+    same_room("penetration", "pairs", tasks.size(), "results", found.size());
+    world_->each(tasks.size(), 4,
+                 [&](auto& worker, std::size_t i) { found[i] = world_->penetration(worker, tasks[i]); });
 }
 
-} // namespace
-
-void World::penetration(std::span<const PairOfBodies> pairs, std::span<Penetration> found) const
+double Pairs::max_error(PairSide a, PairSide b) const
 {
-    find_penetrations(impl(), pairs, found);
-}
-
-void World::penetration(std::span<const PairOfModels> pairs, std::span<Penetration> found) const
-{
-    find_penetrations(impl(), pairs, found);
+    const PairTask task = world_->checked_task(a, b);
+    return world_->models.max_error(*task.a, *task.b);
 }
 
 } // namespace oncollide

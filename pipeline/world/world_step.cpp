@@ -10,6 +10,7 @@
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 #include <oncollide/pipeline/world/world_impl.hpp>
 
 namespace oncollide {
@@ -112,16 +113,16 @@ std::unique_ptr<BroadPhase> make_broad_phase(BroadPhaseKind kind, const BroadPha
 } // namespace
 
 /// @param backend  null: as the settings say
-std::unique_ptr<World::Impl> World::Impl::make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
+std::unique_ptr<WorldImpl> WorldImpl::make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
 {
     check(settings);
     std::string note;
     if (!backend) backend = make_backend(settings, note);
     Settings resolved = settings;
     resolved.exact = exact_level(settings);
-    auto made = std::make_unique<Impl>(resolved, std::move(backend), std::move(note));
+    auto made = std::make_unique<WorldImpl>(resolved, std::move(backend), std::move(note));
 
-    Impl& p = *made;
+    WorldImpl& p = *made;
     p.requested_exact = settings.exact;
     p.broad =
         make_broad_phase(settings.broad_phase, {.margin = settings.clearance, .threads = p.frame.context.threads});
@@ -141,14 +142,14 @@ std::unique_ptr<World::Impl> World::Impl::make(const Settings& settings, std::un
     return made;
 }
 
-World::World(const Settings& settings) : impl_(Impl::make(settings, nullptr)) {}
+World::World(const Settings& settings) : impl_(WorldImpl::make(settings, nullptr)) {}
 
-bool World::Impl::runs(StageId stage) const
+bool WorldImpl::runs(StageId stage) const
 {
     return !settings.skip.contains(stage);
 }
 
-void World::Impl::take_in_changes()
+void WorldImpl::take_in_changes()
 {
     BodyChanges& changes = frame.changes;
     bodies.take_changes(changes);
@@ -171,7 +172,7 @@ void World::set_pair_filter(PairFilter filter)
 
 FrameView World::step()
 {
-    Impl& p = impl();
+    WorldImpl& p = impl();
     const ExecutorScope scope(p.settings.executor);
     Frame& frame = p.frame;
     const auto begin = frame.context.began = Clock::now();
@@ -217,7 +218,7 @@ FrameView World::step()
             p.frame_hash,   frame.sweeps};
 }
 
-void World::Impl::run_stages()
+void WorldImpl::run_stages()
 {
     auto from = frame.context.began;
     for (std::size_t i = 0; i < stages.size(); ++i) {
@@ -241,12 +242,12 @@ void World::Impl::run_stages()
     stats.back().cpu_ms += milliseconds(Clock::now() - from);
 }
 
-bool World::Impl::rests() const
+bool WorldImpl::rests() const
 {
     return frame.keeps && frame.same_bodies && settings.coherence && !frame.filter && frame.undecided == 0;
 }
 
-void World::Impl::repeat_stages()
+void WorldImpl::repeat_stages()
 {
     frame.delimitation.clear(), began.clear(), ended.clear();
     for (StageStats& s : stats) s.cpu_ms = s.gpu_ms = s.wait_ms = 0;
@@ -255,7 +256,7 @@ void World::Impl::repeat_stages()
 
 /// Examines the bodies, the memory of pairs, and the trees of one body's model, another one in each frame. Large ones
 /// are examined in every 16th frame.
-std::string World::Impl::validate() const
+std::string WorldImpl::validate() const
 {
     constexpr std::size_t small = 4096;
     const bool all = frame.number % 16 == 0;
@@ -268,7 +269,7 @@ std::string World::Impl::validate() const
 }
 
 /// Lets the prefetcher prepare the parts of cooked meshes that moving bodies will reach next.
-void World::Impl::look_ahead()
+void WorldImpl::look_ahead()
 {
     if (settings.look_ahead == 0 || !reads_on_demand(settings)) return;
     std::vector<PrefetchPart> parts = forecast.find(bodies, frame.changes.moved, *broad, frame.number,
@@ -277,7 +278,7 @@ void World::Impl::look_ahead()
 }
 
 /// Compares the results of two frames outside the runs of pairs that kept theirs.
-void World::Impl::find_events()
+void WorldImpl::find_events()
 {
     began.clear(), ended.clear();
     const std::span<const PairResult> now = frame.results, last = frame.last_results;
@@ -290,7 +291,7 @@ void World::Impl::find_events()
 }
 
 /// Merges the two lists, which are sorted by slots. A reused slot has another generation, so its pairs are new pairs.
-void World::Impl::find_events(std::span<const PairResult> now, std::span<const PairResult> last)
+void WorldImpl::find_events(std::span<const PairResult> now, std::span<const PairResult> last)
 {
     const auto slots = [](const PairResult& pair) { return BodyPair{pair.a.slot, pair.b.slot}; };
     const auto add = [](std::vector<PairOfBodies>& events, const PairResult& pair) {
@@ -313,13 +314,9 @@ void World::Impl::find_events(std::span<const PairResult> now, std::span<const P
     for (; k < last.size(); ++k) add(ended, last[k]);
 }
 
-std::span<const std::string_view> World::stages()
-{
-    return all_stage_names();
-}
 WorldInfo World::inspect() const
 {
-    Impl& p = impl();
+    WorldImpl& p = impl();
     const std::lock_guard lock(p.guard); // queries make trees and take in changes meanwhile
     return {.bodies = p.bodies.size(),
             .models = p.models.size(),
@@ -337,9 +334,9 @@ std::uint64_t World::hash() const
 {
     return impl().hash;
 }
-void World::continue_from(std::uint32_t frame, std::uint64_t hash)
+void WorldAccess::continue_from(World& world, std::uint32_t frame, std::uint64_t hash)
 {
-    impl().frame.number = frame, impl_->hash = hash;
+    world.impl().frame.number = frame, world.impl().hash = hash;
 }
 
 } // namespace oncollide

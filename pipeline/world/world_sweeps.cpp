@@ -7,10 +7,11 @@
 #include <oncollide/broadphase/aabb_checks.hpp>
 #include <oncollide/pipeline/world/query_worker.hpp>
 #include <oncollide/pipeline/world/sweep_pairs.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 
 namespace oncollide {
 
-void World::Impl::check_sweep(const char* call, const SweepOptions& options)
+void WorldImpl::check_sweep(const char* call, const SweepOptions& options)
 {
     constexpr double least = 1e-12;
     const auto check = [&](const char* name, double value) {
@@ -25,60 +26,61 @@ void World::Impl::check_sweep(const char* call, const SweepOptions& options)
                     fmt::format("{}: stop {}: must be contact, touch or press", call, static_cast<int>(options.stop)));
 }
 
-SweepTask World::Impl::task_of(const MovingModel& a, const MovingModel& b, const SweepOptions& options)
+SweepTask WorldImpl::task_of(const MovingModel& a, const MovingModel& b, const SweepOptions& options)
 {
     return {&check_model(a.model), &check_model(b.model),       &a.motion, &b.motion, options,
             settings.clearance,    settings.mode == Mode::solid};
 }
 
-SweepResult World::Impl::sweep(QueryWorker& worker, const SweepTask& task)
+SweepResult WorldImpl::sweep(QueryWorker& worker, const SweepTask& task)
 {
     if (worker.context.stopped()) return {};
     return sweep_pair(models, worker.pairs, task);
 }
 
-SweepResult World::sweep(const MovingModel& a, const MovingModel& b, const SweepOptions& options) const
+SweepResult Pairs::sweep(const MovingModel& a, const MovingModel& b, const SweepOptions& options) const
 {
-    Impl& p = impl();
+    WorldImpl& p = *world_;
     p.check_sweep("sweep", options);
     const SweepTask task = p.task_of(a, b, options);
     const PairTask of_trees{0, task.a, task.b, nullptr, nullptr};
     p.need_trees({&of_trees, 1});
-    Impl::Lease worker(p);
+    WorldImpl::Lease worker(p);
     return p.sweep(*worker, task);
 }
 
-void World::sweep(std::span<const PairOfMovingModels> pairs, std::span<SweepResult> found,
-                  const SweepOptions& options) const
+/// The pairs, checked, with their trees.
+std::vector<SweepTask> WorldImpl::ready_tasks(std::span<const PairOf<MovingModel>> pairs, const SweepOptions& options)
 {
-    Impl& p = impl();
-    same_room("sweep", "pairs", pairs.size(), "results", found.size());
-    p.check_sweep("sweep", options);
     std::vector<SweepTask> tasks;
     std::vector<PairTask> of_trees;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-        naming("pair", i, nullptr, [&] { tasks.push_back(p.task_of(pairs[i].a, pairs[i].b, options)); });
+        naming("pair", i, nullptr, [&] { tasks.push_back(task_of(pairs[i].a, pairs[i].b, options)); });
         of_trees.push_back({0, tasks.back().a, tasks.back().b, nullptr, nullptr});
     }
-    p.need_trees(of_trees);
+    need_trees(of_trees);
+    return tasks;
+}
+
+void Pairs::sweep(std::span<const PairOf<MovingModel>> pairs, const SweepOptions& options,
+                  std::span<SweepResult> found) const
+{
+    WorldImpl& p = *world_;
+    same_room("sweep", "pairs", pairs.size(), "results", found.size());
+    p.check_sweep("sweep", options);
+    const std::vector<SweepTask> tasks = p.ready_tasks(pairs, options);
     p.each(tasks.size(), 4, [&](auto& worker, std::size_t i) { found[i] = p.sweep(worker, tasks[i]); });
 }
 
-void World::clear_until(std::span<const PairOfMovingModels> pairs, std::span<const double> margins,
-                        std::span<double> until) const
+void WorldAccess::clear_until(const World& world, std::span<const PairOf<MovingModel>> pairs,
+                              std::span<const double> margins, std::span<double> until)
 {
-    Impl& p = impl();
+    WorldImpl& p = world.impl();
     same_room("clear_until", "pairs", pairs.size(), "margins", margins.size());
     same_room("clear_until", "pairs", pairs.size(), "results", until.size());
     check_reaches("clear_until: margin", margins);
-    std::vector<SweepTask> tasks;
-    std::vector<PairTask> of_trees;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-        naming("pair", i, nullptr, [&] { tasks.push_back(p.task_of(pairs[i].a, pairs[i].b, {})); });
-        tasks.back().clearance += margins[i], tasks.back().bound_only = true;
-        of_trees.push_back({0, tasks.back().a, tasks.back().b, nullptr, nullptr});
-    }
-    p.need_trees(of_trees);
+    std::vector<SweepTask> tasks = p.ready_tasks(pairs, {});
+    for (std::size_t i = 0; i < pairs.size(); ++i) tasks[i].clearance += margins[i], tasks[i].bound_only = true;
     p.each(tasks.size(), 16, [&](auto& worker, std::size_t i) { until[i] = p.sweep(worker, tasks[i]).clear_until; });
 }
 
@@ -96,8 +98,8 @@ bool ends_there(const SweepResult& r, const SweepOptions& options)
 
 /// Overwrites `hits` with the contacts of a moving model: with all, or with the contacts that may be the first.
 /// Contacts that never press are no hits where the options ignore them. Returns a time until which these are free.
-double World::Impl::find_casts(QueryWorker& w, const MovingModel& model, const QueryFilter& filter,
-                               const SweepOptions& options, bool all, std::vector<SweepHit>& hits)
+double WorldImpl::find_casts(QueryWorker& w, const MovingModel& model, const CollisionFilter& filter,
+                             const SweepOptions& options, bool all, std::vector<SweepHit>& hits)
 {
     Model& mine = check_model(model.model);
     w.boxes.assign(1, grown(mine.bounds().box(model.motion), settings.clearance));
@@ -126,8 +128,8 @@ double World::Impl::find_casts(QueryWorker& w, const MovingModel& model, const Q
     return free;
 }
 
-SweepHit World::Impl::first_cast(QueryWorker& w, const MovingModel& model, const QueryFilter& filter,
-                                 const SweepOptions& options)
+SweepHit WorldImpl::first_cast(QueryWorker& w, const MovingModel& model, const CollisionFilter& filter,
+                               const SweepOptions& options)
 {
     const double free = find_casts(w, model, filter, options, false, w.sweeps);
     SweepHit first;
@@ -147,17 +149,17 @@ SweepHit World::Impl::first_cast(QueryWorker& w, const MovingModel& model, const
     return first;
 }
 
-SweepHit World::cast(const MovingModel& model, const QueryFilter& filter, const SweepOptions& options) const
+SweepHit Space::cast(const MovingModel& model, const CollisionFilter& filter, const SweepOptions& options) const
 {
     SweepHit hit;
-    cast(std::span(&model, 1), filter, std::span(&hit, 1), options);
+    cast(std::span(&model, 1), filter, options, std::span(&hit, 1));
     return hit;
 }
 
-void World::cast(std::span<const MovingModel> models, const QueryFilter& filter, std::span<SweepHit> hits,
-                 const SweepOptions& options) const
+void Space::cast(std::span<const MovingModel> models, const CollisionFilter& filter, const SweepOptions& options,
+                 std::span<SweepHit> hits) const
 {
-    Impl& p = impl();
+    WorldImpl& p = *world_;
     same_room("cast", "models", models.size(), "hits", hits.size());
     p.check_sweep("cast", options);
     for (std::size_t i = 0; i < models.size(); ++i) naming("cast", i, nullptr, [&] { p.check_model(models[i].model); });
@@ -166,17 +168,26 @@ void World::cast(std::span<const MovingModel> models, const QueryFilter& filter,
            [&](auto& worker, std::size_t i) { hits[i] = p.first_cast(worker, models[i], filter, options); });
 }
 
-std::vector<SweepHit> World::cast_all(const MovingModel& model, const QueryFilter& filter,
+std::vector<SweepHit> Space::cast_all(const MovingModel& model, const CollisionFilter& filter,
                                       const SweepOptions& options) const
 {
-    Impl& p = impl();
+    Lists<SweepHit> hits;
+    cast_all(std::span(&model, 1), filter, options, hits);
+    return std::move(hits.items);
+}
+
+void Space::cast_all(std::span<const MovingModel> models, const CollisionFilter& filter, const SweepOptions& options,
+                     Lists<SweepHit>& hits) const
+{
+    WorldImpl& p = *world_;
     p.check_sweep("cast_all", options);
-    p.check_model(model.model);
+    for (std::size_t i = 0; i < models.size(); ++i)
+        naming("cast_all", i, nullptr, [&] { p.check_model(models[i].model); });
     p.bring_up_to_date();
-    std::vector<SweepHit> hits;
-    Impl::Lease worker(p);
-    p.find_casts(*worker, model, filter, options, true, hits);
-    return hits;
+    p.gather(models.size(), 4, hits, [&](auto& worker, std::size_t i, auto& list) {
+        p.find_casts(worker, models[i], filter, options, true, worker.sweeps);
+        list.insert(list.end(), worker.sweeps.begin(), worker.sweeps.end());
+    });
 }
 
 } // namespace oncollide

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include <oncollide/pipeline/mesh_queries.hpp>
+#include <oncollide/pipeline/two_geometries.hpp>
 #include <oncollide/pipeline/world.hpp>
 
 using namespace oncollide;

@@ -133,7 +133,7 @@ certified upper bound; colliding: 0).)")
         .def_property_readonly("sweeps", &column<&FrameResult::sweeps, &ResultTypes::pair_sweep>,
                                R"(When the pairs in which a body moved by set_motions() first met, ascending by pair.
 
-Structured (N,): pair (uint32, index into pairs), and the fields of World.sweep().)")
+Structured (N,): pair (uint32, index into pairs), and the fields of World.pairs().sweep().)")
         .def_property_readonly(
             "stages", [](const FrameResult& f) { return stage_list(f.stages); },
             "Counts of each stage: dicts with stage, unit, in, out, culled, undecided, cpu_ms and others.")

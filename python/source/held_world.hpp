@@ -45,7 +45,7 @@ struct Looking : Users::Beside {
 /// The model's id in this World. ValueError if the model belongs to another World.
 ModelId model_of(const HeldWorld& held, py::handle value, const Place& place);
 std::uint32_t bits(py::handle value, const Place& place);
-QueryFilter filter_of(py::handle layer, py::handle mask, py::handle group, const char* call);
+CollisionFilter filter_of(py::handle layer, py::handle mask, py::handle group, const char* call);
 MotionPath motion_path(py::handle value, const Place& place); ///< "linear" or "screw"
 Aabb box_of(py::handle low, py::handle high, const char* call);
 

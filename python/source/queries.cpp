@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/pipeline/mesh_queries.hpp>
+#include <oncollide/pipeline/two_geometries.hpp>
 
 #include "bindings.hpp"
 #include "release.hpp"
@@ -184,7 +184,7 @@ Raises ValueError for other shapes and lengths, Error naming the query whose pos
              R"(distances(self, a, b, poses_a, poses_b, tolerance=0.0, farthest=None, cutoff=None)
 --
 
-Distances. Arguments as in run(); result, tolerance and cutoff as in World.distance(), structured (N,). farthest: the older
+Distances. Arguments as in run(); result, tolerance and cutoff as in World.pairs().distance(), structured (N,). farthest: the older
 name of cutoff.)")
         .def(
             "__len__", [](const HeldQueries& held) { return held.queries.size(); }, R"(__len__(self, /)

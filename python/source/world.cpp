@@ -38,7 +38,7 @@ void HeldWorld::at_home(const char* call) const
 
 ModelId model_of(const HeldWorld& held, py::handle value, const Place& place)
 {
-    if (!py::isinstance<ModelHandle>(value)) refuse_type(place, "a Model, as World.add() returns it", value);
+    if (!py::isinstance<ModelHandle>(value)) refuse_type(place, "a Model, as World.models().add() returns it", value);
     const auto& model = py::cast<const ModelHandle&>(value);
     if (model.world != held.number)
         refuse_value(place, "this model is of another World; add its geometry to this one, which copies nothing");
@@ -59,7 +59,7 @@ void bind_world(py::module_& m)
 {
     using namespace py::literals;
     py::class_<ModelHandle> model_class(
-        m, "Model", R"(A geometry in one World, with all data derived from it; returned by World.add().)");
+        m, "Model", R"(A geometry in one World, with all data derived from it; returned by World.models().add().)");
     model_class
         .def("__eq__",
              [](const ModelHandle& a, py::handle b) {
@@ -79,8 +79,8 @@ void bind_world(py::module_& m)
 Holds bodies and their models, which may be added, removed and moved between steps, and finds the bodies that collide.
 
     world = oncollide.World(max_error=0.01)
-    crane = world.add(oncollide.load_mesh("crane.obj"))
-    body = world.add_body(crane, pose=np.eye(4))
+    crane = world.models().add(oncollide.load_mesh("crane.obj"))
+    body = world.bodies().add(crane, pose=np.eye(4))
     for pair in world.step().pairs: ...
 
 Settings, all by keyword:
@@ -101,7 +101,7 @@ in parallel. Other Python threads can run during calls that compute.)";
         [](HeldWorld& held, py::handle made) {
             GeometryHandle shared = geometry(made, {"World.add", "geometry"});
             const Inside inside(held, "World.add");
-            return ModelHandle{held.number, held.world.add(std::move(shared))};
+            return ModelHandle{held.number, held.world.models().add(std::move(shared))};
         },
         "geometry"_a, R"(add(self, geometry)
 --
@@ -113,7 +113,7 @@ Shares a Geometry with this World and returns its Model. Builds no trees yet: th
             const ModelId id = model_of(held, model, {"World.replace", "model"});
             GeometryHandle shared = geometry(made, {"World.replace", "geometry"});
             const Inside inside(held, "World.replace");
-            held.world.replace(id, std::move(shared));
+            held.world.models().replace(id, std::move(shared));
         },
         "model"_a, "geometry"_a, R"(replace(self, model, geometry)
 --
@@ -124,7 +124,7 @@ Replaces the Geometry of a model and so of all its bodies.)");
         [](HeldWorld& held, py::handle model) {
             const ModelId id = model_of(held, model, {"World.remove", "model"});
             const Inside inside(held, "World.remove");
-            held.world.remove(id);
+            held.world.models().remove(id);
         },
         "model"_a, R"(remove(self, model)
 --

@@ -32,7 +32,7 @@ py::object add_body(HeldWorld& held, py::handle model, py::handle at, py::handle
                         .group = bits(group, {call, "group"}),
                         .user = whole(user, {call, "user"}, ~0ull)};
     const Inside inside(held, call);
-    return py::int_(number_of(held.world.add_body(spec)));
+    return py::int_(number_of(held.world.bodies().add(spec)));
 }
 
 py::array add_bodies(HeldWorld& held, py::handle model, py::handle at, py::handle is_static, py::handle layer,
@@ -49,7 +49,7 @@ py::array add_bodies(HeldWorld& held, py::handle model, py::handle at, py::handl
     for (std::size_t i = 0; i < specs.size(); ++i) specs[i].pose = poses[i];
     std::vector<BodyId> ids(specs.size());
     const Inside inside(held, call);
-    held.world.add_bodies(specs, ids);
+    held.world.bodies().add(specs, ids);
     return ids_of(ids);
 }
 
@@ -62,7 +62,7 @@ void set_poses(HeldWorld& held, py::handle which, py::handle at)
     std::vector<Eigen::Isometry3d> made(ids.size());
     for (std::size_t i = 0; i < ids.size(); ++i) made[i] = poses[i];
     const Inside inside(held, call);
-    held.world.set_poses(ids, made);
+    held.world.bodies().set_pose(ids, made);
 }
 
 void set_motions(HeldWorld& held, py::handle which, py::handle at, py::handle path)
@@ -75,7 +75,7 @@ void set_motions(HeldWorld& held, py::handle which, py::handle at, py::handle pa
     std::vector<Eigen::Isometry3d> made(ids.size());
     for (std::size_t i = 0; i < ids.size(); ++i) made[i] = poses[i];
     const Inside inside(held, call);
-    held.world.set_motions(ids, made, along);
+    held.world.bodies().set_motion(ids, made, along);
 }
 
 void set_motion(HeldWorld& held, py::handle which, py::handle at, py::handle times, py::handle path)
@@ -94,7 +94,7 @@ void set_motion(HeldWorld& held, py::handle which, py::handle at, py::handle tim
         keys.push_back({times.is_none() ? double(i) / double(count - 1) : given[i], poses[i]});
     const RigidMotion motion(keys, motion_path(path, {call, "path"}));
     const Inside inside(held, call);
-    held.world.set_motion(id, motion);
+    held.world.bodies().set_motion(id, motion);
 }
 
 py::array pose_of(HeldWorld& held, py::handle which)
@@ -102,7 +102,8 @@ py::array pose_of(HeldWorld& held, py::handle which)
     const BodyId id = body(which, {"World.pose", "body"});
     const Looking looking(held, "World.pose");
     py::array_t<double> made({4, 4});
-    Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(made.mutable_data()) = held.world.pose(id).matrix();
+    Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(made.mutable_data()) =
+        held.world.bodies().pose(id).matrix();
     return made;
 }
 
@@ -133,7 +134,7 @@ pose: (4, 4) or (7,), metres; None: the identity. static: two static bodies neve
 fixed: its older name. layer, mask: bits; a pair
 is tested if the layer of each has a bit in common with the mask of the other. group: bodies of one group other than 0
 never collide; to keep only neighbours apart, as the links of a robot, use exclude().
-user: any number up to 2^64 - 1, which World.user() returns.)");
+user: any number up to 2^64 - 1, which World.bodies().user() returns.)");
     world.def("add_bodies", &add_bodies, "model"_a, "poses"_a, "static"_a = false, "layer"_a = 1, "mask"_a = all,
               "group"_a = 0, "fixed"_a = none,
               R"(add_bodies(self, model, poses, static=False, layer=1, mask=4294967295, group=0, fixed=None)
@@ -143,7 +144,7 @@ Adds a body for each of the poses, (N, 4, 4) or (N, 7), and returns their ids, u
     world.def(
         "remove_body",
         [](HeldWorld& held, py::handle which) {
-            change(held, "World.remove_body", which, [&](BodyId id) { held.world.remove_body(id); });
+            change(held, "World.remove_body", which, [&](BodyId id) { held.world.bodies().remove(id); });
         },
         "body"_a, R"(remove_body(self, body)
 --
@@ -154,7 +155,7 @@ Removes a body; its id is stale from now on.)");
         [](HeldWorld& held, py::handle which) {
             const std::vector<BodyId> ids = bodies(which, {"World.remove_bodies", "bodies"});
             const Inside inside(held, "World.remove_bodies");
-            held.world.remove_bodies(ids);
+            held.world.bodies().remove(ids);
         },
         "bodies"_a, R"(remove_bodies(self, bodies)
 --
@@ -165,7 +166,7 @@ Removes bodies, each once. bodies: (N,) ids.)");
         "set_pose",
         [](HeldWorld& held, py::handle which, py::handle at) {
             const Eigen::Isometry3d to = pose(at, {"World.set_pose", "pose"});
-            change(held, "World.set_pose", which, [&](BodyId id) { held.world.set_pose(id, to); });
+            change(held, "World.set_pose", which, [&](BodyId id) { held.world.bodies().set_pose(id, to); });
         },
         "body"_a, "pose"_a, R"(set_pose(self, body, pose)
 --
@@ -192,7 +193,7 @@ to the next, as in set_motions().)");
         "set_static",
         [](HeldWorld& held, py::handle which, py::handle is_static) {
             const bool now = truth(is_static, {"World.set_static", "static"});
-            change(held, "World.set_static", which, [&](BodyId id) { held.world.set_static(id, now); });
+            change(held, "World.set_static", which, [&](BodyId id) { held.world.bodies().set_static(id, now); });
         },
         "body"_a, "static"_a, R"(set_static(self, body, static)
 --
@@ -244,7 +245,7 @@ Sets a body's group. Bodies of one group other than 0 never collide; exclude() k
         "set_model",
         [](HeldWorld& held, py::handle which, py::handle model) {
             const ModelId id = model_of(held, model, {"World.set_model", "model"});
-            change(held, "World.set_model", which, [&](BodyId body) { held.world.set_model(body, id); });
+            change(held, "World.set_model", which, [&](BodyId body) { held.world.bodies().set_model(body, id); });
         },
         "body"_a, "model"_a, R"(set_model(self, body, model)
 --
@@ -254,7 +255,7 @@ Gives a body another model.)");
         "set_user",
         [](HeldWorld& held, py::handle which, py::handle user) {
             const std::uint64_t now = whole(user, {"World.set_user", "user"}, ~0ull);
-            change(held, "World.set_user", which, [&](BodyId id) { held.world.set_user(id, now); });
+            change(held, "World.set_user", which, [&](BodyId id) { held.world.bodies().set_user(id, now); });
         },
         "body"_a, "user"_a, R"(set_user(self, body, user)
 --
@@ -288,7 +289,7 @@ The pose of a body: float64 (4, 4), a copy.)");
         [](HeldWorld& held, py::handle which) {
             const BodyId id = body(which, {"World.model", "body"});
             const Looking looking(held, "World.model");
-            return ModelHandle{held.number, held.world.model(id)};
+            return ModelHandle{held.number, held.world.bodies().model(id)};
         },
         "body"_a, R"(model(self, body)
 --
@@ -322,7 +323,7 @@ True if the body is asleep.)");
         [](HeldWorld& held, py::handle slot) -> py::object {
             const auto at = static_cast<std::uint32_t>(whole(slot, {"World.body_at", "slot"}, 0xffffffffu));
             const Looking looking(held, "World.body_at");
-            const BodyId id = held.world.body_at(at);
+            const BodyId id = held.world.bodies().at(at);
             return id ? py::object(py::int_(number_of(id))) : py::none();
         },
         "slot"_a, R"(body_at(self, slot)
@@ -347,7 +348,7 @@ The body's group (int); no two bodies of one group other than 0 form a pair.)");
             const char* const call = "World.excluded";
             const BodyId first = body(a, {call, "a"}), second = body(b, {call, "b"});
             const Looking looking(held, call);
-            return held.world.excluded(first, second);
+            return held.world.bodies().excluded(first, second);
         },
         "a"_a, "b"_a, R"(excluded(self, a, b)
 --

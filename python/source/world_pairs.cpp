@@ -108,9 +108,9 @@ py::tuple distances(HeldWorld& held, py::handle model, py::handle at, py::handle
                     py::handle layer, py::handle mask, py::handle group)
 {
     const char* const call = "World.distances";
-    const ModelQuery query{model_of(held, model, {call, "model"}),
-                           pose(at, {call, "pose"}),
-                           {bits(layer, {call, "layer"}), bits(mask, {call, "mask"}), bits(group, {call, "group"})}};
+    const PlacedModel query{model_of(held, model, {call, "model"}),
+                            pose(at, {call, "pose"}),
+                            {bits(layer, {call, "layer"}), bits(mask, {call, "mask"}), bits(group, {call, "group"})}};
     const double within = number(tolerance, {call, "tolerance"}), most = number(cutoff, {call, "cutoff"});
     const std::vector<BodyDistance> found =
         released(held, call, [&](const World& w) { return w.distances(query, most, within); });
@@ -132,7 +132,7 @@ py::tuple contacts_batch(HeldWorld& held, py::handle a, py::handle b)
 {
     const char* const call = "World.contacts_batch";
     const std::vector<PairOfBodies> pairs = pairs_of(a, b, call);
-    ContactLists lists;
+    Lists<Contact> lists;
     released(held, call, [&](const World& w) { return w.contacts(pairs, lists), 0; });
     return py::make_tuple(array_of(result_types().contact, std::move(lists.contacts)), offsets_of(lists.offsets));
 }
@@ -193,7 +193,7 @@ py::tuple near_features(HeldWorld& held, py::handle a, py::handle b, double dhat
 {
     const char* const call = "World.near_features";
     const std::vector<PairOfBodies> pairs = pairs_of(a, b, call);
-    NearFeatureLists lists;
+    Lists<NearFeatures> lists;
     released(held, call, [&](const World& w) { return w.near_features(pairs, dhat, lists), 0; });
     return py::make_tuple(array_of(result_types().near_features, std::move(lists.features)), offsets_of(lists.offsets));
 }

@@ -3,7 +3,7 @@
 
 namespace oncollide::python {
 
-QueryFilter filter_of(py::handle layer, py::handle mask, py::handle group, const char* call)
+CollisionFilter filter_of(py::handle layer, py::handle mask, py::handle group, const char* call)
 {
     return {bits(layer, {call, "layer"}), bits(mask, {call, "mask"}), bits(group, {call, "group"})};
 }
@@ -17,7 +17,7 @@ py::array hits_of(HeldWorld& held, const char* call, const Query&... query)
     {
         const Looking looking(held, call);
         const Released released;
-        hits = held.world.query(query...);
+        hits = held.world.space().overlaps(query...);
     }
     return array_of(result_types().hit, std::move(hits));
 }
@@ -26,16 +26,16 @@ py::tuple query_batch(HeldWorld& held, py::handle model, py::handle at, py::hand
                       py::handle group)
 {
     const char* const call = "World.query_batch";
-    const ModelQuery query{.model = model_of(held, model, {call, "model"}),
-                           .filter = filter_of(layer, mask, group, call)};
+    const PlacedModel query{.model = model_of(held, model, {call, "model"}),
+                            .filter = filter_of(layer, mask, group, call)};
     const Poses poses(at, {call, "poses"});
-    QueryHits hits;
+    Lists<QueryHit> hits;
     {
         const Looking looking(held, call);
         const Released released;
-        std::vector<ModelQuery> queries(poses.size(), query);
+        std::vector<PlacedModel> queries(poses.size(), query);
         for (std::size_t i = 0; i < queries.size(); ++i) queries[i].pose = poses[i];
-        held.world.query(queries, hits);
+        held.world.space().overlaps(queries, hits);
     }
     return py::make_tuple(array_of(result_types().hit, std::move(hits.hits)), offsets_of(hits.offsets));
 }
@@ -55,13 +55,13 @@ py::tuple query_segments(HeldWorld& held, py::handle from, py::handle to, py::ha
                          py::handle group)
 {
     const char* const call = "World.query_segments";
-    const QueryFilter filter = filter_of(layer, mask, group, call);
+    const CollisionFilter filter = filter_of(layer, mask, group, call);
     const std::vector<Segment> segments = segments_of(from, to, call);
-    QueryHits hits;
+    Lists<QueryHit> hits;
     {
         const Looking looking(held, call);
         const Released released;
-        held.world.query(segments, filter, hits);
+        held.world.space().overlaps(segments, filter, hits);
     }
     return py::make_tuple(array_of(result_types().hit, std::move(hits.hits)), offsets_of(hits.offsets));
 }
@@ -69,13 +69,13 @@ py::tuple query_segments(HeldWorld& held, py::handle from, py::handle to, py::ha
 py::array cast(HeldWorld& held, py::handle from, py::handle to, py::handle layer, py::handle mask, py::handle group)
 {
     const char* const call = "World.cast";
-    const QueryFilter filter = filter_of(layer, mask, group, call);
+    const CollisionFilter filter = filter_of(layer, mask, group, call);
     const std::vector<Segment> segments = segments_of(from, to, call);
     std::vector<CastHit> hits(segments.size());
     {
         const Looking looking(held, call);
         const Released released;
-        held.world.cast(segments, filter, hits);
+        held.world.space().cast(segments, filter, hits);
     }
     return array_of(result_types().cast, std::move(hits));
 }
@@ -83,13 +83,13 @@ py::array cast(HeldWorld& held, py::handle from, py::handle to, py::handle layer
 py::array cast_all(HeldWorld& held, py::handle from, py::handle to, py::handle layer, py::handle mask, py::handle group)
 {
     const char* const call = "World.cast_all";
-    const QueryFilter filter = filter_of(layer, mask, group, call);
+    const CollisionFilter filter = filter_of(layer, mask, group, call);
     const Segment segment{vector3(from, {call, "start"}), vector3(to, {call, "end"})};
     std::vector<CastHit> hits;
     {
         const Looking looking(held, call);
         const Released released;
-        hits = held.world.cast_all(segment, filter);
+        hits = held.world.space().cast_all(segment, filter);
     }
     return array_of(result_types().cast, std::move(hits));
 }
@@ -175,7 +175,7 @@ Finds the bodies that touch a solid box along the world's axes. low, high: (3,) 
             const char* const call = "World.max_error";
             const BodyId first = body(a, {call, "a"}), second = body(b, {call, "b"});
             const Looking looking(held, call);
-            return held.world.max_error(first, second);
+            return held.world.pairs().max_error(first, second);
         },
         "a"_a, "b"_a, R"(max_error(self, a, b)
 --

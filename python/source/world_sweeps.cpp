@@ -68,10 +68,10 @@ py::array sweep(HeldWorld& held, py::handle a, py::handle a_from, py::handle a_t
     {
         const Looking looking(held, call);
         const Released released;
-        std::vector<PairOfMovingModels> pairs;
+        std::vector<PairOf<MovingModel>> pairs;
         for (std::size_t i = 0; i < count; ++i)
             pairs.push_back({{first, of_a[of_a.size() == 1 ? 0 : i]}, {second, of_b[of_b.size() == 1 ? 0 : i]}});
-        held.world.sweep(pairs, found, options);
+        held.world.pairs().sweep(pairs, found, options);
     }
     return array_of(result_types().sweep, std::move(found));
 }
@@ -82,7 +82,7 @@ py::array cast_model(HeldWorld& held, py::handle model, py::handle from, py::han
 {
     const char* const call = "World.cast_model";
     const ModelId mine = model_of(held, model, {call, "model"});
-    const QueryFilter filter = filter_of(layer, mask, group, call);
+    const CollisionFilter filter = filter_of(layer, mask, group, call);
     const std::vector<RigidMotion> ways = motions(from, to, motion_path(path, {call, "path"}), call, "starts", "ends");
     const SweepOptions options = options_of(time, gap, steps, stop, call);
     std::vector<SweepHit> hits(ways.size());
@@ -91,7 +91,7 @@ py::array cast_model(HeldWorld& held, py::handle model, py::handle from, py::han
         const Released released;
         std::vector<MovingModel> models;
         for (const RigidMotion& way : ways) models.push_back({mine, way});
-        held.world.cast(models, filter, hits, options);
+        held.world.space().cast(models, filter, hits, options);
     }
     return array_of(result_types().sweep_hit, std::move(hits));
 }

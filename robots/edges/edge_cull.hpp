@@ -23,7 +23,7 @@ public:
     bool is_open(std::uint32_t part, std::uint32_t box, double begin, double end, double bent);
 
     /// Bodies that come into the boxes; sorted by boxes.
-    std::span<const AabbHit> around(std::span<const Aabb> boxes, const QueryFilter& filter)
+    std::span<const AabbHit> around(std::span<const Aabb> boxes, const CollisionFilter& filter)
     {
         return tests_.around(boxes, filter);
     }

@@ -36,7 +36,7 @@ EdgeSearch::EdgeSearch(const Robot::Impl& robot, const World& world, const Robot
 void EdgeSearch::run(std::vector<EdgeItem>& items)
 {
     if (what_.self) search_self(items);
-    if (what_.environment && world_.size() > own_.size()) search_environment(items);
+    if (what_.environment && world_.bodies().size() > own_.size()) search_environment(items);
 }
 
 void EdgeSearch::search_self(std::vector<EdgeItem>& items)

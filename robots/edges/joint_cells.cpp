@@ -4,6 +4,8 @@
 #include <limits>
 #include <numbers>
 
+#include <oncollide/pipeline/world/world_access.hpp>
+
 namespace oncollide {
 
 namespace {
@@ -121,7 +123,7 @@ bool JointCells::are_apart(const World& world, std::uint32_t p, double per_step,
     if (apart.norm() > balls + reach + clearance_) return true;
     const PairOfModels models{{a.model, robot_.pose_of(a, links)}, {b.model, robot_.pose_of(b, links)}};
     std::uint8_t near = 1;
-    world.near({&models, 1}, {&reach, 1}, {&near, 1});
+    WorldAccess::near(world, {&models, 1}, {&reach, 1}, {&near, 1});
     return near == 0;
 }
 

@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/pipeline/world/world_access.hpp>
+
 namespace oncollide {
 
 namespace {
@@ -94,7 +96,7 @@ private:
             const double reach = motion_.reach(ways);
             if (item.b == no_part) {
                 if (!is_searched_ && !solids_.is_open(item, ways)) continue;
-                pairs_.push_back({placed(item.a), {world_.model(item.body), world_.pose(item.body)}});
+                pairs_.push_back({placed(item.a), {world_.bodies().model(item.body), world_.bodies().pose(item.body)}});
             } else {
                 if (motion_.middle().share != culled_at) cull_.place(links), culled_at = motion_.middle().share;
                 if (!cull_.near(item.a, item.b, reach) || !solids_.is_open(item, ways)) continue;
@@ -115,7 +117,7 @@ private:
     {
         if (is_done() || pairs_.empty()) return;
         results_.resize(pairs_.size());
-        world_.decide(pairs_, results_);
+        world_.pairs().decide(pairs_, results_);
         tests_ += pairs_.size();
         for (std::size_t i = 0; i < pairs_.size(); ++i)
             if (results_[i].verdict != Verdict::separate)
@@ -127,7 +129,7 @@ private:
     {
         if (is_done()) return;
         near_.resize(pairs_.size());
-        world_.near(pairs_, reaches_, near_);
+        WorldAccess::near(world_, pairs_, reaches_, near_);
         tests_ += pairs_.size();
         keep([&](std::size_t i) { return near_[i] != 0; });
     }
@@ -168,13 +170,14 @@ private:
             };
             MovingModel a = moving(item.a, ways_[i].a);
             if (item.b == no_part)
-                moving_.push_back({std::move(a), {world_.model(item.body), RigidMotion(world_.pose(item.body))}});
+                moving_.push_back(
+                    {std::move(a), {world_.bodies().model(item.body), RigidMotion(world_.bodies().pose(item.body))}});
             else
                 moving_.push_back({std::move(a), moving(item.b, ways_[i].b)});
             margins_.push_back(std::min(off * robot_.stretch() + 1e-12 * size, 1e6));
         }
         until_.resize(moving_.size());
-        world_.clear_until(moving_, margins_, until_);
+        WorldAccess::clear_until(world_, moving_, margins_, until_);
         tests_ += moving_.size();
         clear_.assign(tested_.size(), 0);
         for (std::size_t k = 0; k < asked_.size(); ++k) {
@@ -237,7 +240,7 @@ private:
     std::vector<EdgeItem> items_, tested_, open_; ///< to test, not separate, too small to be halved
     std::vector<EdgeWays> ways_;                  ///< of tested_, as are pairs_ and reaches_
     std::vector<PairOfModels> pairs_;
-    std::vector<PairOfMovingModels> moving_;
+    std::vector<PairOf<MovingModel>> moving_;
     std::vector<double> reaches_, margins_, until_;
     std::vector<std::uint32_t> asked_;       ///< items whose motions are tested
     std::vector<std::uint8_t> near_, clear_; ///< by item

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 
 namespace oncollide {
 
@@ -49,7 +50,7 @@ RankWorld::RankWorld(const GeometryList& geometries, const Settings& settings, c
 
 ModelId RankWorld::model_of(std::uint32_t geometry)
 {
-    if (!models_[geometry]) models_[geometry] = world_.add(geometries_.share(geometry));
+    if (!models_[geometry]) models_[geometry] = world_.models().add(geometries_.share(geometry));
     return *models_[geometry];
 }
 
@@ -66,7 +67,8 @@ Aabb RankWorld::box(const BodyHere& body)
 {
     return naming(body.gid, [&] {
         const ModelId model = model_of(body.geometry);
-        return grown(body.way.empty() ? world_.bounds(model, body.pose) : world_.bounds(model, RigidMotion(body.way)));
+        return grown(body.way.empty() ? WorldAccess::step_bounds(world_, model, body.pose)
+                                      : WorldAccess::step_bounds(world_, model, RigidMotion(body.way)));
     });
 }
 
@@ -91,9 +93,9 @@ void RankWorld::move(const BodyHere& body, BodyId id)
 {
     naming(body.gid, [&] {
         if (!body.way.empty())
-            world_.set_motion(id, RigidMotion(body.way));
-        else if (world_.pose(id).matrix() != body.pose.matrix())
-            world_.set_pose(id, body.pose);
+            world_.bodies().set_motion(id, RigidMotion(body.way));
+        else if (world_.bodies().pose(id).matrix() != body.pose.matrix())
+            world_.bodies().set_pose(id, body.pose);
     });
 }
 
@@ -101,7 +103,7 @@ FrameView RankWorld::step()
 {
     for (auto at = here_.begin(); at != here_.end();)
         if (at->second.seen != step_)
-            world_.remove_body(at->second.id), at = here_.erase(at);
+            world_.bodies().remove(at->second.id), at = here_.erase(at);
         else
             ++at;
     // Sorted by index, so slots do not depend on the order of messages.
@@ -115,13 +117,14 @@ FrameView RankWorld::step()
                             .mask = body.mask,
                             .group = body.group,
                             .user = body.gid};
-        const BodyId id = naming(body.gid, [&] { return world_.add_body(spec); });
+        const BodyId id = naming(body.gid, [&] { return world_.bodies().add(spec); });
         move(body, id);
         here_.emplace(body.gid, Entry{id, step_});
         if (names_.size() <= id.slot) names_.resize(id.slot + std::size_t{1});
         names_[id.slot] = body.name;
         for (const std::uint32_t other : body.excluded)
-            if (const auto found = here_.find(other); found != here_.end()) world_.exclude(id, found->second.id);
+            if (const auto found = here_.find(other); found != here_.end())
+                world_.bodies().exclude(id, found->second.id);
     }
     come_.clear();
     pairs_.assign(names_.size(), 0);

@@ -31,7 +31,7 @@ public:
     FrameView step();
 
     World& world() { return world_; }
-    std::uint32_t gid(BodyId body) const { return static_cast<std::uint32_t>(world_.user(body)); }
+    std::uint32_t gid(BodyId body) const { return static_cast<std::uint32_t>(world_.bodies().user(body)); }
     const std::string& name(BodyId body) const { return names_[body.slot]; }
     /// Number of pairs of the last step that include the body; 0 if this rank does not have it.
     std::uint32_t pairs_of(std::uint32_t gid) const;

@@ -307,7 +307,7 @@ void RankedRun::step_world(std::vector<Bytes>& out)
         TextInMemory text;
         CsvWriter csv(text);
         add_csv_cells(csv, std::uint64_t(frame_), world_.name(pair.a), world_.name(pair.b), pair, name_of(pair.stage),
-                      world_.world().max_error(pair.a, pair.b));
+                      world_.world().pairs().max_error(pair.a, pair.b));
         if (options_.continuous) add_csv_cells(csv, sweep);
         csv.end_row();
         put_list(to, text.text());

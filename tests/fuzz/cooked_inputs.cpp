@@ -202,17 +202,18 @@ class Queries {
 public:
     explicit Queries(const std::shared_ptr<const Geometry>& mesh)
     {
-        const ModelId model = world_.add(mesh);
+        const ModelId model = world_.models().add(mesh);
         Eigen::Isometry3d rotated = Eigen::Isometry3d::Identity();
         rotated.linear() = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
         rotated.translation() = Eigen::Vector3d(0.3, 0.1, 4.5);
-        bodies_.push_back(world_.add_body({.model = model, .is_static = true}));
-        bodies_.push_back(world_.add_body({.model = model, .pose = rotated}));
+        bodies_.push_back(world_.bodies().add({.model = model, .is_static = true}));
+        bodies_.push_back(world_.bodies().add({.model = model, .pose = rotated}));
         static const auto crate = named(make_box_mesh({0.2, 0.3, 0.4}));
-        const ModelId crates = world_.add(crate), ball = world_.add(Shape(Sphere{0.4}), "ball");
+        const ModelId crates = world_.models().add(crate), ball = world_.models().add(Shape(Sphere{0.4}), "ball");
         for (const Eigen::Vector3d& at : {Eigen::Vector3d(0, 0, 0.3), {1, 0.5, 1}, {-0.8, 0.7, 4}, {0.1, 0.2, 2.2}})
             for (const ModelId of : {crates, ball})
-                bodies_.push_back(world_.add_body({.model = of, .pose = Eigen::Isometry3d(Eigen::Translation3d(at))}));
+                bodies_.push_back(
+                    world_.bodies().add({.model = of, .pose = Eigen::Isometry3d(Eigen::Translation3d(at))}));
     }
     Found results()
     {
@@ -223,7 +224,10 @@ public:
         found.faults = world_.inspect().file_faults;
         return found;
     }
-    double most_distance(const Found::Pair& pair) { return world_.distance(bodies_[pair.a], bodies_[pair.b]).upper; }
+    double most_distance(const Found::Pair& pair)
+    {
+        return world_.pairs().distance(bodies_[pair.a], bodies_[pair.b]).upper;
+    }
 
 private:
     World world_{{.exact = ExactLevel::predicates}};

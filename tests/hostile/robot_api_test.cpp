@@ -42,7 +42,7 @@ TEST(HostileRobots, NumbersAndSizesAreChecked)
         {"bodies first", [&] { robot.set_joints(world, good); }},
         {"body", [&] { static_cast<void>(robot.link_of(2)); }},
         {"bodies of another", [&] { robot.add_bodies(other); }},
-        {"attach", [&] { robot.attach(world, ~0u, world.model_at(0), Eigen::Isometry3d::Identity()); }},
+        {"attach", [&] { robot.attach(world, ~0u, world.models().at(0), Eigen::Isometry3d::Identity()); }},
     };
     for (const double bad : {nan, inf, 2e9, -inf}) {
         const std::string name = std::to_string(bad);
@@ -55,7 +55,9 @@ TEST(HostileRobots, NumbersAndSizesAreChecked)
     for (const Eigen::Isometry3d& bad : bad_poses()) {
         if (bad.translation().x() == 1e300) continue; // an Error of the configurations
         calls["base " + std::to_string(calls.size())] = [&, bad] { robot.set_base(bad); };
-        calls["object " + std::to_string(calls.size())] = [&, bad] { robot.attach(world, 1, world.model_at(0), bad); };
+        calls["object " + std::to_string(calls.size())] = [&, bad] {
+            robot.attach(world, 1, world.models().at(0), bad);
+        };
     }
     expect_refused(calls);
     robot.check(world, with(0, 1), one);

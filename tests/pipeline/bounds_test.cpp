@@ -55,17 +55,20 @@ TEST(RememberedGap, OfASliverLosesNoCollision)
             const auto [a, b] = peak_above_sliver(thin, std::ldexp(1.0, -thin - low));
             World live;
             const auto add = [&](const TrianglePoints& t) {
-                return live.add_body({.model = live.add(make_mesh("triangle", {t[0], t[1], t[2]}, {{0, 1, 2}}))});
+                return live.bodies().add(
+                    {.model = live.models().add(make_mesh("triangle", {t[0], t[1], t[2]}, {{0, 1, 2}}))});
             };
             const BodyId peak = add(a), sliver = add(b);
             live.step(), live.step();
-            const double bound = live.decide(peak, sliver).bound, distance = oracle::ExactDistance(a, b).value();
+            const double bound = live.pairs().decide(peak, sliver).bound,
+                         distance = oracle::ExactDistance(a, b).value();
             EXPECT_LE(bound, distance * (1 + 1e-12)) << thin << ' ' << low;
             for (const double share : {1.01, 1.5, 3.0}) {
                 Isometry3d pose = Isometry3d::Identity();
                 pose.translation() = -share * distance * Vector3d(0.5, 0.375, 1.5625).normalized();
-                live.set_pose(peak, pose);
-                const Verdict decided = live.decide(peak, sliver).verdict, stepped = live.step().pairs[0].verdict;
+                live.bodies().set_pose(peak, pose);
+                const Verdict decided = live.pairs().decide(peak, sliver).verdict,
+                              stepped = live.step().pairs[0].verdict;
                 EXPECT_EQ(stepped, decided) << thin << ' ' << low << ' ' << share;
                 pierced += decided == Verdict::colliding;
             }
@@ -80,11 +83,12 @@ struct Roofs {
     Roofs(int angle, double height)
     {
         const double tan = std::ldexp(1.0, -angle);
-        low = world.add_body({.model = world.add(make_mesh("low", {{-1, 0, 0}, {1, 0, 0}, {0, -1, -1}, {0, 1, -1}},
-                                                           {{0, 2, 1}, {0, 1, 3}}))});
-        high = world.add_body(
-            {.model = world.add(make_mesh("high", {{-1, -tan, height}, {1, tan, height}, {0, -1, 1}, {0, 1, 1}},
-                                          {{0, 1, 2}, {0, 3, 1}}))});
+        low =
+            world.bodies().add({.model = world.models().add(make_mesh(
+                                    "low", {{-1, 0, 0}, {1, 0, 0}, {0, -1, -1}, {0, 1, -1}}, {{0, 2, 1}, {0, 1, 3}}))});
+        high = world.bodies().add(
+            {.model = world.models().add(make_mesh(
+                 "high", {{-1, -tan, height}, {1, tan, height}, {0, -1, 1}, {0, 1, 1}}, {{0, 1, 2}, {0, 3, 1}}))});
     }
 };
 
@@ -93,17 +97,18 @@ TEST(NearFeatures, ListEdgesThatCrossAtAnyAngle)
     for (int angle = 5; angle <= 50; ++angle)
         for (const double height : {0.0, 0x1p-40, 0x1p-30}) {
             Roofs roofs(angle, height);
-            NearFeatureLists lists;
+            Lists<NearFeatures> lists;
             const PairOfBodies pair{roofs.low, roofs.high};
-            roofs.world.near_features({&pair, 1}, height + std::ldexp(1.0, -angle - 3), lists);
+            roofs.world.pairs().near_features(std::span(&pair, 1), height + std::ldexp(1.0, -angle - 3), lists);
             bool listed = false;
-            for (const NearFeatures& f : lists.features) {
+            for (const NearFeatures& f : lists.items) {
                 EXPECT_GE(f.upper, height) << angle;
                 listed |= f.lower <= height;
             }
             EXPECT_TRUE(listed) << "angle 2^-" << angle << ", height " << height;
             if (height > 0) {
-                EXPECT_FALSE(roofs.world.manifold(roofs.low, roofs.high, {.margin = 2 * height}).regions.empty())
+                EXPECT_FALSE(
+                    roofs.world.pairs().manifold(roofs.low, roofs.high, {.margin = 2 * height}).regions.empty())
                     << angle;
             }
         }
@@ -125,11 +130,11 @@ TEST(KissingBoxes, InACommonRotationAreNoDistanceApartIfTheyCollide)
         Vector3d shift = 0.3 * draw.vector().cwiseProduct(a);
         shift[axis] = a[axis] + b[axis];
         pose_b.translation() = pose_a * shift;
-        const BodyId first = world.add_body({.model = world.add(Box{a}), .pose = pose_a});
+        const BodyId first = world.bodies().add({.model = world.models().add(Box{a}), .pose = pose_a});
         const Shape other = turn % 4 ? Shape(Box{b}) : Shape(Sphere{.radius = b[axis]});
-        const BodyId second = world.add_body({.model = world.add(other), .pose = pose_b});
-        const Finding found = world.decide(first, second);
-        const Distance distance = world.distance(first, second);
+        const BodyId second = world.bodies().add({.model = world.models().add(other), .pose = pose_b});
+        const Finding found = world.pairs().decide(first, second);
+        const Distance distance = world.pairs().distance(first, second);
         if (found.verdict == Verdict::colliding) {
             ++colliding;
             EXPECT_EQ(distance.upper, 0) << turn;

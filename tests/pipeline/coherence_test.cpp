@@ -33,7 +33,7 @@ public:
                          draw_geometry(k % kinds, seed + k),
                          {}});
             geometries_.push_back(geometry);
-            for (auto& world : worlds_) world->add(geometry);
+            for (auto& world : worlds_) world->models().add(geometry);
         }
         for (std::size_t i = 0; i < 36; ++i) bodies_.push_back(drawn(i));
         for (std::size_t i = 0; i < bodies_.size(); ++i) add(i);
@@ -57,18 +57,20 @@ public:
                 if (below(8) == 0) pose.linear() *= 1 + 4e-7 * (u() - 0.5); // at the limit of rigidity
                 pose.translation() += by.translation();
                 body.pose = pose;
-                for (auto& world : worlds_) world->set_pose(world->body_at(body.slot), pose);
+                for (auto& world : worlds_) world->bodies().set_pose(world->bodies().at(body.slot), pose);
             } else if (what < 54) {
                 body.pose = drawn(i).pose;
-                for (auto& world : worlds_) world->set_pose(world->body_at(body.slot), body.pose);
+                for (auto& world : worlds_) world->bodies().set_pose(world->bodies().at(body.slot), body.pose);
             } else if (what < 55) {
                 body.model = static_cast<std::uint32_t>(below(models_));
-                for (auto& world : worlds_) world->set_model(world->body_at(body.slot), world->model_at(body.model));
+                for (auto& world : worlds_)
+                    world->bodies().set_model(world->bodies().at(body.slot), world->models().at(body.model));
             } else if (what < 56) {
                 body.mask = below(2) ? ~0u : 2;
-                for (auto& world : worlds_) world->set_layers(world->body_at(body.slot), 1, body.mask);
+                for (auto& world : worlds_)
+                    world->bodies().set_filter(world->bodies().at(body.slot), {.mask = body.mask});
             } else if (what < 58) {
-                for (auto& world : worlds_) world->remove_body(world->body_at(body.slot));
+                for (auto& world : worlds_) world->bodies().remove(world->bodies().at(body.slot));
                 body = drawn(i + 1000 * below(100));
                 add(i);
             } else if (what < 59) {
@@ -76,13 +78,16 @@ public:
                 const CellState state = below(2) ? CellState::occupied : CellState::free;
                 for (std::uint32_t m = 0; m < models_; ++m)
                     if (std::holds_alternative<OccupancyMap>(geometries_[m]->data))
-                        for (auto& world : worlds_) world->set_cells(world->model_at(m), {&place, 1}, state);
+                        for (auto& world : worlds_)
+                            world->models().edit(world->models().at(m), [&](OccupancyMap& map) {
+                                map.set({&place, 1}, state);
+                            });
             } else {
                 Body& other = bodies_[below(bodies_.size())];
                 if (&other == &body) continue;
                 for (auto& world : worlds_) {
-                    const BodyId a = world->body_at(body.slot), b = world->body_at(other.slot);
-                    world->excluded(a, b) ? world->include(a, b) : world->exclude(a, b);
+                    const BodyId a = world->bodies().at(body.slot), b = world->bodies().at(other.slot);
+                    world->bodies().excluded(a, b) ? world->bodies().include(a, b) : world->bodies().exclude(a, b);
                 }
             }
         }
@@ -92,7 +97,7 @@ public:
     void look()
     {
         const Vector3d place = bodies_[0].pose.translation();
-        for (auto& world : worlds_) world->query(Aabb{place, place});
+        for (auto& world : worlds_) world->space().overlaps(Aabb{place, place});
     }
 
     World& world(std::size_t i) { return *worlds_[i]; }
@@ -102,14 +107,16 @@ public:
         World world(settings);
         for (std::uint32_t m = 0; m < models_; ++m) {
             const Geometry& geometry = *geometries_[m];
-            std::holds_alternative<OccupancyMap>(geometry.data) ? world.add(worlds_[0]->map(worlds_[0]->model_at(m)))
-                                                                : world.add(geometries_[m]);
+            std::holds_alternative<OccupancyMap>(geometry.data)
+                ? world.models().add(worlds_[0]->models().geometry(worlds_[0]->models().at(m)).data)
+                : world.models().add(geometries_[m]);
         }
-        for (std::size_t i = 0; i < bodies_.size(); ++i) world.add_body(spec(world, i));
+        for (std::size_t i = 0; i < bodies_.size(); ++i) world.bodies().add(spec(world, i));
         for (std::uint32_t i = 0; i < bodies_.size(); ++i)
             for (std::uint32_t j = 0; j < i; ++j)
-                if (worlds_[0]->excluded(worlds_[0]->body_at(bodies_[i].slot), worlds_[0]->body_at(bodies_[j].slot)))
-                    world.exclude(world.body_at(i), world.body_at(j));
+                if (worlds_[0]->bodies().excluded(worlds_[0]->bodies().at(bodies_[i].slot),
+                                                  worlds_[0]->bodies().at(bodies_[j].slot)))
+                    world.bodies().exclude(world.bodies().at(i), world.bodies().at(j));
         return world;
     }
 
@@ -130,11 +137,11 @@ private:
     BodySpec spec(const World& world, std::size_t i) const
     {
         const Body& body = bodies_[i];
-        return {.model = world.model_at(body.model), .pose = body.pose, .layer = 1, .mask = body.mask, .user = i};
+        return {.model = world.models().at(body.model), .pose = body.pose, .layer = 1, .mask = body.mask, .user = i};
     }
     void add(std::size_t i)
     {
-        for (auto& world : worlds_) bodies_[i].slot = world->add_body(spec(*world, i)).slot;
+        for (auto& world : worlds_) bodies_[i].slot = world->bodies().add(spec(*world, i)).slot;
     }
 
     std::mt19937_64 random_;
@@ -149,7 +156,8 @@ using Users = std::pair<std::uint64_t, std::uint64_t>;
 std::map<Users, PairResult> by_users(const World& world, const FrameView& frame)
 {
     std::map<Users, PairResult> results;
-    for (const PairResult& r : frame.pairs) results[std::minmax(world.user(r.a), world.user(r.b))] = r;
+    for (const PairResult& r : frame.pairs)
+        results[std::minmax(world.bodies().user(r.a), world.bodies().user(r.b))] = r;
     return results;
 }
 
@@ -279,7 +287,7 @@ TEST_P(Coherence, ChangesNoVerdictAndNoBoundAndKeepsPairsApartThatAre)
                 ASSERT_EQ(now.verdict, r.verdict) << "seed " << seed << " frame " << frame;
                 ++same;
                 if (r.verdict != Verdict::separate || r.bound == 0 || on.mode == Mode::solid) continue;
-                EXPECT_LE(r.bound, fresh.distance(now.a, now.b, 1e-3).upper + 2e-6)
+                EXPECT_LE(r.bound, fresh.pairs().distance(now.a, now.b, {.tolerance = 1e-3}).upper + 2e-6)
                     << "seed " << seed << " frame " << frame;
                 ++bounds;
             }
@@ -301,11 +309,11 @@ INSTANTIATE_TEST_SUITE_P(EverySetting, Coherence, testing::Range(0, 8));
 TEST(CoherenceOfAPair, EndsWhereTheBodiesCanHaveMet)
 {
     World world({.exact = ExactLevel::predicates});
-    const ModelId model = world.add(make_sphere_mesh(0.5, 500));
+    const ModelId model = world.models().add(make_sphere_mesh(0.5, 500));
     Isometry3d still = Isometry3d::Identity(), other = still;
     other.translation() = Vector3d(0.8, 0.8, 0); // their boxes overlap
-    const BodyId a = world.add_body({.model = model, .pose = still});
-    const BodyId b = world.add_body({.model = model, .pose = other});
+    const BodyId a = world.bodies().add({.model = model, .pose = still});
+    const BodyId b = world.bodies().add({.model = model, .pose = other});
     const auto step = [&] {
         const FrameView view = world.step();
         EXPECT_EQ(view.pairs.size(), 1u);
@@ -318,7 +326,7 @@ TEST(CoherenceOfAPair, EndsWhereTheBodiesCanHaveMet)
     EXPECT_FALSE(kept_first);
 
     other.translation().x() -= 0.25 * gap;
-    world.set_pose(b, other);
+    world.bodies().set_pose(b, other);
     const auto [second, kept] = step();
     EXPECT_TRUE(kept);
     EXPECT_NEAR(second.bound, 0.75 * gap, 1e-5 * gap);
@@ -326,25 +334,25 @@ TEST(CoherenceOfAPair, EndsWhereTheBodiesCanHaveMet)
     EXPECT_TRUE(step().second) << "at rest";
 
     still.translation().y() -= 0.25 * gap;
-    world.set_pose(a, still);
+    world.bodies().set_pose(a, still);
     EXPECT_TRUE(step().second);
     for (const double x : {0.3, -0.3}) { // there and back in one frame: the motion counts
         other.translation().x() += x * gap;
-        world.set_pose(b, other);
+        world.bodies().set_pose(b, other);
     }
     const auto [walked, kept_no_more] = step();
     EXPECT_FALSE(kept_no_more);
     EXPECT_GT(walked.bound, 0.01) << "looked up anew";
     EXPECT_TRUE(step().second);
-    world.replace(model, make_sphere_mesh(0.5, 400));
+    world.models().replace(model, make_sphere_mesh(0.5, 400));
     EXPECT_FALSE(step().second) << "another geometry";
     EXPECT_TRUE(step().second);
-    world.exclude(a, b);
+    world.bodies().exclude(a, b);
     EXPECT_TRUE(world.step().pairs.empty());
-    world.include(a, b);
+    world.bodies().include(a, b);
     EXPECT_FALSE(step().second) << "no candidates meanwhile";
     other.translation() = Vector3d(0.1, 0.1, 0);
-    world.set_pose(b, other);
+    world.bodies().set_pose(b, other);
     EXPECT_EQ(step().first.verdict, Verdict::colliding);
 }
 

@@ -19,9 +19,9 @@ struct Yard {
 
     explicit Yard(const Settings& settings, std::vector<int> order = {0, 1, 2}) : world(settings)
     {
-        const ModelId models[] = {world.add(make_box_mesh({100, 100, 1}), "ground"),
-                                  world.add(make_sphere_mesh(1, 800), "ball"),
-                                  world.add(make_box_mesh({10, 10, 20}), "tower")};
+        const ModelId models[] = {world.models().add(make_box_mesh({100, 100, 1}), "ground"),
+                                  world.models().add(make_sphere_mesh(1, 800), "ball"),
+                                  world.models().add(make_box_mesh({10, 10, 20}), "tower")};
         std::mt19937 random(7);
         std::uniform_real_distribution<double> place(-90, 90), above(-0.2, 0.6);
         std::vector<BodySpec> specs[3];
@@ -39,7 +39,7 @@ struct Yard {
         }
         for (int k : order)
             for (const BodySpec& spec : specs[k]) {
-                const BodyId id = world.add_body(spec);
+                const BodyId id = world.bodies().add(spec);
                 k == 0 ? void(ground = id) : (k == 1 ? small : large).push_back(id);
             }
     }
@@ -51,13 +51,13 @@ TEST_P(Dial, GivesEachPairOnePercentOfTheSmallerBody)
 {
     Yard yard({.exact = ExactLevel::off, .bounding_volume = GetParam()});
     const double ball = 0.01 * 2 * std::sqrt(3.0), tower = 0.01 * 2 * std::sqrt(600.0);
-    EXPECT_NEAR(yard.world.max_error(yard.ground, yard.small[0]), ball, 0.01 * ball);
-    EXPECT_NEAR(yard.world.max_error(yard.large[0], yard.small[0]), ball, 0.01 * ball);
-    EXPECT_NEAR(yard.world.max_error(yard.large[0], yard.ground), tower, 1e-9);
+    EXPECT_NEAR(yard.world.pairs().max_error(yard.ground, yard.small[0]), ball, 0.01 * ball);
+    EXPECT_NEAR(yard.world.pairs().max_error(yard.large[0], yard.small[0]), ball, 0.01 * ball);
+    EXPECT_NEAR(yard.world.pairs().max_error(yard.large[0], yard.ground), tower, 1e-9);
     int within = 0, wide = 0;
     for (const PairResult& pair : yard.world.step().pairs) {
-        const double error = yard.world.max_error(pair.a, pair.b);
-        const Distance distance = yard.world.distance(pair.a, pair.b, 1e-9);
+        const double error = yard.world.pairs().max_error(pair.a, pair.b);
+        const Distance distance = yard.world.pairs().distance(pair.a, pair.b, {.tolerance = 1e-9});
         if (pair.verdict == Verdict::separate) {
             EXPECT_GT(distance.upper, 0);
             EXPECT_LE(pair.bound, distance.upper * (1 + 1e-9));
@@ -77,13 +77,13 @@ TEST_P(Dial, IsKeptByWithinHoweverSmallItIs)
     const bool spheres = GetParam() == BoundingVolume::sphere;
     for (const double error : {4e-6, 1e-3}) {
         World world({.max_error = error, .bounding_volume = GetParam()});
-        const ModelId ball = world.add(make_sphere_mesh(1, 800), "ball"),
-                      box = world.add(make_box_mesh({1, 2, 3}), "box");
+        const ModelId ball = world.models().add(make_sphere_mesh(1, 800), "ball"),
+                      box = world.models().add(make_box_mesh({1, 2, 3}), "box");
         Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-        const BodyId a = world.add_body({.model = box, .pose = pose});
+        const BodyId a = world.bodies().add({.model = box, .pose = pose});
         pose.translation() << 1.9, 0.3, 0.2;
-        const BodyId b = world.add_body({.model = ball, .pose = pose});
-        for (const Finding& found : {world.decide(a, b), Finding(world.step().pairs[0])}) {
+        const BodyId b = world.bodies().add({.model = ball, .pose = pose});
+        for (const Finding& found : {world.pairs().decide(a, b), Finding(world.step().pairs[0])}) {
             // The deepest spheres are 2^-16 of the bodies.
             EXPECT_EQ(found.verdict, spheres && error < 1e-4 ? Verdict::undecided : Verdict::within);
             if (found.verdict == Verdict::within) {
@@ -101,14 +101,15 @@ TEST_P(Dial, IsThatOfThePairWhateverOtherPairsNeed)
         std::map<std::array<double, 6>, std::pair<Verdict, double>> found;
         for (int frame = 0; frame < 2; ++frame) { // the second frame has trees that other pairs have refined
             if (frame == 0 && !together)
-                for (BodyId ball : yard.small) yard.world.set_layers(ball, 2, 2);
+                for (BodyId ball : yard.small) yard.world.bodies().set_filter(ball, {.layer = 2, .mask = 2});
             else
-                for (BodyId ball : yard.small) yard.world.set_layers(ball, 1, ~0u);
+                for (BodyId ball : yard.small) yard.world.bodies().set_filter(ball, {});
             const auto pairs = yard.world.step().pairs;
             found.clear();
             for (const PairResult& pair : pairs) {
                 std::array<double, 6> key;
-                Eigen::Vector3d a = yard.world.pose(pair.a).translation(), b = yard.world.pose(pair.b).translation();
+                Eigen::Vector3d a = yard.world.bodies().pose(pair.a).translation(),
+                                b = yard.world.bodies().pose(pair.b).translation();
                 if (std::ranges::lexicographical_compare(b, a)) std::swap(a, b);
                 std::copy_n(a.data(), 3, key.begin()), std::copy_n(b.data(), 3, key.begin() + 3);
                 found[key] = {pair.verdict, pair.verdict == Verdict::within ? pair.bound : 0};

@@ -41,11 +41,13 @@ protected:
     SweepResult slide(ModelId body, double gap, SweepStop stop, bool swap)
     {
         const MovingModel moves{body, {at(-5, 0, 0.5 + gap), at(5, 0, 0.5 + gap)}}, rests{room, {at(0, 0, 0)}};
-        return swap ? world.sweep(rests, moves, {.stop = stop}) : world.sweep(moves, rests, {.stop = stop});
+        return swap ? world.pairs().sweep(rests, moves, {.stop = stop})
+                    : world.pairs().sweep(moves, rests, {.stop = stop});
     }
     World world;
-    const ModelId room = world.add(make_room()), box = world.add(Shape(Box{{0.5, 0.5, 0.5}})),
-                  mesh = world.add(make_box_mesh({0.5, 0.5, 0.5})), ball = world.add(Shape(Sphere{0.5}));
+    const ModelId room = world.models().add(make_room()), box = world.models().add(Shape(Box{{0.5, 0.5, 0.5}})),
+                  mesh = world.models().add(make_box_mesh({0.5, 0.5, 0.5})),
+                  ball = world.models().add(Shape(Sphere{0.5}));
 };
 
 TEST_F(Room, ABodyThatSlidesOverTheFloorMeetsTheWall)
@@ -96,8 +98,8 @@ TEST_F(Room, BodiesThatPartAreNoContactThatPresses)
 {
     const MovingModel lifts{box, {at(0, 0, 0.5), at(0, 0, 2)}}, falls{box, {at(0, 0, 0.5), at(0, 0, 0.4)}},
         rests{room, {at(0, 0, 0)}};
-    const SweepResult up = world.sweep(lifts, rests, {.stop = SweepStop::press}),
-                      down = world.sweep(falls, rests, {.stop = SweepStop::press});
+    const SweepResult up = world.pairs().sweep(lifts, rests, {.stop = SweepStop::press}),
+                      down = world.pairs().sweep(falls, rests, {.stop = SweepStop::press});
     EXPECT_EQ(up.verdict, Verdict::within);
     EXPECT_EQ(up.clear_until, 0) << "they touch";
     EXPECT_EQ(up.grazes_until, 1);
@@ -111,12 +113,13 @@ TEST(GrazingSweeps, ABallFallsOntoPlatesOfAnySize)
     for (const auto& [half, tolerance] : {std::pair(1e3, 1e-9), std::pair(1e7, 1e-4)})
         for (const bool as_mesh : {false, true}) {
             World world;
-            const ModelId ball = world.add(Shape(Sphere{0.5})),
-                          plate = as_mesh ? world.add(make_box_mesh({half, half, 0.5}))
-                                          : world.add(Shape(Box{{half, half, 0.5}}));
+            const ModelId ball = world.models().add(Shape(Sphere{0.5})),
+                          plate = as_mesh ? world.models().add(make_box_mesh({half, half, 0.5}))
+                                          : world.models().add(Shape(Box{{half, half, 0.5}}));
             const MovingModel falls{ball, {at(0.1, 0.2, 5), at(0.1, 0.2, -5)}}, rests{plate, {at(0, 0, 0)}};
             const SweepOptions options{.time_tolerance = tolerance, .gap_tolerance = tolerance};
-            for (const SweepResult& r : {world.sweep(falls, rests, options), world.sweep(rests, falls, options)}) {
+            for (const SweepResult& r :
+                 {world.pairs().sweep(falls, rests, options), world.pairs().sweep(rests, falls, options)}) {
                 EXPECT_EQ(r.verdict, Verdict::colliding) << half;
                 EXPECT_LE(r.clear_until, 0.4);
                 EXPECT_NEAR(r.contact_by, 0.4, tolerance) << half;
@@ -128,14 +131,16 @@ TEST(GrazingSweeps, ABallFallsOntoPlatesOfAnySize)
 TEST(GrazingSweeps, ACastPassesTheFloorAndFindsTheWall)
 {
     World world;
-    const ModelId box = world.add(Shape(Box{{0.5, 0.5, 0.5}}));
-    const BodyId floor = world.add_body({.model = world.add(make_box_mesh({10, 10, 0.5})), .pose = at(0, 0, -0.5)}),
-                 wall = world.add_body({.model = world.add(make_box_mesh({0.1, 5, 2})), .pose = at(3, 0, 2)});
+    const ModelId box = world.models().add(Shape(Box{{0.5, 0.5, 0.5}}));
+    const BodyId floor = world.bodies().add(
+                     {.model = world.models().add(make_box_mesh({10, 10, 0.5})), .pose = at(0, 0, -0.5)}),
+                 wall =
+                     world.bodies().add({.model = world.models().add(make_box_mesh({0.1, 5, 2})), .pose = at(3, 0, 2)});
     world.step();
     const MovingModel slides{box, {at(-5, 0, 0.5 + 1e-13), at(5, 0, 0.5 + 1e-13)}},
         rests{box, {at(-5, 0, 0.5), at(5, 0, 0.5)}}, lifts{box, {at(-5, 0, 0.5), at(-5, 0, 3)}};
-    const SweepHit hit = world.cast(slides), touch = world.cast(slides, {}, {.stop = SweepStop::touch}),
-                   press = world.cast(rests, {}, {.stop = SweepStop::press});
+    const SweepHit hit = world.space().cast(slides), touch = world.space().cast(slides, {}, {.stop = SweepStop::touch}),
+                   press = world.space().cast(rests, {}, {.stop = SweepStop::press});
     EXPECT_EQ(hit.body, wall);
     EXPECT_EQ(hit.clear_until, 0) << "the floor";
     EXPECT_NEAR(hit.contact_by, 0.74, 1e-4);
@@ -143,9 +148,9 @@ TEST(GrazingSweeps, ACastPassesTheFloorAndFindsTheWall)
     EXPECT_EQ(touch.body, floor);
     EXPECT_EQ(press.body, wall);
     EXPECT_NEAR(press.contact_by, 0.74, 1e-4);
-    EXPECT_EQ(world.cast(rests).body, floor);
-    EXPECT_EQ(world.cast(lifts, {}, {.stop = SweepStop::press}).verdict, Verdict::separate);
-    EXPECT_TRUE(world.cast_all(lifts, {}, {.stop = SweepStop::press}).empty());
+    EXPECT_EQ(world.space().cast(rests).body, floor);
+    EXPECT_EQ(world.space().cast(lifts, {}, {.stop = SweepStop::press}).verdict, Verdict::separate);
+    EXPECT_TRUE(world.space().cast_all(lifts, {}, {.stop = SweepStop::press}).empty());
 }
 
 TEST(GrazingSweeps, AStepTakesTheSameOptionsOnAnyNumberOfThreads)
@@ -154,12 +159,12 @@ TEST(GrazingSweeps, AStepTakesTheSameOptionsOnAnyNumberOfThreads)
         std::uint64_t hash = 0;
         for (const int threads : {1, 3}) {
             World world({.threads = threads});
-            const ModelId box = world.add(Shape(Box{{0.5, 0.5, 0.5}}));
-            world.add_body({.model = world.add(make_room()), .is_static = true});
+            const ModelId box = world.models().add(Shape(Box{{0.5, 0.5, 0.5}}));
+            world.bodies().add({.model = world.models().add(make_room()), .is_static = true});
             world.set_sweep_options({.stop = stop});
             for (int i = 0; i < 3; ++i) {
-                const BodyId body = world.add_body({.model = box, .pose = at(-5, 2.0 * i - 2, 0.5 + 1e-13)});
-                world.set_motion(body, at(5, 2.0 * i - 2, 0.5 + 1e-13));
+                const BodyId body = world.bodies().add({.model = box, .pose = at(-5, 2.0 * i - 2, 0.5 + 1e-13)});
+                world.bodies().set_motion(body, at(5, 2.0 * i - 2, 0.5 + 1e-13));
             }
             const FrameView frame = world.step();
             EXPECT_EQ(frame.sweeps.size(), 3u);

@@ -33,15 +33,15 @@ Isometry3d place(std::uint64_t body, std::uint64_t frame)
 Crowd crowd_of(const Settings& settings, const Isometry3d& ground, bool fixed, std::uint64_t count)
 {
     Crowd crowd{World(settings), {}, {}, {}, {}};
-    crowd.ground =
-        crowd.world.add_body({.model = crowd.world.add(Shape(HalfSpace{})), .pose = ground, .is_static = fixed});
+    crowd.ground = crowd.world.bodies().add(
+        {.model = crowd.world.models().add(Shape(HalfSpace{})), .pose = ground, .is_static = fixed});
     crowd.geometries = {Shape(Sphere{0.5}),  Shape(Box{{0.4, 0.5, 0.6}}), make_torus_mesh(0.5, 0.2, 300),
                         draw_geometry(7, 1), draw_geometry(9, 1),         small_terrain(1)};
     for (const GeometryData& g : crowd.geometries)
-        crowd.models.push_back(std::visit([&](const auto& one) { return crowd.world.add(one); }, g));
+        crowd.models.push_back(std::visit([&](const auto& one) { return crowd.world.models().add(one); }, g));
     for (std::uint64_t i = 0; i < count; ++i)
         crowd.bodies.push_back(
-            crowd.world.add_body({.model = crowd.models[i % crowd.models.size()], .pose = place(i, 0)}));
+            crowd.world.bodies().add({.model = crowd.models[i % crowd.models.size()], .pose = place(i, 0)}));
     return crowd;
 }
 
@@ -52,8 +52,9 @@ std::pair<std::uint64_t, std::size_t> played(const Settings& settings, const Iso
     std::size_t pairs = 0;
     for (std::uint64_t frame = 0; frame < 3; ++frame) {
         for (std::uint64_t i = frame % 2; i < crowd.bodies.size(); i += 2)
-            crowd.world.set_pose(crowd.bodies[i], place(i, frame));
-        if (!fixed) crowd.world.set_pose(crowd.ground, Eigen::Translation3d(0, 0, 0.01 * double(frame)) * ground);
+            crowd.world.bodies().set_pose(crowd.bodies[i], place(i, frame));
+        if (!fixed)
+            crowd.world.bodies().set_pose(crowd.ground, Eigen::Translation3d(0, 0, 0.01 * double(frame)) * ground);
         pairs += crowd.world.step().pairs.size();
     }
     return {crowd.world.hash(), pairs};
@@ -112,7 +113,7 @@ TEST(HalfSpaces, AlongTheAxesArePairsOnlyOfWhatReachesTheirPlane)
 {
     Crowd crowd = crowd_of({}, Isometry3d::Identity(), true, 2000);
     crowd.world.step();
-    const auto stages = crowd.world.stages();
+    const auto stages = all_stage_names();
     std::size_t above = 0;
     for (std::uint64_t i = 0; i < crowd.bodies.size(); ++i) above += place(i, 0).translation().z() > 2.5;
     ASSERT_GT(above, 500u);

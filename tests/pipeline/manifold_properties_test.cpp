@@ -29,12 +29,13 @@ TEST(Manifolds, EveryTwoKindsKeepTheirPromises)
                 const PairOfBodies there{two.a, two.b}, back{two.b, two.a};
                 ManifoldLists first, second;
                 const ManifoldOptions options{.margin = seed % 2 ? 0.05 : 0};
-                two.world.manifolds({&there, 1}, options, first), two.world.manifolds({&back, 1}, options, second);
+                two.world.pairs().manifold(std::span(&there, 1), options, first),
+                    two.world.pairs().manifold(std::span(&back, 1), options, second);
                 EXPECT_EQ(hash_of(first), hash_of(swapped(second))) << where;
                 const Manifold m = two.manifold(options);
                 check(m, where);
                 regions += m.regions.size();
-                const Verdict verdict = two.world.decide(two.a, two.b).verdict;
+                const Verdict verdict = two.world.pairs().decide(two.a, two.b).verdict;
                 const bool planes = i + 1 == kinds && k + 1 == kinds;
                 if (verdict == Verdict::colliding && !planes) {
                     EXPECT_FALSE(m.regions.empty()) << where;
@@ -177,7 +178,7 @@ TEST(Manifolds, NoContactIsFartherThanLost)
         const std::string where = fmt::format("seed {}", seed);
         check(m, where);
         EXPECT_TRUE(m.complete);
-        const std::vector<Contact> contacts = two.world.contacts(two.a, two.b);
+        const std::vector<Contact> contacts = two.world.pairs().contacts(two.a, two.b);
         EXPECT_EQ(contacts.empty(), m.regions.empty()) << where;
         for (const Contact& c : contacts)
             for (const Vector3d& end : c.ends) {
@@ -223,14 +224,14 @@ TEST(Manifolds, DoNotDependOnThreads)
     std::vector<std::uint64_t> hashes;
     for (const int threads : {1, 2, 8}) {
         World world({.threads = threads});
-        const ModelId knot = world.add(make_torus_knot_mesh(2, 3, 0.4, 0.2, 0.08, 400));
+        const ModelId knot = world.models().add(make_torus_knot_mesh(2, 3, 0.4, 0.2, 0.08, 400));
         std::vector<PairOfBodies> pairs;
         std::vector<BodyId> bodies;
         for (std::uint64_t i = 0; i < 24; ++i)
-            bodies.push_back(world.add_body({.model = knot, .pose = random_pose(i, 0.5)}));
+            bodies.push_back(world.bodies().add({.model = knot, .pose = random_pose(i, 0.5)}));
         for (std::size_t i = 0; i + 1 < bodies.size(); ++i) pairs.push_back({bodies[i], bodies[i + 1]});
         ManifoldLists lists;
-        world.manifolds(pairs, {}, lists);
+        world.pairs().manifold(pairs, {}, lists);
         EXPECT_EQ(lists.offsets.size(), pairs.size() + 1);
         EXPECT_EQ(lists.complete.size(), pairs.size());
         EXPECT_GT(lists.regions.size(), 0u);
@@ -257,8 +258,8 @@ TEST(Manifolds, CapsAreToldAndBadOptionsAreErrors)
     EXPECT_THROW((void)two.manifold({.normal_spread = 2}), Error);
     EXPECT_THROW((void)two.manifold({.points_per_region = 0}), Error);
     const BodyId gone = two.b;
-    two.world.remove_body(two.b);
-    EXPECT_THROW((void)two.world.manifold(two.a, gone), Error);
+    two.world.bodies().remove(two.b);
+    EXPECT_THROW((void)two.world.pairs().manifold(two.a, gone), Error);
 }
 
 TEST(Manifolds, RationalArithmeticContradictsNoClaim)
@@ -325,14 +326,15 @@ TEST(Manifolds, RegionsAndPairsShareTheLimitOfPointsInTurn)
     }
     // Two pairs: a deep one with many points, and a box on another with four. Each gets its share.
     World world({.threads = 1});
-    const ModelId model = world.add(knot), box = world.add(make_box_mesh({1, 1, 1}));
-    const std::vector<BodyId> bodies = {
-        world.add_body({.model = model}), world.add_body({.model = model, .pose = random_pose(3, 0.1)}),
-        world.add_body({.model = box, .pose = at(9, 0, 0)}), world.add_body({.model = box, .pose = at(9, 0.1, 1.999)})};
+    const ModelId model = world.models().add(knot), box = world.models().add(make_box_mesh({1, 1, 1}));
+    const std::vector<BodyId> bodies = {world.bodies().add({.model = model}),
+                                        world.bodies().add({.model = model, .pose = random_pose(3, 0.1)}),
+                                        world.bodies().add({.model = box, .pose = at(9, 0, 0)}),
+                                        world.bodies().add({.model = box, .pose = at(9, 0.1, 1.999)})};
     const std::vector<PairOfBodies> pairs = {{bodies[0], bodies[1]}, {bodies[2], bodies[3]}};
     ManifoldLists lists;
     for (const std::uint32_t most : {1u, 2u, 6u, 10u}) {
-        world.manifolds(pairs, {.points_in_all = most}, lists);
+        world.pairs().manifold(pairs, {.points_in_all = most}, lists);
         ASSERT_EQ(lists.points.size(), most);
         EXPECT_FALSE(lists.complete[0]);
         std::size_t of_box = 0;

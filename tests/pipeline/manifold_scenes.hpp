@@ -69,12 +69,12 @@ struct Two {
         : world({.threads = 1})
     {
         const auto add = [&](const GeometryData& data, const Isometry3d& pose) {
-            return world.add_body(
-                {.model = world.add(std::make_shared<const Geometry>(Geometry{"", data, {}})), .pose = pose});
+            return world.bodies().add(
+                {.model = world.models().add(std::make_shared<const Geometry>(Geometry{"", data, {}})), .pose = pose});
         };
         a = add(of_a, pose_a), b = add(of_b, pose_b);
     }
-    Manifold manifold(const ManifoldOptions& options = {}) const { return world.manifold(a, b, options); }
+    Manifold manifold(const ManifoldOptions& options = {}) const { return world.pairs().manifold(a, b, options); }
 };
 
 inline void expect_near(const Vector3d& x, const Vector3d& y, double tolerance, const std::string& what)

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <oncollide/pipeline/manifold_tracker.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/generators.hpp>
 
@@ -40,16 +41,16 @@ Mesh flat_ground(double half, int cells)
 TEST(ManifoldTracker, FollowsABoxThatSlidesOverManyTriangles)
 {
     World world({.threads = 1});
-    const BodyId ground = world.add_body({.model = world.add(flat_ground(2, 100)), .is_static = true});
-    const BodyId box = world.add_body({.model = world.add(make_box_mesh({0.25, 0.2, 0.1}))});
+    const BodyId ground = world.bodies().add({.model = world.models().add(flat_ground(2, 100)), .is_static = true});
+    const BodyId box = world.bodies().add({.model = world.models().add(make_box_mesh({0.25, 0.2, 0.1}))});
     const PairOfBodies pair{box, ground};
     ManifoldTracker tracker;
     ManifoldLists lists;
     std::size_t kept = 0, all = 0;
     std::set<std::uint64_t> ids;
     for (int frame = 0; frame < 200; ++frame) {
-        world.set_pose(box, at({-0.5 + 0.005 * frame, 0.0123 + 0.001 * frame, 0.0999}));
-        world.manifolds({&pair, 1}, {}, lists);
+        world.bodies().set_pose(box, at({-0.5 + 0.005 * frame, 0.0123 + 0.001 * frame, 0.0999}));
+        world.pairs().manifold(std::span(&pair, 1), {}, lists);
         const auto& update = tracker.update(world, {&pair, 1}, lists);
         ASSERT_EQ(update.previous.size(), lists.points.size());
         for (const std::uint64_t id : update.ids) ids.insert(id);
@@ -60,26 +61,26 @@ TEST(ManifoldTracker, FollowsABoxThatSlidesOverManyTriangles)
     EXPECT_GE(kept, 0.99 * all);
     EXPECT_EQ(ids.size(), 4u);
     // It leaves, and comes back with new ids.
-    world.set_pose(box, at({0, 0, 5}));
-    world.manifolds({&pair, 1}, {}, lists);
+    world.bodies().set_pose(box, at({0, 0, 5}));
+    world.pairs().manifold(std::span(&pair, 1), {}, lists);
     EXPECT_EQ(tracker.update(world, {&pair, 1}, lists).ended.size(), 4u);
-    world.set_pose(box, at({0, 0, 0.0999}));
-    world.manifolds({&pair, 1}, {}, lists);
+    world.bodies().set_pose(box, at({0, 0, 0.0999}));
+    world.pairs().manifold(std::span(&pair, 1), {}, lists);
     for (const std::uint64_t id : tracker.update(world, {&pair, 1}, lists).ids) EXPECT_FALSE(ids.contains(id));
 }
 
 TEST(ManifoldTracker, MatchesOneToOneAndRefusesOtherLengths)
 {
     World world({.threads = 1});
-    const ModelId box = world.add(make_box_mesh({0.5, 0.5, 0.5}));
+    const ModelId box = world.models().add(make_box_mesh({0.5, 0.5, 0.5}));
     std::vector<PairOfBodies> pairs;
     std::vector<BodyId> bodies;
-    for (int i = 0; i < 4; ++i) bodies.push_back(world.add_body({.model = box, .pose = at({0, 0, 0.999 * i})}));
+    for (int i = 0; i < 4; ++i) bodies.push_back(world.bodies().add({.model = box, .pose = at({0, 0, 0.999 * i})}));
     for (std::size_t i = 0; i + 1 < bodies.size(); ++i) pairs.push_back({bodies[i + 1], bodies[i]});
     ManifoldTracker tracker;
     ManifoldLists lists;
     for (int frame = 0; frame < 3; ++frame) {
-        world.manifolds(pairs, {}, lists);
+        world.pairs().manifold(pairs, {}, lists);
         const auto& update = tracker.update(world, pairs, lists);
         const std::set<std::uint32_t> previous(update.previous.begin(), update.previous.end());
         EXPECT_EQ(previous.size(), frame ? lists.points.size() : 1);
@@ -135,18 +136,18 @@ TEST(NearFeatures, FindAllThatBruteForceFinds)
         const Mesh mesh_b = make_sphere_mesh(0.3, 60);
         const Isometry3d pose_a = random_pose(seed, 0.2), pose_b = random_pose(seed + 40, 0.3);
         World world({.threads = 1});
-        const PairOfBodies pair{world.add_body({.model = world.add(mesh_a), .pose = pose_a}),
-                                world.add_body({.model = world.add(mesh_b), .pose = pose_b})};
+        const PairOfBodies pair{world.bodies().add({.model = world.models().add(mesh_a), .pose = pose_a}),
+                                world.bodies().add({.model = world.models().add(mesh_b), .pose = pose_b})};
         const double dhat = 0.05;
-        NearFeatureLists lists;
-        world.near_features({&pair, 1}, dhat, lists);
+        Lists<NearFeatures> lists;
+        world.pairs().near_features(std::span(&pair, 1), dhat, lists);
         const std::set<std::pair<FeatureBits, FeatureBits>> found = [&] {
             std::set<std::pair<FeatureBits, FeatureBits>> all;
-            for (const NearFeatures& f : lists.features) all.emplace(f.a, f.b);
+            for (const NearFeatures& f : lists.items) all.emplace(f.a, f.b);
             return all;
         }();
-        EXPECT_EQ(found.size(), lists.features.size());
-        for (const NearFeatures& f : lists.features) {
+        EXPECT_EQ(found.size(), lists.items.size());
+        for (const NearFeatures& f : lists.items) {
             EXPECT_LE(f.lower, dhat);
             EXPECT_LE(f.upper - f.lower, 1e-9);
             EXPECT_NEAR((f.point_a - f.point_b).norm(), f.upper, 1e-9);
@@ -177,7 +178,7 @@ TEST(NearFeatures, FindAllThatBruteForceFinds)
                             v{pose_b * mesh_b.vertices[t[k]], pose_b * mesh_b.vertices[t[(k + 1) % 3]]};
                         const double distance = least_distance(u, v);
                         if (distance > dhat - 1e-6 || distance < 1e-6) continue;
-                        const bool listed = std::ranges::any_of(lists.features, [&](const NearFeatures& f) {
+                        const bool listed = std::ranges::any_of(lists.items, [&](const NearFeatures& f) {
                             return f.lower <= distance + 1e-6 && least_distance({f.point_a}, u) < 1e-6 &&
                                    least_distance({f.point_b}, v) < 1e-6;
                         });
@@ -187,11 +188,11 @@ TEST(NearFeatures, FindAllThatBruteForceFinds)
     }
     EXPECT_GT(total, 1000u);
     World world;
-    const ModelId ball = world.add(Shape(Sphere{1}));
-    const PairOfBodies pair{world.add_body({.model = ball}), world.add_body({.model = ball})};
-    NearFeatureLists lists;
-    EXPECT_THROW(world.near_features({&pair, 1}, 0.1, lists), Error);
-    EXPECT_THROW(world.near_features({}, -0.1, lists), Error);
+    const ModelId ball = world.models().add(Shape(Sphere{1}));
+    const PairOfBodies pair{world.bodies().add({.model = ball}), world.bodies().add({.model = ball})};
+    Lists<NearFeatures> lists;
+    EXPECT_THROW(world.pairs().near_features(std::span(&pair, 1), 0.1, lists), Error);
+    EXPECT_THROW(world.pairs().near_features(std::span(&pair, 1), -0.1, lists), Error);
 }
 
 } // namespace

@@ -64,7 +64,7 @@ TEST(Manifolds, JoinedFacesCountInTheMemoryOfAWorld)
     const std::size_t after = two.world.inspect().bytes;
     EXPECT_GE(after - before, std::size_t{13 * 4800}); // neighbours and ridges of each triangle
     EXPECT_LT(after - before, std::size_t{40 * 4800});
-    two.world.set_pose(two.a, at(0, 0, 1.98));
+    two.world.bodies().set_pose(two.a, at(0, 0, 1.98));
     (void)two.manifold();
     EXPECT_EQ(two.world.inspect().bytes, after);
 }

@@ -7,7 +7,6 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/walks/traversal.hpp>
-#include <oncollide/pipeline/mesh_queries.hpp>
 #include <oncollide/pipeline/results.hpp>
 #include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/generators.hpp>
@@ -116,16 +115,16 @@ TEST(Contacts, AreAllPairsOfBruteForceWithPointsOnBothTriangles)
 {
     const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300);
     World world;
-    const ModelId model = world.add(knot);
-    const BodyId a = world.add_body({.model = model}), b = world.add_body({.model = model});
+    const ModelId model = world.models().add(knot);
+    const BodyId a = world.bodies().add({.model = model}), b = world.bodies().add({.model = model});
     Scene scene = two(knot, knot);
     std::size_t found = 0;
     for (std::uint64_t seed = 20; seed < 26; ++seed) {
         scene.set_pose(SceneBodyId{0}, random_pose(seed, 100)),
             scene.set_pose(SceneBodyId{1}, scene.poses[0] * random_pose(seed + 50, 0.7));
         const auto expected = brute_force(knot, knot, scene.poses[0], scene.poses[1]);
-        world.set_pose(a, scene.poses[0]), world.set_pose(b, scene.poses[1]);
-        const std::vector<Contact> contacts = world.contacts(a, b);
+        world.bodies().set_pose(a, scene.poses[0]), world.bodies().set_pose(b, scene.poses[1]);
+        const std::vector<Contact> contacts = world.pairs().contacts(a, b);
         ASSERT_EQ(contacts.size(), expected.size());
         found += contacts.size();
         for (std::size_t k = 0; k < contacts.size(); ++k) {
@@ -144,51 +143,58 @@ TEST(Contacts, AreAllPairsOfBruteForceWithPointsOnBothTriangles)
     EXPECT_GT(found, 50u);
 
     World crowd({.threads = 3});
-    const ModelId shape = crowd.add(knot);
+    const ModelId shape = crowd.models().add(knot);
     std::vector<PairOfBodies> pairs;
     for (std::uint32_t i = 0; i < 30; ++i) {
-        crowd.add_body({.model = shape, .pose = random_pose(i, 1.2)});
-        for (std::uint32_t j = 0; j < i; ++j) pairs.push_back({crowd.body_at(j), crowd.body_at(i)});
+        crowd.bodies().add({.model = shape, .pose = random_pose(i, 1.2)});
+        for (std::uint32_t j = 0; j < i; ++j) pairs.push_back({crowd.bodies().at(j), crowd.bodies().at(i)});
     }
-    ContactLists lists;
-    crowd.contacts(pairs, lists);
+    Lists<Contact> lists;
+    crowd.pairs().contacts(pairs, lists);
     ASSERT_EQ(lists.offsets.size(), pairs.size() + 1);
     std::size_t begin = 0;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-        const auto alone = crowd.contacts(pairs[i].a, pairs[i].b);
+        const auto alone = crowd.pairs().contacts(pairs[i].a, pairs[i].b);
         ASSERT_EQ(lists.offsets[i + 1] - begin, alone.size());
         for (std::size_t k = 0; k < alone.size(); ++k) {
-            EXPECT_EQ(lists.contacts[begin + k].a.triangle, alone[k].a.triangle);
-            EXPECT_EQ(lists.contacts[begin + k].ends, alone[k].ends);
+            EXPECT_EQ(lists.items[begin + k].a.triangle, alone[k].a.triangle);
+            EXPECT_EQ(lists.items[begin + k].ends, alone[k].ends);
         }
         begin = lists.offsets[i + 1];
     }
     EXPECT_GT(begin, 1000u);
 
-    EXPECT_THROW(world.contacts(a, BodyId{7}), Error);
+    EXPECT_THROW(world.pairs().contacts(a, BodyId{7}), Error);
     scene.set_position(SceneBodyId{1}, scene.poses.position(1) + Eigen::Vector3d(50, 0, 0));
-    world.set_pose(b, scene.poses[1]);
-    EXPECT_TRUE(world.contacts(a, b).empty());
+    world.bodies().set_pose(b, scene.poses[1]);
+    EXPECT_TRUE(world.pairs().contacts(a, b).empty());
 }
 
-TEST(MeshQueries, AnswerAsBruteForceForManyPosesAndSizes)
+TEST(PairsOfModels, AnswerAsBruteForceForManyPosesAndSizes)
 {
     const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300);
     const std::vector<Mesh> meshes{knot, scaled(knot, 0.04, {0, 0, 0}), make_soup_mesh(120, 0.5, 1.5, 6)};
-    std::vector<MeshQuery> queries;
-    for (std::uint32_t i = 0; i < 60; ++i) {
-        const Eigen::Isometry3d at = random_pose(i, 100);
-        queries.push_back({i % 3, (i / 3) % 3, at, at * random_pose(i + 500, i % 3 == 1 ? 0.6 : 1.3)});
+    World conservative({.exact = ExactLevel::off}), exact({.exact = ExactLevel::predicates}),
+        threaded({.exact = ExactLevel::predicates, .threads = 3});
+    std::vector<PairOfModels> of_world[3];
+    for (int w = 0; World* const world : {&conservative, &exact, &threaded}) {
+        std::vector<ModelId> models;
+        for (const Mesh& mesh : meshes) models.push_back(world->models().add(mesh));
+        for (std::uint32_t i = 0; i < 60; ++i) {
+            const Eigen::Isometry3d at = random_pose(i, 100);
+            of_world[w].push_back(
+                {{models[i % 3], at}, {models[(i / 3) % 3], at * random_pose(i + 500, i % 3 == 1 ? 0.6 : 1.3)}});
+        }
+        ++w;
     }
-    MeshQueries conservative(meshes, {.exact = ExactLevel::off}), exact(meshes, {.exact = ExactLevel::predicates}),
-        threaded(meshes, {.exact = ExactLevel::predicates, .threads = 3});
-    std::vector<Finding> wide(queries.size()), sharp(queries.size()), same(queries.size());
+    std::vector<Finding> wide(60), sharp(60), same(60);
     for (int call = 0; call < 2; ++call) {
-        conservative.run(queries, wide), exact.run(queries, sharp), threaded.run(queries, same);
+        conservative.pairs().decide(of_world[0], wide), exact.pairs().decide(of_world[1], sharp);
+        threaded.pairs().decide(of_world[2], same);
         int colliding = 0;
-        for (std::size_t i = 0; i < queries.size(); ++i) {
-            const MeshQuery& q = queries[i];
-            const bool meet = !brute_force(meshes[q.a], meshes[q.b], q.pose_a, q.pose_b).empty();
+        for (std::size_t i = 0; i < sharp.size(); ++i) {
+            const PairOfModels& q = of_world[1][i];
+            const bool meet = !brute_force(meshes[i % 3], meshes[(i / 3) % 3], q.a.pose, q.b.pose).empty();
             EXPECT_EQ(sharp[i].verdict, meet ? Verdict::colliding : Verdict::separate) << i;
             EXPECT_EQ(same[i].verdict, sharp[i].verdict) << i;
             if (meet) {
@@ -201,60 +207,40 @@ TEST(MeshQueries, AnswerAsBruteForceForManyPosesAndSizes)
     }
 }
 
-TEST(MeshQueries, BoundDistancesForAnyNumberOfThreads)
+TEST(PairsOfModels, BoundDistancesForAnyNumberOfThreads)
 {
     const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 300);
     const std::vector<Mesh> meshes{knot, scaled(knot, 0.04, {0, 0, 0})};
-    Scene scene;
-    for (std::size_t i = 0; i < 2; ++i) scene.add(std::to_string(i), meshes[i]);
-    std::vector<MeshQuery> queries;
-    for (std::uint32_t i = 0; i < 40; ++i) {
-        const Eigen::Isometry3d at = random_pose(i, 100);
-        queries.push_back({i % 2, 1, at, at * random_pose(i + 700, 0.8)});
-        scene.add_body({.name = fmt::format("a{}", i), .geometry = GeometryId{i % 2}, .pose = queries[i].pose_a});
-        scene.add_body({.name = fmt::format("b{}", i), .geometry = GeometryId{1}, .pose = queries[i].pose_b});
+    World one, three({.threads = 3});
+    std::vector<PairOfModels> pairs, again;
+    for (World* const world : {&one, &three}) {
+        const ModelId models[] = {world->models().add(meshes[0]), world->models().add(meshes[1])};
+        for (std::uint32_t i = 0; i < 40; ++i) {
+            const Eigen::Isometry3d at = random_pose(i, 100);
+            (world == &one ? pairs : again)
+                .push_back({{models[i % 2], at}, {models[1], at * random_pose(i + 700, 0.8)}});
+        }
     }
-    MeshQueries one(meshes), three(meshes, {.threads = 3});
-    std::vector<Distance> distances(queries.size()), same(queries.size()), near(queries.size());
-    one.distances(queries, 1e-3, distances), three.distances(queries, 1e-3, same), one.distances(queries, 0, near, 0.1);
-    const Pipeline pipeline(scene);
-    const World& world = pipeline.world();
+    std::vector<Distance> distances(pairs.size()), same(pairs.size()), near(pairs.size());
+    one.pairs().distance(pairs, {.tolerance = 1e-3}, distances);
+    three.pairs().distance(again, {.tolerance = 1e-3}, same);
+    one.pairs().distance(pairs, {.cutoff = 0.1}, near);
     int apart = 0;
-    for (std::uint32_t i = 0; i < queries.size(); ++i) {
-        const Distance exact = world.distance(world.body_at(2 * i), world.body_at(2 * i + 1));
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const Distance exact = one.pairs().distance(pairs[i].a, pairs[i].b);
         EXPECT_LE(distances[i].lower, exact.upper);
         EXPECT_GE(distances[i].upper, exact.lower);
         EXPECT_LE(distances[i].upper - distances[i].lower, 1e-3 + 1e-8);
         EXPECT_EQ(distances[i].lower, same[i].lower);
         EXPECT_EQ(distances[i].upper, same[i].upper);
-        EXPECT_EQ(exact.upper == 0, !world.contacts(world.body_at(2 * i), world.body_at(2 * i + 1)).empty());
+        EXPECT_EQ(exact.upper == 0, !one.pairs().contacts(pairs[i].a, pairs[i].b).empty());
         EXPECT_EQ(std::isinf(near[i].upper), exact.lower > 0.1) << exact.lower;
         apart += exact.lower > 0.1;
     }
     EXPECT_GT(apart, 5);
     EXPECT_LT(apart, 35);
-    EXPECT_THROW(one.distances(queries, -1, distances), Error);
-    EXPECT_THROW(one.distances(queries, 0, {}), Error);
-}
-
-TEST(MeshQueries, RefuseWhatMakesNoSense)
-{
-    const std::vector<Mesh> meshes{make_box_mesh({1, 1, 1})};
-    MeshQueries queries(meshes);
-    const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
-    std::vector<MeshQuery> asked{{0, 1, here, here}};
-    std::vector<Finding> answers(1);
-    EXPECT_THROW(queries.run(asked, answers), Error) << "no such mesh";
-    asked = {{0, 0, here, here}};
-    EXPECT_THROW(queries.run(asked, {}), Error) << "no room";
-    asked[0].pose_b.linear()(0, 0) = std::nan("");
-    EXPECT_THROW(queries.run(asked, answers), Error) << "not rigid";
-    asked[0].pose_b = here;
-    queries.run(asked, answers);
-    EXPECT_EQ(answers[0].verdict, Verdict::colliding) << "a refused query changes nothing";
-    EXPECT_THROW(MeshQueries(meshes, {.exact = ExactLevel::fcl}), Error);
-    EXPECT_THROW(MeshQueries(meshes, {.clearance = 0.1, .exact = ExactLevel::predicates}), Error);
-    queries.run({}, {});
+    EXPECT_THROW(one.pairs().distance(pairs, {.tolerance = -1}, distances), Error);
+    EXPECT_THROW(one.pairs().distance(pairs, {}, {}), Error);
 }
 
 } // namespace

@@ -34,7 +34,7 @@ Moved play(World& world, example::ImpulseSolver& solver, int steps)
     for (int i = 0; i < steps; ++i) {
         if (i == steps - steps / 5) {
             before.clear();
-            for (const auto& body : solver.bodies) before.push_back(world.pose(body.id));
+            for (const auto& body : solver.bodies) before.push_back(world.bodies().pose(body.id));
         }
         solver.step();
         const ManifoldLists& lists = solver.manifolds();
@@ -47,7 +47,7 @@ Moved play(World& world, example::ImpulseSolver& solver, int steps)
     }
     moved.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() / steps;
     for (std::size_t i = 0; i < solver.bodies.size(); ++i) {
-        const Isometry3d& now = world.pose(solver.bodies[i].id);
+        const Isometry3d& now = world.bodies().pose(solver.bodies[i].id);
         moved.creep =
             std::max(moved.creep, (now.translation() - before[i].translation()).norm() / (steps / 5 * solver.dt));
         moved.tilt = std::max(moved.tilt, std::acos(std::clamp(now.linear()(2, 2), -1.0, 1.0)));
@@ -61,12 +61,14 @@ TEST(Rest, AStackOfBoxesStandsWhateverItsTriangles)
     for (const int cells : {0, 1, 10}) { // 0: the shape
         World world({.clearance = 0.01, .threads = 1});
         example::ImpulseSolver solver(world);
-        const ModelId ground = world.add(Shape(Box{{5, 5, 1}}));
-        const ModelId box = cells ? world.add(make_box_mesh(half, cells)) : world.add(Shape(Box{half}));
-        solver.bodies.push_back({.id = world.add_body({.model = ground, .pose = at({0, 0, -1}), .is_static = true})});
+        const ModelId ground = world.models().add(Shape(Box{{5, 5, 1}}));
+        const ModelId box =
+            cells ? world.models().add(make_box_mesh(half, cells)) : world.models().add(Shape(Box{half}));
+        solver.bodies.push_back(
+            {.id = world.bodies().add({.model = ground, .pose = at({0, 0, -1}), .is_static = true})});
         for (int i = 0; i < 5; ++i) {
             const Vector3d p(0.01 * (i % 2), 0.013 * (i % 3), 0.25 + 0.5 * i);
-            solver.bodies.push_back(example::box_body(world.add_body({.model = box, .pose = at(p)}), half));
+            solver.bodies.push_back(example::box_body(world.bodies().add({.model = box, .pose = at(p)}), half));
         }
         const Moved moved = play(world, solver, 800);
         const std::string where = fmt::format("{} cells: creep {} m/s, tilt {}, depth {}, {} points, {} ms", cells,
@@ -89,9 +91,11 @@ TEST(Rest, ABoxSlidesOverTrianglesAsOverAPlane)
         const Vector3d half(0.25, 0.2, 0.1);
         Mesh ground = make_box_mesh({4, 4, 1}, cells);
         solver.bodies.push_back(
-            {.id = world.add_body({.model = world.add(ground), .pose = at({0, 0, -1}), .is_static = true})});
+            {.id =
+                 world.bodies().add({.model = world.models().add(ground), .pose = at({0, 0, -1}), .is_static = true})});
         solver.bodies.push_back(example::box_body(
-            world.add_body({.model = world.add(make_box_mesh(half)), .pose = at({-2, 0.0123, 0.1})}), half));
+            world.bodies().add({.model = world.models().add(make_box_mesh(half)), .pose = at({-2, 0.0123, 0.1})}),
+            half));
         solver.bodies[1].velocity = {2, 0.3, 0};
         double sideways = 0, up = 0;
         for (int i = 0; i < 1000; ++i) {
@@ -105,7 +109,7 @@ TEST(Rest, ABoxSlidesOverTrianglesAsOverAPlane)
         EXPECT_LE(sideways, 1e-5) << where;
         EXPECT_LE(up, 1e-4) << where;
         EXPECT_NEAR(solver.bodies[1].velocity.x(), 2, 2e-5) << where;
-        EXPECT_NEAR(world.pose(solver.bodies[1].id).translation().x(), 0, 1e-3) << where;
+        EXPECT_NEAR(world.bodies().pose(solver.bodies[1].id).translation().x(), 0, 1e-3) << where;
         if (std::getenv("REST_SHOW")) puts(where.c_str());
     }
 }
@@ -115,20 +119,21 @@ TEST(Rest, ConcaveMeshesComeToRest)
     World world({.clearance = 0.01, .threads = 1});
     example::ImpulseSolver solver(world);
     solver.bodies.push_back(
-        {.id = world.add_body({.model = world.add(Shape(Box{{3, 3, 1}})), .pose = at({0, 0, -1}), .is_static = true})});
+        {.id = world.bodies().add(
+             {.model = world.models().add(Shape(Box{{3, 3, 1}})), .pose = at({0, 0, -1}), .is_static = true})});
     solver.dt = 0.004, solver.margin = 0.005, solver.friction = 0.8;
-    const ModelId gear = world.add(make_gear_mesh(8, 0.25, 0.35, 0.2, 0.1));
+    const ModelId gear = world.models().add(make_gear_mesh(8, 0.25, 0.35, 0.2, 0.1));
     for (int i = 0; i < 3; ++i) { // a fourth would lean over, and rock for ten seconds
         const Vector3d p(0.2 * (i % 2), 0.15 * (i % 3), 0.15 + 0.24 * i);
         solver.bodies.push_back(
-            example::box_body(world.add_body({.model = gear, .pose = at(p)}), {0.35, 0.35, 0.1}, 300));
+            example::box_body(world.bodies().add({.model = gear, .pose = at(p)}), {0.35, 0.35, 0.1}, 300));
     }
     const Moved moved = play(world, solver, 1000);
     const std::string where =
         fmt::format("creep {} m/s, depth {}, {} points, {} ms", moved.creep, moved.depth, moved.most_points, moved.ms);
     EXPECT_LE(moved.creep, 1e-6) << where;
     EXPECT_LE(moved.depth, 2e-3) << where;
-    for (const auto& body : solver.bodies) EXPECT_GT(world.pose(body.id).translation().z(), -1.5) << where;
+    for (const auto& body : solver.bodies) EXPECT_GT(world.bodies().pose(body.id).translation().z(), -1.5) << where;
     if (std::getenv("REST_SHOW")) puts(where.c_str());
 }
 

@@ -107,8 +107,8 @@ PairResult result_of(const Settings& settings, const Body& a, const Body& b)
 {
     World world(settings);
     for (const Body* body : {&a, &b}) {
-        const ModelId model = std::visit([&](const auto& g) { return world.add(g); }, body->geometry);
-        world.add_body({.model = model, .pose = body->pose});
+        const ModelId model = std::visit([&](const auto& g) { return world.models().add(g); }, body->geometry);
+        world.bodies().add({.model = model, .pose = body->pose});
     }
     const FrameView frame = world.step();
     PairResult apart{{Verdict::separate, ContactKind::unknown, 0}, StageId::bounds, {}, {}};
@@ -197,23 +197,23 @@ TEST(Shapes, HoldALooseCrumbOfALargeMesh)
     for (const Triangle& t : cube.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
     ASSERT_GT(mesh.triangles.size(), 1u << 17);
     World world({.exact = ExactLevel::predicates});
-    const ModelId ground = world.add(make_mesh("ground", mesh.vertices, mesh.triangles));
+    const ModelId ground = world.models().add(make_mesh("ground", mesh.vertices, mesh.triangles));
     Eigen::Isometry3d turn(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
-    world.add_body({.model = ground, .pose = turn});
+    world.bodies().add({.model = ground, .pose = turn});
     ConvexHull octahedron;
     for (int axis = 0; axis < 3; ++axis)
         for (const double end : {-0.3, 0.3}) octahedron.points.push_back(end * Eigen::Vector3d::Unit(axis));
     for (const Shape& shape : {Shape(Box{{0.2, 0.2, 0.2}}), Shape(octahedron), Shape(Sphere{0.3})})
         for (const bool rotated : {false, true}) {
-            const ModelId model = world.add(shape);
+            const ModelId model = world.models().add(shape);
             const auto verdict = [&](const Eigen::Vector3d& off) {
                 Eigen::Isometry3d pose =
                     rotated ? Eigen::Isometry3d(Eigen::AngleAxisd(1, Eigen::Vector3d(0, 1, 1).normalized())) : turn;
                 pose.translation() = turn * Eigen::Vector3d(crumb + off);
-                const BodyId body = world.add_body({.model = model, .pose = pose});
+                const BodyId body = world.bodies().add({.model = model, .pose = pose});
                 Verdict found = Verdict::separate;
                 for (const PairResult& r : world.step().pairs) found = r.verdict;
-                world.remove_body(body);
+                world.bodies().remove(body);
                 return found;
             };
             EXPECT_EQ(verdict({0, 0, 0}), Verdict::colliding);

@@ -23,16 +23,16 @@ Isometry3d at(double x, double y, double z)
 TEST(WorldSweep, OneAndManyAgree)
 {
     World world({.threads = 2});
-    const ModelId box = world.add(make_box_mesh({1, 1, 1})), ball = world.add(Shape(Sphere{0.5}));
-    std::vector<PairOfMovingModels> pairs;
+    const ModelId box = world.models().add(make_box_mesh({1, 1, 1})), ball = world.models().add(Shape(Sphere{0.5}));
+    std::vector<PairOf<MovingModel>> pairs;
     for (std::uint64_t seed = 0; seed < 40; ++seed)
         pairs.push_back({{box, {random_pose(4 * seed, 1), random_pose(4 * seed + 1, 1)}},
                          {ball, {random_pose(4 * seed + 2, 4), random_pose(4 * seed + 3, 4), MotionPath::screw}}});
     std::vector<SweepResult> found(pairs.size());
-    world.sweep(pairs, found);
+    world.pairs().sweep(pairs, {}, found);
     std::size_t contacts = 0;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-        const SweepResult one = world.sweep(pairs[i].a, pairs[i].b);
+        const SweepResult one = world.pairs().sweep(pairs[i].a, pairs[i].b);
         EXPECT_EQ(one.verdict, found[i].verdict);
         EXPECT_EQ(one.clear_until, found[i].clear_until);
         EXPECT_EQ(one.contact_by, found[i].contact_by);
@@ -46,17 +46,17 @@ TEST(WorldSweep, OneAndManyAgree)
 TEST(WorldSweep, TheGapOfAHalfSpaceThatRotatesIsABound)
 {
     World world;
-    const ModelId floor = world.add(Shape(HalfSpace{})), ball = world.add(Shape(Sphere{0.5}));
+    const ModelId floor = world.models().add(Shape(HalfSpace{})), ball = world.models().add(Shape(Sphere{0.5}));
     Isometry3d tilted = Isometry3d::Identity();
     tilted.linear() = Eigen::AngleAxisd(0.6, Vector3d(0, -1, 0)).toRotationMatrix();
     for (const double x : {3.0, 100.0, 1e4}) {
         const RigidMotion turn(Isometry3d::Identity(), tilted), rest(at(x, 0, 0.3 * x));
         for (const bool swap : {false, true}) {
             const MovingModel plane{floor, turn}, body{ball, rest};
-            const SweepResult found = swap ? world.sweep(body, plane) : world.sweep(plane, body);
+            const SweepResult found = swap ? world.pairs().sweep(body, plane) : world.pairs().sweep(plane, body);
             ASSERT_EQ(found.verdict, Verdict::colliding) << x;
-            const Distance left =
-                world.distance(PlacedModel{floor, turn.pose(found.clear_until)}, PlacedModel{ball, at(x, 0, 0.3 * x)});
+            const Distance left = world.pairs().distance(PlacedModel{floor, turn.pose(found.clear_until)},
+                                                         PlacedModel{ball, at(x, 0, 0.3 * x)});
             EXPECT_LE(left.lower, found.gap) << x << " " << swap;
             EXPECT_LE(found.gap, 1e-4 * (1 + 1e-3)) << x;
         }
@@ -66,36 +66,36 @@ TEST(WorldSweep, TheGapOfAHalfSpaceThatRotatesIsABound)
 TEST(WorldSweep, ACastOfAModelFindsTheFirstBody)
 {
     World world;
-    const ModelId box = world.add(make_box_mesh({1, 1, 1})), ball = world.add(Shape(Sphere{0.5}));
+    const ModelId box = world.models().add(make_box_mesh({1, 1, 1})), ball = world.models().add(Shape(Sphere{0.5}));
     std::vector<BodyId> boxes;
-    for (const double x : {12.0, 4.0, 8.0}) boxes.push_back(world.add_body({.model = box, .pose = at(x, 0, 0)}));
+    for (const double x : {12.0, 4.0, 8.0}) boxes.push_back(world.bodies().add({.model = box, .pose = at(x, 0, 0)}));
     const MovingModel way{ball, {at(0, 0, 0), at(20, 0, 0)}};
-    const SweepHit first = world.cast(way);
+    const SweepHit first = world.space().cast(way);
     EXPECT_EQ(first.body, boxes[1]);
     EXPECT_LE(first.clear_until, 2.5 / 20);
     EXPECT_GE(first.contact_by, 2.5 / 20);
     EXPECT_LE(first.contact_by - first.clear_until, 1e-4);
-    const std::vector<SweepHit> all = world.cast_all(way);
+    const std::vector<SweepHit> all = world.space().cast_all(way);
     ASSERT_EQ(all.size(), 3u);
     EXPECT_EQ(all[0].body, boxes[1]);
     EXPECT_EQ(all[1].body, boxes[2]);
     EXPECT_EQ(all[2].body, boxes[0]);
     EXPECT_NEAR(all[2].contact_by, 10.5 / 20, 1e-4);
-    const SweepHit beside = world.cast({ball, {at(0, 1.6, 0), at(20, 1.6, 0)}});
+    const SweepHit beside = world.space().cast({ball, {at(0, 1.6, 0), at(20, 1.6, 0)}});
     EXPECT_FALSE(beside.body);
     EXPECT_EQ(beside.verdict, Verdict::separate);
     EXPECT_EQ(beside.clear_until, 1);
-    EXPECT_FALSE(world.cast(way, {.mask = 2}).body);
+    EXPECT_FALSE(world.space().cast(way, {.mask = 2}).body);
 }
 
 TEST(WorldSweep, RefusesToleranceZeroAndNamesTheLeast)
 {
     World world;
-    const ModelId ball = world.add(Shape(Sphere{0.5}));
+    const ModelId ball = world.models().add(Shape(Sphere{0.5}));
     const MovingModel way{ball, {at(0, 0, 0), at(20, 0, 0)}};
     const auto message = [&](const SweepOptions& options) -> std::string {
         try {
-            world.sweep(way, way, options);
+            world.pairs().sweep(way, way, options);
         } catch (const Error& error) {
             EXPECT_EQ(error.kind(), ErrorKind::usage);
             return error.what();
@@ -111,10 +111,11 @@ TEST(WorldSweep, RefusesToleranceZeroAndNamesTheLeast)
 struct Range {
     explicit Range(const Settings& settings = {}) : world(settings)
     {
-        const ModelId plate = world.add(make_box_mesh({0.001, 5, 5})), bullet = world.add(make_sphere_mesh(0.005, 32));
-        wall = world.add_body({.model = plate, .is_static = true});
+        const ModelId plate = world.models().add(make_box_mesh({0.001, 5, 5})),
+                      bullet = world.models().add(make_sphere_mesh(0.005, 32));
+        wall = world.bodies().add({.model = plate, .is_static = true});
         for (int i = 0; i < 20; ++i)
-            bullets.push_back(world.add_body({.model = bullet, .pose = at(-3, 0.6 * i - 6, 0.1)}));
+            bullets.push_back(world.bodies().add({.model = bullet, .pose = at(-3, 0.6 * i - 6, 0.1)}));
     }
     World world;
     BodyId wall;
@@ -126,7 +127,7 @@ TEST(WorldMotion, FastBodiesDoNotPassAWallUnseen)
     Range range;
     range.world.step();
     for (std::size_t i = 0; i < range.bullets.size(); ++i)
-        range.world.set_motion(range.bullets[i], at(997, 0.6 * double(i) - 6, 0.1));
+        range.world.bodies().set_motion(range.bullets[i], at(997, 0.6 * double(i) - 6, 0.1));
     const FrameView frame = range.world.step();
     std::size_t hits = 0;
     for (const PairSweep& sweep : frame.sweeps) {
@@ -141,7 +142,7 @@ TEST(WorldMotion, FastBodiesDoNotPassAWallUnseen)
     EXPECT_EQ(hits, 17u); // the others fly beside it
     EXPECT_EQ(frame.began.size(), 17u);
     // The bodies are at the ends of their ways, and the next frame is discrete.
-    EXPECT_EQ(range.world.pose(range.bullets[3]).translation().x(), 997);
+    EXPECT_EQ(range.world.bodies().pose(range.bullets[3]).translation().x(), 997);
     const FrameView next = range.world.step();
     EXPECT_TRUE(next.sweeps.empty());
     EXPECT_TRUE(next.pairs.empty());
@@ -153,13 +154,14 @@ TEST(WorldMotion, ResultsDoNotDependOnThreadsOrCoherence)
 {
     const auto play = [](const Settings& settings) {
         World world(settings);
-        const ModelId ring = world.add(make_torus_mesh(1, 0.3, 500)), ball = world.add(Shape(Sphere{0.5}));
+        const ModelId ring = world.models().add(make_torus_mesh(1, 0.3, 500)),
+                      ball = world.models().add(Shape(Sphere{0.5}));
         std::vector<BodyId> bodies;
         for (std::uint64_t i = 0; i < 40; ++i)
-            bodies.push_back(world.add_body({.model = i % 2 ? ring : ball, .pose = random_pose(i, 6)}));
+            bodies.push_back(world.bodies().add({.model = i % 2 ? ring : ball, .pose = random_pose(i, 6)}));
         for (std::uint64_t frame = 0; frame < 6; ++frame) {
             for (std::uint64_t i = 0; i < 40; ++i)
-                if ((i + frame) % 3) world.set_motion(bodies[i], random_pose(100 * frame + i, 6));
+                if ((i + frame) % 3) world.bodies().set_motion(bodies[i], random_pose(100 * frame + i, 6));
             world.step();
         }
         return world.hash();
@@ -175,20 +177,21 @@ TEST(WorldMotion, SlowBodiesGiveTheSameResultsWithoutCoherence)
 {
     const auto play = [](bool coherence) {
         World world({.coherence = coherence});
-        const ModelId knot = world.add(make_torus_knot_mesh(2, 3, 0.6, 0.25, 0.1, 400)),
-                      ball = world.add(Shape(Sphere{0.4}));
+        const ModelId knot = world.models().add(make_torus_knot_mesh(2, 3, 0.6, 0.25, 0.1, 400)),
+                      ball = world.models().add(Shape(Sphere{0.4}));
         constexpr std::uint64_t count = 40;
         for (std::uint64_t i = 0; i < count; ++i)
-            world.add_body({.model = i % 3 ? knot : ball, .pose = random_pose(i, 2.5)});
+            world.bodies().add({.model = i % 3 ? knot : ball, .pose = random_pose(i, 2.5)});
         std::vector<std::uint64_t> hashes;
         std::size_t contacts = 0;
         for (std::uint64_t frame = 0; frame < 60; ++frame) {
             for (std::uint32_t i = 0; i < count; ++i) {
-                const BodyId body = world.body_at(i);
+                const BodyId body = world.bodies().at(i);
                 const Vector3d step = 0.1 * (random_pose(1000 * frame + i, 1).translation());
-                Isometry3d to(Eigen::AngleAxisd(step.norm(), step.normalized()) * world.pose(body).linear());
-                to.translation() = world.pose(body).translation() + 0.5 * step;
-                if ((i + frame) % 4) world.set_motion(body, to, frame % 2 ? MotionPath::screw : MotionPath::linear);
+                Isometry3d to(Eigen::AngleAxisd(step.norm(), step.normalized()) * world.bodies().pose(body).linear());
+                to.translation() = world.bodies().pose(body).translation() + 0.5 * step;
+                if ((i + frame) % 4)
+                    world.bodies().set_motion(body, to, frame % 2 ? MotionPath::screw : MotionPath::linear);
             }
             const FrameView view = world.step();
             for (const PairSweep& sweep : view.sweeps)
@@ -207,19 +210,20 @@ TEST(WorldMotion, AContactOnAWayThatComesBackIsFound)
     World world;
     Isometry3d slanted(Eigen::AngleAxisd(M_PI / 4, Vector3d::UnitZ()));
     const Vector3d normal = slanted.linear().col(0);
-    world.add_body({.model = world.add(make_box_mesh({0.01, 5, 5})), .pose = slanted, .is_static = true});
+    world.bodies().add({.model = world.models().add(make_box_mesh({0.01, 5, 5})), .pose = slanted, .is_static = true});
     const auto beside = [&](double distance) { return Isometry3d(Eigen::Translation3d(distance * normal)); };
-    const BodyId ball = world.add_body({.model = world.add(make_sphere_mesh(0.5, 200)), .pose = beside(2)});
+    const BodyId ball =
+        world.bodies().add({.model = world.models().add(make_sphere_mesh(0.5, 200)), .pose = beside(2)});
     const FrameView apart = world.step();
     ASSERT_EQ(apart.pairs.size(), 1u);
     ASSERT_GT(apart.pairs[0].bound, 0.1) << "the gap";
     for (const double nearest : {0.6, 0.4}) {
         const RigidMotion::Key way[] = {{0, beside(2)}, {0.5, beside(nearest)}, {1, beside(2 - 1e-3)}};
-        world.set_motion(ball, RigidMotion(way));
+        world.bodies().set_motion(ball, RigidMotion(way));
         const FrameView frame = world.step();
         ASSERT_EQ(frame.sweeps.size(), 1u);
         EXPECT_EQ(frame.sweeps[0].verdict, nearest < 0.5 ? Verdict::colliding : Verdict::separate);
-        world.set_pose(ball, beside(2));
+        world.bodies().set_pose(ball, beside(2));
         world.step();
     }
 }
@@ -228,14 +232,15 @@ TEST(WorldMotion, FindsAllContactsOfSampledPoses)
 {
     World world, sampled;
     const auto fill = [](World& w) {
-        const ModelId ring = w.add(make_torus_mesh(1, 0.3, 200)), ball = w.add(Shape(Sphere{0.5}));
-        for (std::uint64_t i = 0; i < 24; ++i) w.add_body({.model = i % 2 ? ring : ball, .pose = random_pose(i, 4)});
+        const ModelId ring = w.models().add(make_torus_mesh(1, 0.3, 200)), ball = w.models().add(Shape(Sphere{0.5}));
+        for (std::uint64_t i = 0; i < 24; ++i)
+            w.bodies().add({.model = i % 2 ? ring : ball, .pose = random_pose(i, 4)});
     };
     fill(world), fill(sampled);
     std::vector<RigidMotion> ways;
     for (std::uint32_t i = 0; i < 24; ++i) {
-        ways.emplace_back(world.pose(world.body_at(i)), random_pose(500 + i, 4), MotionPath::screw);
-        world.set_motion(world.body_at(i), ways.back());
+        ways.emplace_back(world.bodies().pose(world.bodies().at(i)), random_pose(500 + i, 4), MotionPath::screw);
+        world.bodies().set_motion(world.bodies().at(i), ways.back());
     }
     const FrameView frame = world.step();
     const auto sweep_of = [&](const PairOfBodies& pair) -> const PairSweep* {
@@ -247,7 +252,7 @@ TEST(WorldMotion, FindsAllContactsOfSampledPoses)
     std::size_t checked = 0;
     for (int k = 0; k <= 200; ++k) {
         const double time = k / 200.0;
-        for (std::uint32_t i = 0; i < 24; ++i) sampled.set_pose(sampled.body_at(i), ways[i].pose(time));
+        for (std::uint32_t i = 0; i < 24; ++i) sampled.bodies().set_pose(sampled.bodies().at(i), ways[i].pose(time));
         for (const PairResult& pair : sampled.step().pairs) {
             if (pair.verdict != Verdict::colliding) continue;
             const PairSweep* const sweep = sweep_of({pair.a, pair.b});
@@ -264,18 +269,18 @@ TEST(WorldMotion, WhatHasNoMotionIsDecidedAsBefore)
 {
     World world, still;
     for (World* const w : {&world, &still}) {
-        const ModelId ball = w->add(Shape(Sphere{0.5}));
-        for (const double x : {0.0, 0.9, 5.0}) w->add_body({.model = ball, .pose = at(x, 0, 0)});
+        const ModelId ball = w->models().add(Shape(Sphere{0.5}));
+        for (const double x : {0.0, 0.9, 5.0}) w->bodies().add({.model = ball, .pose = at(x, 0, 0)});
         w->step();
     }
-    world.set_motion(world.body_at(2), at(5, 0, 0)); // rests
+    world.bodies().set_motion(world.bodies().at(2), at(5, 0, 0)); // rests
     EXPECT_EQ(world.step().hash, still.step().hash);
-    world.set_motion(world.body_at(2), at(7, 0, 0));
+    world.bodies().set_motion(world.bodies().at(2), at(7, 0, 0));
     const FrameView frame = world.step();
     EXPECT_EQ(frame.pairs.size(), 1u);
     EXPECT_TRUE(frame.sweeps.empty());
-    world.set_motion(world.body_at(2), at(1.5, 0, 0));
-    world.set_pose(world.body_at(2), at(9, 0, 0)); // replaces the motion
+    world.bodies().set_motion(world.bodies().at(2), at(1.5, 0, 0));
+    world.bodies().set_pose(world.bodies().at(2), at(9, 0, 0)); // replaces the motion
     EXPECT_TRUE(world.step().sweeps.empty());
 }
 

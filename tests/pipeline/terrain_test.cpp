@@ -54,8 +54,8 @@ Pair pair_of(const Settings& settings, const GeometryData& a, const Isometry3d& 
 {
     Pair pair{World(settings), {}, {}};
     const auto add = [&](const GeometryData& geometry, const Isometry3d& pose) {
-        const ModelId model = std::visit([&](const auto& g) { return pair.world.add(g); }, geometry);
-        return pair.world.add_body({.model = model, .pose = pose});
+        const ModelId model = std::visit([&](const auto& g) { return pair.world.models().add(g); }, geometry);
+        return pair.world.bodies().add({.model = model, .pose = pose});
     };
     pair.first = add(a, pose_a), pair.second = add(b, pose_b);
     return pair;
@@ -96,8 +96,8 @@ void expect_same(const Settings& settings, const Terrain& terrain, const Geometr
     EXPECT_EQ(int(found.verdict), int(truth.verdict)) << seed << " kind " << other.index();
     EXPECT_EQ(int(found.kind), int(truth.kind)) << seed << " kind " << other.index();
     if (std::holds_alternative<OccupancyMap>(other)) return; // has no distances
-    const Distance near = as_terrain.world.distance(as_terrain.first, as_terrain.second),
-                   far = as_mesh.world.distance(as_mesh.first, as_mesh.second);
+    const Distance near = as_terrain.world.pairs().distance(as_terrain.first, as_terrain.second),
+                   far = as_mesh.world.pairs().distance(as_mesh.first, as_mesh.second);
     EXPECT_NEAR(near.lower, far.lower, 1e-9) << seed;
     EXPECT_NEAR(near.upper, far.upper, 1e-9) << seed;
     if (found.verdict == Verdict::separate) {
@@ -139,7 +139,7 @@ TEST(Terrain, IsWithinTheErrorOrSeparate)
             Pair pair = pair_of({.max_error = 0.05, .clearance = 0.1}, terrain, Isometry3d::Identity(), other,
                                 drawn_pose(seed, false));
             const PairResult found = result_of(pair.world);
-            const Distance distance = pair.world.distance(pair.first, pair.second);
+            const Distance distance = pair.world.pairs().distance(pair.first, pair.second);
             if (found.verdict == Verdict::separate) {
                 EXPECT_GT(distance.upper, 0.1);
                 EXPECT_LE(found.bound, distance.upper + 1e-12);
@@ -177,8 +177,8 @@ TEST(Terrain, WithHeightsThatAreOffIsNeverSureWithinTheirError)
             Pair off = pair_of({.exact = ExactLevel::predicates}, kept, stay, other, pose),
                  exact = pair_of({.exact = ExactLevel::predicates}, given, stay, other, pose);
             const PairResult found = result_of(off.world), truth = result_of(exact.world);
-            const Distance distance = exact.world.distance(exact.first, exact.second),
-                           bounds = off.world.distance(off.first, off.second);
+            const Distance distance = exact.world.pairs().distance(exact.first, exact.second),
+                           bounds = off.world.pairs().distance(off.first, off.second);
             EXPECT_LE(bounds.lower, distance.upper);
             EXPECT_GE(bounds.upper, distance.lower);
             if (found.verdict == Verdict::separate) {
@@ -253,8 +253,8 @@ TEST(Terrain, ContactsAreThoseOfTheMesh)
         const Mesh mesh = mesh_of(terrain);
         const Isometry3d stay = Isometry3d::Identity(), pose = drawn_pose(seed, false);
         Pair as_terrain = pair_of({}, terrain, stay, knot, pose), as_mesh = pair_of({}, mesh, stay, knot, pose);
-        const auto contacts = as_terrain.world.contacts(as_terrain.first, as_terrain.second),
-                   truth = as_mesh.world.contacts(as_mesh.first, as_mesh.second);
+        const auto contacts = as_terrain.world.pairs().contacts(as_terrain.first, as_terrain.second),
+                   truth = as_mesh.world.pairs().contacts(as_mesh.first, as_mesh.second);
         ASSERT_EQ(contacts.size(), truth.size());
         for (std::size_t i = 0; i < contacts.size(); ++i, ++found) {
             EXPECT_EQ(contacts[i].a.triangle, truth[i].a.triangle);

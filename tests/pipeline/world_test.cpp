@@ -22,7 +22,7 @@ Outcome outcome_of(World& world)
     Outcome outcome;
     for (const PairResult& pair : world.step().pairs) {
         if (pair.verdict == Verdict::separate) continue;
-        const std::uint64_t a = world.user(pair.a), b = world.user(pair.b);
+        const std::uint64_t a = world.bodies().user(pair.a), b = world.bodies().user(pair.b);
         outcome[{std::min(a, b), std::max(a, b)}] = pair.verdict;
     }
     return outcome;
@@ -38,19 +38,21 @@ struct Described {
 TEST(World, RefinesThePairsThatItsFilterChoosesInTheOrderThatItChooses)
 {
     World world({.clearance = 0.25, .exact = ExactLevel::predicates});
-    const ModelId ball = world.add(Sphere{1}), knots = world.add(knot());
+    const ModelId ball = world.models().add(Sphere{1}), knots = world.models().add(knot());
     std::vector<BodyId> bodies;
     for (std::uint64_t i = 0; i < 60;
          ++i) // a row in which each overlaps four others; more candidates than one call has
         for (int copies = 0; copies < 6; ++copies)
-            bodies.push_back(world.add_body({.model = i % 3 ? ball : knots, .pose = at(0.75 * double(i)), .user = i}));
+            bodies.push_back(
+                world.bodies().add({.model = i % 3 ? ball : knots, .pose = at(0.75 * double(i)), .user = i}));
     const FrameView all = world.step();
     std::map<std::pair<BodyId, BodyId>, PairResult> results;
     for (const PairResult& pair : all.pairs) results[{pair.a, pair.b}] = pair;
     ASSERT_GT(results.size(), 4096u);
 
     std::vector<Aabb> boxes;
-    for (const BodyId body : bodies) boxes.push_back(world.bounds(world.model(body), world.pose(body)));
+    for (const BodyId body : bodies)
+        boxes.push_back(world.models().bounds(world.bodies().model(body), world.bodies().pose(body)));
     std::size_t offered = 0;
     world.set_pair_filter([&](std::span<const CandidatePair> pairs, std::span<PairChoice> choices) {
         ASSERT_EQ(pairs.size(), choices.size());
@@ -86,9 +88,9 @@ TEST(World, RefinesThePairsThatItsFilterChoosesInTheOrderThatItChooses)
             EXPECT_TRUE(some.began.empty() && some.ended.empty());
         }
     }
-    const std::size_t hits = world.query(ball, at(0)).size();
+    const std::size_t hits = world.space().overlaps(PlacedModel{ball, at(0)}).size();
     world.set_pair_filter({});
-    EXPECT_EQ(world.query(ball, at(0)).size(), hits) << "a query depends on the filter";
+    EXPECT_EQ(world.space().overlaps(PlacedModel{ball, at(0)}).size(), hits) << "a query depends on the filter";
     EXPECT_EQ(world.step().pairs.size(), results.size());
 }
 
@@ -100,7 +102,7 @@ TEST(World, GivesAfterAnyChangesWhatAFreshOneGives)
             std::vector<Mesh> meshes{knot(), make_sphere_mesh(0.7, 200), make_box_mesh({0.4, 0.5, 0.6})};
             World world(settings);
             std::vector<ModelId> models;
-            for (const Mesh& mesh : meshes) models.push_back(world.add(mesh));
+            for (const Mesh& mesh : meshes) models.push_back(world.models().add(mesh));
             std::vector<Described> bodies;
             std::vector<std::pair<std::uint64_t, std::uint64_t>> excluded;
             std::uint64_t next = 0;
@@ -114,7 +116,7 @@ TEST(World, GivesAfterAnyChangesWhatAFreshOneGives)
                              .layer = below(5) ? 1u : 2u,
                              .group = std::uint32_t(below(6) ? 0 : 1 + below(2)),
                              .user = next++};
-                body.id = world.add_body(body.spec);
+                body.id = world.bodies().add(body.spec);
                 bodies.push_back(body);
             };
             for (int i = 0; i < 90; ++i) add();
@@ -127,50 +129,52 @@ TEST(World, GivesAfterAnyChangesWhatAFreshOneGives)
                         add();
                         break;
                     case 1:
-                        world.remove_body(body.id);
+                        world.bodies().remove(body.id);
                         std::erase_if(excluded, [&](const auto& pair) {
                             return pair.first == body.spec.user || pair.second == body.spec.user;
                         });
                         bodies.erase(bodies.begin() + std::ptrdiff_t(k));
                         break;
                     case 2:
-                        world.set_static(body.id, body.spec.is_static = !body.spec.is_static);
+                        world.bodies().set_static(body.id, body.spec.is_static = !body.spec.is_static);
                         break;
                     case 3:
-                        world.set_layers(body.id, body.spec.layer = 1u << below(2), body.spec.mask = 3u);
+                        body.spec.layer = 1u << below(2), body.spec.mask = 3u;
+                        world.bodies().set_filter(body.id, {body.spec.layer, body.spec.mask, body.spec.group});
                         break;
                     case 4:
-                        world.set_group(body.id, body.spec.group = std::uint32_t(below(3)));
+                        body.spec.group = std::uint32_t(below(3));
+                        world.bodies().set_filter(body.id, {body.spec.layer, body.spec.mask, body.spec.group});
                         break;
                     case 5: {
                         const Described& other = bodies[(k + 1) % bodies.size()];
-                        world.exclude(body.id, other.id);
+                        world.bodies().exclude(body.id, other.id);
                         excluded.emplace_back(body.spec.user, other.spec.user);
                         break;
                     }
                     case 6:
                         body.mesh = below(meshes.size());
-                        world.set_model(body.id, body.spec.model = models[body.mesh]);
+                        world.bodies().set_model(body.id, body.spec.model = models[body.mesh]);
                         break;
                     default:
-                        world.set_pose(body.id, body.spec.pose = random_pose(random() % 1000, 3.5));
+                        world.bodies().set_pose(body.id, body.spec.pose = random_pose(random() % 1000, 3.5));
                         break;
                     }
                 }
                 if (frame == 6) {
                     meshes[1] = make_torus_mesh(0.8, 0.2, 150);
-                    world.replace(models[1], meshes[1]);
+                    world.models().replace(models[1], meshes[1]);
                 }
                 World fresh(settings);
                 std::vector<ModelId> fresh_models;
-                for (const Mesh& mesh : meshes) fresh_models.push_back(fresh.add(mesh));
+                for (const Mesh& mesh : meshes) fresh_models.push_back(fresh.models().add(mesh));
                 std::map<std::uint64_t, BodyId> ids;
                 for (const Described& body : bodies) {
                     BodySpec spec = body.spec;
                     spec.model = fresh_models[body.mesh];
-                    ids[spec.user] = fresh.add_body(spec);
+                    ids[spec.user] = fresh.bodies().add(spec);
                 }
-                for (const auto& [a, b] : excluded) fresh.exclude(ids[a], ids[b]);
+                for (const auto& [a, b] : excluded) fresh.bodies().exclude(ids[a], ids[b]);
                 const Outcome expected = outcome_of(fresh);
                 EXPECT_EQ(outcome_of(world), expected) << "frame " << frame;
                 EXPECT_GT(expected.size(), 5u);
@@ -189,16 +193,16 @@ TEST(World, FollowsWhatMayCollideWhileBodiesDrift)
             spec.layer = 1u << below(2), spec.mask = 1 + below(3), spec.group = below(4) ? 0 : 1 + below(3);
         };
         const Shape ball = Sphere{0.5};
-        const ModelId model = world.add(ball), model_there = reference.add(ball);
+        const ModelId model = world.models().add(ball), model_there = reference.models().add(ball);
         struct Both {
             BodySpec spec;
             BodyId here, there;
         };
         std::vector<Both> bodies(400);
         const auto add = [&](Both& body) {
-            body.spec.model = model, body.here = world.add_body(body.spec);
+            body.spec.model = model, body.here = world.bodies().add(body.spec);
             BodySpec spec = body.spec;
-            spec.model = model_there, body.there = reference.add_body(spec);
+            spec.model = model_there, body.there = reference.bodies().add(spec);
         };
         for (std::size_t i = 0; i < bodies.size(); ++i) {
             bodies[i].spec.pose = at(0.9 * double(i % 20), 0.9 * double(i / 20 % 20), 0.1 * below(3));
@@ -211,17 +215,17 @@ TEST(World, FollowsWhatMayCollideWhileBodiesDrift)
                 Both& body = bodies[i];
                 if (i % 10 == 3) {
                     body.spec.pose.translation().x() += frame / 15 % 2 ? -0.01 : 0.01;
-                    world.set_pose(body.here, body.spec.pose), reference.set_pose(body.there, body.spec.pose);
+                    world.bodies().set_pose(body.here, body.spec.pose),
+                        reference.bodies().set_pose(body.there, body.spec.pose);
                 }
                 if (below(40)) continue;
                 filter(body.spec);
                 if (frame % 2) { // another body in its slot
-                    world.remove_body(body.here), reference.remove_body(body.there);
+                    world.bodies().remove(body.here), reference.bodies().remove(body.there);
                     add(body);
                 } else {
-                    world.set_layers(body.here, body.spec.layer, body.spec.mask);
-                    reference.set_layers(body.there, body.spec.layer, body.spec.mask);
-                    world.set_group(body.here, body.spec.group), reference.set_group(body.there, body.spec.group);
+                    const CollisionFilter filter{body.spec.layer, body.spec.mask, body.spec.group};
+                    world.bodies().set_filter(body.here, filter), reference.bodies().set_filter(body.there, filter);
                 }
             }
             ASSERT_EQ(outcome_of(world), outcome_of(reference)) << "frame " << frame;
@@ -233,11 +237,12 @@ TEST(World, CountsNoMemoryOfModelsThatWereRemoved)
 {
     World world({.exact = ExactLevel::predicates});
     const auto come_and_go = [&] {
-        const ModelId model = world.add(knot());
-        const BodyId a = world.add_body({.model = model}), b = world.add_body({.model = model, .pose = at(0.3)});
+        const ModelId model = world.models().add(knot());
+        const BodyId a = world.bodies().add({.model = model}),
+                     b = world.bodies().add({.model = model, .pose = at(0.3)});
         EXPECT_EQ(world.step().pairs.size(), 1u);
         const std::size_t held = world.inspect().bytes;
-        world.remove_body(a), world.remove_body(b), world.remove(model);
+        world.bodies().remove(a), world.bodies().remove(b), world.models().remove(model);
         world.step();
         EXPECT_LT(world.inspect().bytes, held) << "its boxes are removed";
         return world.inspect().bytes;
@@ -250,47 +255,47 @@ TEST(World, CountsNoMemoryOfModelsThatWereRemoved)
 TEST(World, RefusesStaleIdsAndLeavesEverythingAsItWas)
 {
     World world;
-    const ModelId model = world.add(make_box_mesh({1, 1, 1}));
-    const BodyId first = world.add_body({.model = model});
-    EXPECT_THROW(world.remove(model), Error) << "a body uses it";
-    world.remove_body(first);
-    const BodyId second = world.add_body({.model = model});
+    const ModelId model = world.models().add(make_box_mesh({1, 1, 1}));
+    const BodyId first = world.bodies().add({.model = model});
+    EXPECT_THROW(world.models().remove(model), Error) << "a body uses it";
+    world.bodies().remove(first);
+    const BodyId second = world.bodies().add({.model = model});
     EXPECT_EQ(second.slot, first.slot);
     EXPECT_NE(second, first);
-    EXPECT_THROW(world.set_pose(first, at(1)), Error);
-    EXPECT_THROW(world.remove_body(first), Error);
-    EXPECT_THROW(world.remove_bodies(std::vector{second, second}), Error);
-    EXPECT_THROW(world.contacts(first, second), Error);
-    EXPECT_TRUE(world.contains(second));
-    EXPECT_FALSE(world.contains(first));
+    EXPECT_THROW(world.bodies().set_pose(first, at(1)), Error);
+    EXPECT_THROW(world.bodies().remove(first), Error);
+    EXPECT_THROW(world.bodies().remove(std::vector{second, second}), Error);
+    EXPECT_THROW(world.pairs().contacts(first, second), Error);
+    EXPECT_TRUE(world.bodies().contains(second));
+    EXPECT_FALSE(world.bodies().contains(first));
     Eigen::Isometry3d wrong = at(0);
     wrong.linear() *= 2;
-    EXPECT_THROW(world.set_pose(second, wrong), Error);
-    EXPECT_EQ(world.pose(second).matrix(), at(0).matrix());
-    world.remove_body(second);
-    world.remove(model);
-    EXPECT_THROW(world.add_body({.model = model}), Error);
+    EXPECT_THROW(world.bodies().set_pose(second, wrong), Error);
+    EXPECT_EQ(world.bodies().pose(second).matrix(), at(0).matrix());
+    world.bodies().remove(second);
+    world.models().remove(model);
+    EXPECT_THROW(world.bodies().add({.model = model}), Error);
     Mesh broken = make_box_mesh({1, 1, 1});
     broken.triangles[3][1] = 77;
-    EXPECT_THROW(world.add(broken), Error);
+    EXPECT_THROW(world.models().add(broken), Error);
 }
 
 TEST(World, TellsWhichPairsBeganAndEnded)
 {
     World world({.exact = ExactLevel::predicates});
-    const ModelId model = world.add(make_box_mesh({1, 1, 1}));
-    const BodyId a = world.add_body({.model = model}), b = world.add_body({.model = model, .pose = at(1.5)});
+    const ModelId model = world.models().add(make_box_mesh({1, 1, 1}));
+    const BodyId a = world.bodies().add({.model = model}), b = world.bodies().add({.model = model, .pose = at(1.5)});
     const FrameView met = world.step();
     ASSERT_EQ(met.began.size(), 1u);
     EXPECT_EQ(met.began[0], (PairOfBodies{a, b}));
     const FrameView same = world.step();
     EXPECT_TRUE(same.began.empty() && same.ended.empty());
-    world.set_pose(b, at(9));
+    world.bodies().set_pose(b, at(9));
     EXPECT_EQ(world.step().ended.size(), 1u);
-    world.set_pose(b, at(1.5));
+    world.bodies().set_pose(b, at(1.5));
     world.step();
-    world.remove_body(b);
-    const BodyId c = world.add_body({.model = model, .pose = at(1.5)});
+    world.bodies().remove(b);
+    const BodyId c = world.bodies().add({.model = model, .pose = at(1.5)});
     ASSERT_EQ(c.slot, b.slot);
     const FrameView other = world.step();
     ASSERT_EQ(other.began.size(), 1u);
@@ -303,18 +308,18 @@ TEST(World, TellsWhichPairsBeganAndEnded)
 TEST(World, ReportsTheEventsOfAFrameThatFailedInTheNextOne)
 {
     World world;
-    const ModelId model = world.add(make_box_mesh({1, 1, 1}));
-    const BodyId a = world.add_body({.model = model}), b = world.add_body({.model = model, .pose = at(9)});
+    const ModelId model = world.models().add(make_box_mesh({1, 1, 1}));
+    const BodyId a = world.bodies().add({.model = model}), b = world.bodies().add({.model = model, .pose = at(9)});
     world.step();
-    world.set_pose(b, at(1.5));
+    world.bodies().set_pose(b, at(1.5));
     ASSERT_EQ(world.step().began.size(), 1u);
-    world.set_pose(b, at(1.25));
+    world.bodies().set_pose(b, at(1.25));
     world.set_pair_filter([](auto, auto) { throw Error(ErrorKind::internal, "planted"); });
     EXPECT_THROW(world.step(), Error);
     world.set_pair_filter({});
     const FrameView next = world.step();
     EXPECT_TRUE(next.began.empty() && next.ended.empty()) << "they met before and after the failed frame";
-    world.remove_body(a);
+    world.bodies().remove(a);
     EXPECT_EQ(world.step().ended.size(), 1u);
 }
 
@@ -322,14 +327,14 @@ TEST(World, LetsBodiesSleepWithTheirResultsAndEvents)
 {
     for (const bool budget : {false, true}) {
         World world({.memory_budget = budget ? 1'000'000'000u : 0u}); // so large that it changes no result
-        const ModelId model = world.add(knot());
+        const ModelId model = world.models().add(knot());
         std::vector<BodyId> ids;
         for (int i = 0; i < 6; ++i)
-            ids.push_back(world.add_body({.model = model, .pose = at(i), .user = std::uint64_t(i)}));
-        world.set_static(ids[0], true);
-        world.sleep(std::span(ids).first(4));
-        EXPECT_TRUE(world.is_asleep(ids[3]));
-        EXPECT_FALSE(world.is_asleep(ids[4]));
+            ids.push_back(world.bodies().add({.model = model, .pose = at(i), .user = std::uint64_t(i)}));
+        world.bodies().set_static(ids[0], true);
+        world.bodies().sleep(std::span(ids).first(4));
+        EXPECT_TRUE(world.bodies().is_asleep(ids[3]));
+        EXPECT_FALSE(world.bodies().is_asleep(ids[4]));
         EXPECT_EQ(world.step().trees.kept, 0u) << "no pair has a result yet";
         const FrameView slept = world.step();
         EXPECT_TRUE(slept.began.empty() && slept.ended.empty());
@@ -338,28 +343,29 @@ TEST(World, LetsBodiesSleepWithTheirResultsAndEvents)
         EXPECT_GE(asleep, 3);
         EXPECT_EQ(slept.trees.kept, budget ? std::uint64_t(asleep) : slept.pairs.size());
 
-        world.set_pose(ids[3], at(2.5)); // wakes it
-        EXPECT_FALSE(world.is_asleep(ids[3]));
+        world.bodies().set_pose(ids[3], at(2.5)); // wakes it
+        EXPECT_FALSE(world.bodies().is_asleep(ids[3]));
         World fresh(world.settings());
-        const ModelId same = fresh.add(knot());
+        const ModelId same = fresh.models().add(knot());
         for (int i = 0; i < 6; ++i)
-            fresh.add_body({.model = same,
-                            .pose = world.pose(ids[std::size_t(i)]),
-                            .is_static = i == 0,
-                            .user = std::uint64_t(i)});
+            fresh.bodies().add({.model = same,
+                                .pose = world.bodies().pose(ids[std::size_t(i)]),
+                                .is_static = i == 0,
+                                .user = std::uint64_t(i)});
         EXPECT_EQ(outcome_of(world), outcome_of(fresh));
-        world.set_layers(ids[2], 2, 2);
-        EXPECT_FALSE(world.is_asleep(ids[2]));
-        world.wake(ids[1]);
-        EXPECT_FALSE(world.is_asleep(ids[1]));
-        EXPECT_TRUE(world.is_asleep(ids[0])) << "static bodies may sleep, too";
+        world.bodies().set_filter(ids[2], {.layer = 2, .mask = 2});
+        EXPECT_FALSE(world.bodies().is_asleep(ids[2]));
+        world.bodies().wake(ids[1]);
+        EXPECT_FALSE(world.bodies().is_asleep(ids[1]));
+        EXPECT_TRUE(world.bodies().is_asleep(ids[0])) << "static bodies may sleep, too";
         const FrameView left = world.step();
         EXPECT_TRUE(std::ranges::none_of(left.pairs,
                                          [](const PairResult& pair) { return pair.a.slot == 2 || pair.b.slot == 2; }));
-        world.remove_body(ids[0]);
-        EXPECT_THROW(world.sleep(ids), Error);
-        EXPECT_FALSE(world.is_asleep(ids[4])) << "a refused call changes nothing";
-        EXPECT_FALSE(world.is_asleep(world.add_body({.model = model}))) << "in the slot of a body that slept";
+        world.bodies().remove(ids[0]);
+        EXPECT_THROW(world.bodies().sleep(ids), Error);
+        EXPECT_FALSE(world.bodies().is_asleep(ids[4])) << "a refused call changes nothing";
+        EXPECT_FALSE(world.bodies().is_asleep(world.bodies().add({.model = model})))
+            << "in the slot of a body that slept";
     }
 }
 
@@ -367,12 +373,12 @@ TEST(World, LetsBodiesSleepWithTheirResultsAndEvents)
 TEST(World, FindsThatCopiesInOnePlaceCollide)
 {
     World world({.exact = ExactLevel::predicates});
-    const ModelId model = world.add(make_sphere_mesh(1, 5000));
+    const ModelId model = world.models().add(make_sphere_mesh(1, 5000));
     for (std::uint64_t k = 0; k < 20; ++k) {
         Eigen::Isometry3d pose = random_pose(k, 1);
         pose.translation().x() += 10 * double(k);
-        world.add_body({.model = model, .pose = pose});
-        world.add_body({.model = model, .pose = pose});
+        world.bodies().add({.model = model, .pose = pose});
+        world.bodies().add({.model = model, .pose = pose});
     }
     const FrameView frame = world.step();
     ASSERT_EQ(frame.pairs.size(), 20u);

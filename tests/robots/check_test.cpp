@@ -57,20 +57,22 @@ RobotDescription long_arm()
 /// Bodies of many kinds around the robot.
 void add_bodies(World& world, std::size_t count, double reach, std::uint64_t seed)
 {
-    const std::vector<ModelId> models{world.add(Box{{0.3, 0.3, 0.02}}),
-                                      world.add(Cylinder{0.1, 0.3}),
-                                      world.add(Sphere{0.15}),
-                                      world.add(Capsule{0.05, 0.4}),
-                                      world.add(make_torus_mesh(0.3, 0.1, 500)),
-                                      world.add(Box{{0.02, 0.02, 0.02}}),
-                                      world.add(ConvexHull{{{0, 0, 0}, {0.2, 0, 0}, {0, 0.3, 0}, {0, 0, 0.4}}})};
+    const std::vector<ModelId> models{
+        world.models().add(Box{{0.3, 0.3, 0.02}}),
+        world.models().add(Cylinder{0.1, 0.3}),
+        world.models().add(Sphere{0.15}),
+        world.models().add(Capsule{0.05, 0.4}),
+        world.models().add(make_torus_mesh(0.3, 0.1, 500)),
+        world.models().add(Box{{0.02, 0.02, 0.02}}),
+        world.models().add(ConvexHull{{{0, 0, 0}, {0.2, 0, 0}, {0, 0.3, 0}, {0, 0, 0.4}}})};
     for (std::size_t i = 0; i < count; ++i)
-        world.add_body({.model = models[i % models.size()], .pose = random_pose(seed + i, reach), .is_static = true});
+        world.bodies().add(
+            {.model = models[i % models.size()], .pose = random_pose(seed + i, reach), .is_static = true});
     Isometry3d floor = Isometry3d::Identity();
     floor.translation().z() = -1.4;
-    world.add_body({.model = world.add(HalfSpace{}), .pose = floor, .is_static = true});
+    world.bodies().add({.model = world.models().add(HalfSpace{}), .pose = floor, .is_static = true});
     const std::vector<MapCell> cells{{9, 9, 3, 1}, {9, 9, 4, 1}, {-8, 9, 3, 1}};
-    world.add_body({.model = world.add(make_occupancy_map("map", 0.1, cells)), .is_static = true});
+    world.bodies().add({.model = world.models().add(make_occupancy_map("map", 0.1, cells)), .is_static = true});
 }
 
 std::vector<double> numbers_of(const Robot& robot, std::size_t count, double step)
@@ -95,13 +97,13 @@ RobotFinding alone(const World& world, const RobotDescription& robot, std::span<
     for (auto link = static_cast<std::uint32_t>(robot.links.size()); link-- > 0;)
         for (std::size_t k = robot.links[link].collision.size(); k-- > 0;) {
             --part;
-            for (std::uint32_t slot = 0; slot < world.size(); ++slot) {
+            for (std::uint32_t slot = 0; slot < world.bodies().size(); ++slot) {
                 const PlacedModel placed{models[part], links[link] * robot.links[link].collision[k].pose};
-                const Finding found = world.decide(placed, world.body_at(slot));
+                const Finding found = world.pairs().decide(placed, world.bodies().at(slot));
                 if (found.verdict == Verdict::colliding)
-                    return {found.bound, found.verdict, link, RobotFinding::no_link, world.body_at(slot)};
+                    return {found.bound, found.verdict, link, RobotFinding::no_link, world.bodies().at(slot)};
                 if (found.verdict != Verdict::separate && worst.verdict == Verdict::separate)
-                    worst = {found.bound, found.verdict, link, RobotFinding::no_link, world.body_at(slot)};
+                    worst = {found.bound, found.verdict, link, RobotFinding::no_link, world.bodies().at(slot)};
             }
         }
     return worst;
@@ -116,7 +118,8 @@ TEST(RobotCheck, FindsTheFirstPairThatEveryPairDecidedAloneShows)
         const Robot robot(world, description, random_pose(3, 0.2));
         std::vector<ModelId> models;
         for (const RobotLink& link : description.links)
-            for (const LinkGeometry& collision : link.collision) models.push_back(world.add(collision.geometry));
+            for (const LinkGeometry& collision : link.collision)
+                models.push_back(world.models().add(collision.geometry));
         std::size_t colliding = 0;
         constexpr std::size_t count = 150;
         for (const double step : {0.1, 1.0}) {
@@ -150,9 +153,9 @@ TEST(RobotCheck, NoContactIsLostAmongManyBodies)
     slider.joints = {joint};
     World world;
     const Robot robot(world, slider, Isometry3d(Eigen::Translation3d(5, 6, 7)));
-    const ModelId box = world.add(Box{{0.01, 0.01, 0.01}});
+    const ModelId box = world.models().add(Box{{0.01, 0.01, 0.01}});
     for (int i = 0; i < 100; ++i)
-        world.add_body({.model = box, .pose = Isometry3d(Eigen::Translation3d(5 + 0.25 * i, 6, 7))});
+        world.bodies().add({.model = box, .pose = Isometry3d(Eigen::Translation3d(5 + 0.25 * i, 6, 7))});
     std::vector<double> numbers;
     for (const double from : {-0.06 - 1e-9, -0.06 + 1e-9, 0.06 - 1e-9, 0.06 + 1e-9})
         for (int i = 0; i < 100; ++i) numbers.push_back(0.25 * i + from);
@@ -171,7 +174,7 @@ TEST(RobotCheck, SelfCollisionsAreThoseOfEveryPairDecidedAlone)
     std::vector<Isometry3d> at;
     for (std::uint32_t link = 0; link < description.links.size(); ++link)
         for (const LinkGeometry& collision : description.links[link].collision)
-            models.push_back({link, world.add(collision.geometry)}), at.push_back(collision.pose);
+            models.push_back({link, world.models().add(collision.geometry)}), at.push_back(collision.pose);
     constexpr std::size_t count = 200;
     const std::vector<double> numbers = numbers_of(robot, count, 1);
     std::vector<RobotFinding> found(count);
@@ -185,8 +188,8 @@ TEST(RobotCheck, SelfCollisionsAreThoseOfEveryPairDecidedAlone)
             for (std::size_t a = 0; a < b; ++a) {
                 const std::pair<std::uint32_t, std::uint32_t> pair{models[a].first, models[b].first};
                 if (pair.second - pair.first < 2) continue;
-                const Finding alone = world.decide(PlacedModel{models[a].second, links[pair.first] * at[a]},
-                                                   PlacedModel{models[b].second, links[pair.second] * at[b]});
+                const Finding alone = world.pairs().decide(PlacedModel{models[a].second, links[pair.first] * at[a]},
+                                                           PlacedModel{models[b].second, links[pair.second] * at[b]});
                 if (alone.verdict == Verdict::colliding) pairs.push_back(pair);
             }
         ASSERT_EQ(found[i].verdict == Verdict::colliding, !pairs.empty()) << i;
@@ -231,16 +234,16 @@ TEST(RobotCheck, BodiesThatMoveComeAndGoAreSeen)
     std::vector<RobotFinding> found(1);
     const auto verdict = [&] { return robot.check(world, q, found), found[0].verdict; };
     EXPECT_EQ(verdict(), Verdict::separate);
-    const BodyId body = world.add_body({.model = world.add(Box{{0.1, 0.1, 0.1}})});
+    const BodyId body = world.bodies().add({.model = world.models().add(Box{{0.1, 0.1, 0.1}})});
     EXPECT_EQ(verdict(), Verdict::colliding);
     EXPECT_EQ(found[0].body, body);
-    world.set_pose(body, Isometry3d(Eigen::Translation3d(3, 0, 0)));
+    world.bodies().set_pose(body, Isometry3d(Eigen::Translation3d(3, 0, 0)));
     EXPECT_EQ(verdict(), Verdict::separate);
-    world.set_pose(body, Isometry3d::Identity());
+    world.bodies().set_pose(body, Isometry3d::Identity());
     robot.check(world, q, found, {.filter = {.mask = 2}});
     EXPECT_EQ(found[0].verdict, Verdict::separate);
     EXPECT_EQ(verdict(), Verdict::colliding);
-    world.remove_body(body);
+    world.bodies().remove(body);
     EXPECT_EQ(verdict(), Verdict::separate);
 }
 
@@ -258,7 +261,7 @@ TEST(RobotCheck, PosesThatALongChainMakesUnsoundAreRefused)
     }
     chain.links.back() = {"last", {{std::make_shared<const Geometry>(Geometry{"ball", Sphere{0.1}, {}})}}};
     World world;
-    world.add_body({.model = world.add(Sphere{0.1})});
+    world.bodies().add({.model = world.models().add(Sphere{0.1})});
     const Robot robot(world, chain);
     std::vector<RobotFinding> found(1);
     try {
@@ -279,7 +282,7 @@ TEST(PartSolids, TellThatPartsAreApartOrMeetOnlyWhereTheyDo)
                                     Cylinder{0.4, 0.05}, Sphere{0.2}};
     for (const double clearance : {0.0, 0.03}) {
         World world({.clearance = clearance, .exact = ExactLevel::predicates});
-        const ModelId knot_model = world.add(knot), block_model = world.add(block);
+        const ModelId knot_model = world.models().add(knot), block_model = world.models().add(block);
         std::size_t apart = 0, together = 0, parted = 0;
         Parting parting;
         for (std::uint64_t seed = 0; seed < 3000; ++seed) {
@@ -290,9 +293,9 @@ TEST(PartSolids, TellThatPartsAreApartOrMeetOnlyWhereTheyDo)
             const Shape& shape = shapes[seed % shapes.size()];
             const Geometry geometry{"body", shape, {}};
             const PlacedBody body(0, geometry, bounds_of(geometry), other);
-            const ModelId model = world.add(shape);
-            const Verdict truth = world.decide(placed, PlacedModel{model, other}).verdict;
-            world.remove(model);
+            const ModelId model = world.models().add(shape);
+            const Verdict truth = world.pairs().decide(placed, PlacedModel{model, other}).verdict;
+            world.models().remove(model);
             if (surely_apart(solids, pose, body.box, clearance)) {
                 EXPECT_EQ(truth, Verdict::separate) << seed;
                 ++apart;
@@ -302,7 +305,8 @@ TEST(PartSolids, TellThatPartsAreApartOrMeetOnlyWhereTheyDo)
                 ++together;
             }
             if (surely_apart(solids, pose, of_block, other, clearance, parting)) {
-                EXPECT_EQ(world.decide(placed, PlacedModel{block_model, other}).verdict, Verdict::separate) << seed;
+                EXPECT_EQ(world.pairs().decide(placed, PlacedModel{block_model, other}).verdict, Verdict::separate)
+                    << seed;
                 ++parted;
             }
         }

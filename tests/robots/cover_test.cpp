@@ -60,12 +60,12 @@ TEST(Cover, NoContactOfCornersIsRuledOut)
         robot.joints = {joint};
         World world;
         const Robot made(world, robot);
-        const ModelId model = world.add(Box{{0.05, 0.07, 0.5}});
+        const ModelId model = world.models().add(Box{{0.05, 0.07, 0.5}});
         double apart = 3, meeting = 0; // by halves, without the robot
         const auto meets = [&](double q) {
             Isometry3d pose = at;
             pose.translation() = q * joint.axis;
-            return world.decide(PlacedModel{model, Isometry3d::Identity()}, PlacedModel{model, pose}).verdict ==
+            return world.pairs().decide(PlacedModel{model, Isometry3d::Identity()}, PlacedModel{model, pose}).verdict ==
                    Verdict::colliding;
         };
         ASSERT_TRUE(meets(meeting));
@@ -122,8 +122,8 @@ TEST(Cover, NoContactIsRuledOutWherePosesAreNotQuiteRigid)
     robot.joints = {joint};
     World world;
     const Robot made(world, robot, shrunk);
-    const ModelId fixed = world.add(robot.links[0].collision[0].geometry),
-                  moving = world.add(robot.links[1].collision[0].geometry);
+    const ModelId fixed = world.models().add(robot.links[0].collision[0].geometry),
+                  moving = world.models().add(robot.links[1].collision[0].geometry);
     std::vector<double> numbers;
     for (int i = -10; i <= 10; ++i) numbers.push_back(1.01 + 1e-7 * i);
     std::vector<RobotFinding> found(numbers.size());
@@ -132,7 +132,8 @@ TEST(Cover, NoContactIsRuledOutWherePosesAreNotQuiteRigid)
     for (std::size_t i = 0; i < numbers.size(); ++i) {
         std::vector<Isometry3d> links(2);
         made.link_poses({&numbers[i], 1}, links);
-        const Finding alone = world.decide(PlacedModel{fixed, links[0]}, PlacedModel{moving, links[1] * turned});
+        const Finding alone =
+            world.pairs().decide(PlacedModel{fixed, links[0]}, PlacedModel{moving, links[1] * turned});
         EXPECT_EQ(found[i].verdict, alone.verdict) << numbers[i];
         contacts += alone.verdict == Verdict::colliding;
     }
@@ -158,8 +159,10 @@ TEST(Cover, NoContactOfALinkOfManyPartsIsRuledOut)
     World world;
     const Robot made(world, robot);
     // The last bead's centre is at x = 0.5 + q, y = 0.5; the first one's at x = q, y = 0.
-    world.add_body({.model = world.add(Box{{0.1, 0.01, 0.1}}), .pose = Isometry3d(Eigen::Translation3d(1, 0.5, 0))});
-    world.add_body({.model = world.add(Box{{0.1, 0.01, 0.1}}), .pose = Isometry3d(Eigen::Translation3d(-1, 0, 0))});
+    world.bodies().add(
+        {.model = world.models().add(Box{{0.1, 0.01, 0.1}}), .pose = Isometry3d(Eigen::Translation3d(1, 0.5, 0))});
+    world.bodies().add(
+        {.model = world.models().add(Box{{0.1, 0.01, 0.1}}), .pose = Isometry3d(Eigen::Translation3d(-1, 0, 0))});
     std::vector<RobotFinding> found(4);
     made.check(world, std::vector<double>{0.35 + 1e-9, 0.35 - 1e-9, -0.85 + 1e-9, -0.85 - 1e-9}, found);
     EXPECT_EQ(found[0].verdict, Verdict::colliding);

@@ -53,7 +53,7 @@ TEST_F(RobotDataFolder, RandomConfigurationsAreDecidedAsPairByPair)
         std::vector<std::vector<std::pair<ModelId, Eigen::Isometry3d>>> parts(description.links.size());
         for (std::size_t i = 0; i < parts.size(); ++i)
             for (const LinkGeometry& collision : description.links[i].collision)
-                parts[i].push_back({pairs.add(collision.geometry), collision.pose});
+                parts[i].push_back({pairs.models().add(collision.geometry), collision.pose});
         constexpr std::size_t count = 200;
         std::mt19937 random(4);
         std::vector<double> numbers;
@@ -71,8 +71,9 @@ TEST_F(RobotDataFolder, RandomConfigurationsAreDecidedAsPairByPair)
                     if (std::ranges::count(description.excluded, std::pair(a, b))) continue;
                     for (const auto& [model_a, pose_a] : parts[a])
                         for (const auto& [model_b, pose_b] : parts[b])
-                            hit = hit || pairs.decide(PlacedModel{model_a, poses[a] * pose_a},
-                                                      PlacedModel{model_b, poses[b] * pose_b})
+                            hit = hit || pairs.pairs()
+                                                 .decide(PlacedModel{model_a, poses[a] * pose_a},
+                                                         PlacedModel{model_b, poses[b] * pose_b})
                                                  .verdict == Verdict::colliding;
                 }
             EXPECT_EQ(found[k].verdict == Verdict::colliding, hit) << name << " " << k;

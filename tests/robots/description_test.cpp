@@ -60,7 +60,7 @@ TEST_P(DescriptionFault, IsAnErrorThatNamesTheLinkOrTheJoint)
     const std::string error = error_of(robot, world);
     EXPECT_NE(error.find("robot 'arm'"), error.npos) << error;
     EXPECT_NE(error.find(GetParam().message), error.npos) << error;
-    EXPECT_EQ(world.models(), 0u) << "nothing has changed";
+    EXPECT_EQ(world.models().size(), 0u) << "nothing has changed";
 }
 
 RobotJoint& follow(RobotDescription& robot)
@@ -98,8 +98,7 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"NanAxis", [](auto& r) { slide(r).axis.y() = nan; }, "its axis (1, nan, 0)"},
         Fault{"LimitsReversed", [](auto& r) { slide(r).lower = 2; }, "joint 'slide': its limits are 2 to 1"},
         Fault{"NanLimit", [](auto& r) { slide(r).upper = nan; }, "its limits are -1 to nan"},
-        Fault{"EndlessLimit", [](auto& r) { slide(r).lower = slide(r).upper = inf; },
-              "exclude everything up to 1e9"},
+        Fault{"EndlessLimit", [](auto& r) { slide(r).lower = slide(r).upper = inf; }, "exclude everything up to 1e9"},
         Fault{"Loop", [](auto& r) { r.joints.push_back(slide(r)), r.joints[3].name = "back", r.joints[3].child = 0; },
               "link 'base': the joints above it form a loop"},
         Fault{"Diamond",
@@ -171,7 +170,7 @@ TEST(Description, AttachRefusesLinksThatDoNotExist)
 {
     World world;
     Robot robot(world, arm());
-    const ModelId ball = world.add(Sphere{0.1});
+    const ModelId ball = world.models().add(Sphere{0.1});
     const auto attach = [&](std::uint32_t link, ModelId model, std::uint32_t touching) {
         robot.attach(world, link, model, Eigen::Isometry3d::Identity(), {&touching, 1});
     };
@@ -179,7 +178,7 @@ TEST(Description, AttachRefusesLinksThatDoNotExist)
     EXPECT_THROW(attach(3, ball, 4), Error);
     EXPECT_THROW(attach(3, {}, 0), Error);
     World other;
-    EXPECT_THROW(attach(3, other.add(Sphere{0.1}), 0), Error);
+    EXPECT_THROW(attach(3, other.models().add(Sphere{0.1}), 0), Error);
     robot.add_bodies(world);
     EXPECT_EQ(robot.bodies().size(), 4u) << "no attempt has left an object";
 }
@@ -190,8 +189,8 @@ TEST(Description, ABodyInTheSlotOfARemovedOneIsNotTheRobots)
     World world;
     Robot robot(world, arm());
     robot.add_bodies(world);
-    world.remove_body(robot.bodies()[3]);
-    const BodyId way = world.add_body({.model = world.add(Sphere{0.3})});
+    world.bodies().remove(robot.bodies()[3]);
+    const BodyId way = world.bodies().add({.model = world.models().add(Sphere{0.3})});
     ASSERT_EQ(way.slot, robot.bodies()[3].slot);
     std::vector<RobotFinding> found(1);
     robot.check(world, robot.neutral(), found);
@@ -201,7 +200,7 @@ TEST(Description, ABodyInTheSlotOfARemovedOneIsNotTheRobots)
     robot.check_edges(world, robot.neutral(), std::vector{0.5, 0.0}, edges);
     EXPECT_EQ(edges[0].verdict, Verdict::colliding);
     robot.remove_bodies(world);
-    EXPECT_EQ(world.size(), 1u) << "the sphere";
+    EXPECT_EQ(world.bodies().size(), 1u) << "the sphere";
 }
 
 TEST(Description, ALinkOrAnObjectThatIsOpenIsRefusedInSolidMode)
@@ -211,12 +210,12 @@ TEST(Description, ALinkOrAnObjectThatIsOpenIsRefusedInSolidMode)
     open.triangles.pop_back();
     World world({.mode = Mode::solid});
     Robot closed(world, robot);
-    const std::size_t models = world.models();
+    const std::size_t models = world.models().size();
     robot.links[2].collision[0].geometry = std::make_shared<const Geometry>(Geometry{"holed", open, {}});
     const std::string error = error_of(robot, world);
     EXPECT_NE(error.find("robot 'arm': link 'hand': holed: the mesh is not closed"), error.npos) << error;
-    EXPECT_EQ(world.models(), models);
-    EXPECT_THROW(closed.attach(world, 3, world.add(open), Eigen::Isometry3d::Identity()), Error);
+    EXPECT_EQ(world.models().size(), models);
+    EXPECT_THROW(closed.attach(world, 3, world.models().add(open), Eigen::Isometry3d::Identity()), Error);
     World taken({.mode = Mode::solid, .open_as_surface = true});
     EXPECT_EQ(error_of(robot, taken), "no error");
 }

@@ -82,7 +82,8 @@ TEST_F(RobotEdges, TheFirstContactIsBracketed)
     World world;
     // The arm, stretched out above the base, bends until it meets a wire.
     const double height = 1.0;
-    world.add_body({.model = world.add(Box{{1e-6, 1, 1e-6}}), .pose = Isometry3d(Translation3d(0.3, 0, height))});
+    world.bodies().add(
+        {.model = world.models().add(Box{{1e-6, 1, 1e-6}}), .pose = Isometry3d(Translation3d(0.3, 0, height))});
     const Robot robot(world, description);
     const std::vector<double> from{0, 0, 0.05}, to{0, 2, 0.05};
     RobotEdgeFinding found;
@@ -91,7 +92,7 @@ TEST_F(RobotEdges, TheFirstContactIsBracketed)
     EXPECT_LE(found.contact_by - found.clear_until, 1e-6);
     EXPECT_GT(found.clear_until, 0.1);
     EXPECT_EQ(found.other, RobotFinding::no_link);
-    EXPECT_TRUE(world.contains(found.body));
+    EXPECT_TRUE(world.bodies().contains(found.body));
     RobotEdgeFinding any;
     robot.check_edges(world, from, to, {&any, 1}, {.tolerance = 1e-6, .first = false});
     EXPECT_EQ(any.verdict, Verdict::colliding);
@@ -154,7 +155,7 @@ TEST_F(RobotEdges, WhatCellsOfJointsHideIsNoContact)
         Robot robot(world, arm_among_balls());
         for (const bool holds : {false, true}) {
             if (holds) // cells that are known without the object do not count
-                robot.attach(world, 3, world.add(Sphere{0.03}), Isometry3d(Translation3d(0.2, 0.1, 0)));
+                robot.attach(world, 3, world.models().add(Sphere{0.03}), Isometry3d(Translation3d(0.2, 0.1, 0)));
             robot.check_edges(world, from, to, found, what);
             std::size_t separate = 0, later = 0;
             for (std::size_t i = 0; i < count; ++i) {
@@ -217,7 +218,7 @@ TEST_F(RobotEdges, ASpeckOnTheWayIsNeverLost)
         if (self)
             made.links[0].collision = {{speck(mesh), there}};
         else
-            world.add_body({.model = world.add(speck(mesh)), .pose = there});
+            world.bodies().add({.model = world.models().add(speck(mesh)), .pose = there});
         const Robot robot(world, made);
         std::vector<double> from, to;
         constexpr std::size_t count = 100;
@@ -239,7 +240,8 @@ TEST_F(RobotEdges, ASpeckOnTheWayIsNeverLost)
 TEST_F(RobotEdges, AWireBetweenSamplesIsFound)
 {
     World world;
-    world.add_body({.model = world.add(Box{{1e-6, 1e-6, 1}}), .pose = Isometry3d(Translation3d(0.25, 0.25, 1))});
+    world.bodies().add(
+        {.model = world.models().add(Box{{1e-6, 1e-6, 1}}), .pose = Isometry3d(Translation3d(0.25, 0.25, 1))});
     const Robot robot(world, description);
     const std::vector<double> from{-0.75, 1.5, 0.05}, to{0.85, 1.5, 0.05};
     std::size_t sampled = 0;
@@ -261,8 +263,8 @@ TEST_F(RobotEdges, ABallThatTheBentWayGrazesIsFound)
     Robot robot(world, description);
     const double tool = 0.001, ball = 0.001, depth = 1e-5;
     const Isometry3d at_finger(Translation3d(0, 0, 0.3));
-    robot.attach(world, 3, world.add(Sphere{tool}), at_finger);
-    const BodyId body = world.add_body({.model = world.add(Sphere{ball})});
+    robot.attach(world, 3, world.models().add(Sphere{tool}), at_finger);
+    const BodyId body = world.bodies().add({.model = world.models().add(Sphere{ball})});
     const std::vector<double> numbers = random_numbers(400);
     std::size_t tested = 0;
     for (std::size_t i = 0; i + 1 < numbers.size() / 3; i += 2) {
@@ -275,7 +277,7 @@ TEST_F(RobotEdges, ABallThatTheBentWayGrazesIsFound)
         };
         const Vector3d bend = centre(time - step) + centre(time + step) - 2 * centre(time);
         const Vector3d outward = -bend.normalized();
-        world.set_pose(body, Isometry3d(Translation3d(centre(time) + (tool + ball - depth) * outward)));
+        world.bodies().set_pose(body, Isometry3d(Translation3d(centre(time) + (tool + ball - depth) * outward)));
         RobotEdgeFinding found;
         robot.check_edges(world, from, to, {&found, 1}, {.pairs = {.self = false}});
         EXPECT_NE(found.verdict, Verdict::separate) << i;
@@ -288,7 +290,8 @@ TEST_F(RobotEdges, ABallThatTheBentWayGrazesIsFound)
 TEST_F(RobotEdges, ContactAtTheStartAndTheEndCounts)
 {
     World world;
-    world.add_body({.model = world.add(Box{{0.1, 0.1, 0.1}}), .pose = Isometry3d(Translation3d(0, 0, 1.1))});
+    world.bodies().add(
+        {.model = world.models().add(Box{{0.1, 0.1, 0.1}}), .pose = Isometry3d(Translation3d(0, 0, 1.1))});
     const Robot robot(world, description);
     const std::vector<double> up{0, 0, 0.05}, aside{0, 1.5, 0.05};
     RobotEdgeFinding found;

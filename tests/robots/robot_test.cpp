@@ -132,7 +132,8 @@ TEST_F(RobotTest, BatchesFindWhatFramesFind)
             bool hits_self = false, hits_post = false;
             for (const PairResult& pair : frames.step().pairs)
                 if (pair.verdict == Verdict::colliding)
-                    (frames.is_static(pair.a) || frames.is_static(pair.b) ? hits_post : hits_self) = true;
+                    (frames.bodies().is_static(pair.a) || frames.bodies().is_static(pair.b) ? hits_post : hits_self) =
+                        true;
             colliding += hits_self || hits_post, in_self += hits_self;
             EXPECT_EQ(found[i].verdict == Verdict::colliding, hits_self || hits_post) << i;
             EXPECT_EQ(self[i].verdict == Verdict::colliding, hits_self) << i;
@@ -141,7 +142,7 @@ TEST_F(RobotTest, BatchesFindWhatFramesFind)
                 EXPECT_NE(self[i].other, RobotFinding::no_link);
             }
             if (outside[i].verdict == Verdict::colliding) {
-                EXPECT_TRUE(world.contains(outside[i].body));
+                EXPECT_TRUE(world.bodies().contains(outside[i].body));
             }
         }
         EXPECT_GT(in_self, 20u); // the test tests something
@@ -202,9 +203,9 @@ TEST_F(RobotTest, OwnBodiesDoNotCount)
     std::vector<RobotFinding> found(1);
     robot.check(world, std::vector<double>{0.01, 0.02, 0.05}, found);
     EXPECT_EQ(found[0].verdict, Verdict::separate);
-    EXPECT_THROW(robot.attach(world, 3, world.add(Sphere{0.1}), Isometry3d::Identity()), Error);
+    EXPECT_THROW(robot.attach(world, 3, world.models().add(Sphere{0.1}), Isometry3d::Identity()), Error);
     robot.remove_bodies(world);
-    EXPECT_EQ(world.size(), 0u);
+    EXPECT_EQ(world.bodies().size(), 0u);
     World other;
     EXPECT_THROW(robot.check(other, std::vector<double>{0, 0, 0}, found), Error);
 }
@@ -218,7 +219,7 @@ TEST_F(RobotTest, PosesThatAreNotRigidAreRefused)
         EXPECT_THROW(Robot(world, description, bad), Error);
         Robot robot(world, description);
         EXPECT_THROW(robot.set_base(bad), Error);
-        EXPECT_THROW(robot.attach(world, 3, world.add(Sphere{0.1}), bad), Error);
+        EXPECT_THROW(robot.attach(world, 3, world.models().add(Sphere{0.1}), bad), Error);
         RobotDescription changed = description;
         changed.joints[1].origin = bad;
         EXPECT_THROW(Robot(world, changed), Error);
@@ -238,7 +239,7 @@ TEST_F(RobotTest, AnAttachedObjectCollidesButNotWithWhatHoldsIt)
     const std::vector<double> numbers = random_numbers(300);
     std::vector<RobotFinding> before(300), after(300), again(300);
     robot.check(world, numbers, before);
-    const ModelId plate = world.add(Box{{0.35, 0.35, 0.01}});
+    const ModelId plate = world.models().add(Box{{0.35, 0.35, 0.01}});
     const std::vector<std::uint32_t> touching{2, 4}; // the lower arm, the right finger
     robot.attach(world, 3, plate, Isometry3d::Identity(), touching);
     robot.check(world, numbers, after);

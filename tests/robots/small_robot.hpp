@@ -91,11 +91,11 @@ inline std::vector<double> random_numbers(std::size_t count)
 inline std::vector<BodyId> add_posts(World& world)
 {
     std::vector<BodyId> posts;
-    const ModelId post = world.add(Box{{0.05, 0.05, 0.3}});
+    const ModelId post = world.models().add(Box{{0.05, 0.05, 0.3}});
     for (int i = 0; i < 6; ++i) {
         const double angle = i * 1.1;
         const Eigen::Translation3d place(0.5 * std::cos(angle), 0.5 * std::sin(angle), 0.1 * i + 0.2);
-        posts.push_back(world.add_body({.model = post, .pose = Eigen::Isometry3d(place), .is_static = true}));
+        posts.push_back(world.bodies().add({.model = post, .pose = Eigen::Isometry3d(place), .is_static = true}));
     }
     return posts;
 }

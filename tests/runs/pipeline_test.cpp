@@ -51,7 +51,7 @@ TEST(Pipeline, PlaysInAWorldThatItIsGivenIfThatIsNew)
     EXPECT_EQ(Pipeline(scene).step(scene).pairs.size(), 1u);
     EXPECT_EQ(pipeline.step(scene).pairs.size(), 0u) << "the filter of the World";
     World used;
-    used.add(Sphere{1});
+    used.models().add(Sphere{1});
     EXPECT_THROW(Pipeline(scene, std::move(used)), Error);
 }
 
@@ -199,7 +199,7 @@ TEST(Pipeline, AnswersForNoBodyAndForOne)
     Pipeline one(scene, {.exact = ExactLevel::fcl, .skip = {StageId::broad, StageId::refine}});
     EXPECT_TRUE(one.step(scene).pairs.empty());
     EXPECT_TRUE(empty.step(scene).pairs.empty()) << "the new body is included";
-    EXPECT_EQ(empty.world().size(), 1u);
+    EXPECT_EQ(empty.world().bodies().size(), 1u);
 }
 
 TEST(Pipeline, RefusesPosesThatAreNotRigidAndNamesTheBody)

@@ -41,7 +41,7 @@ Subject subject_of(const Clashes& found, const PartList& parts, const Clash& cla
         subject.lines.push_back({clash.nearest_a, clash.nearest_b, width, red});
     else if (clash.kind != ClashKind::enclosed && clash.kind != ClashKind::duplicate) {
         const PairOfBodies pair = found.pair(clash);
-        const std::vector<Contact> contacts = found.world->contacts(pair.a, pair.b);
+        const std::vector<Contact> contacts = found.world->pairs().contacts(pair.a, pair.b);
         constexpr std::size_t most = 100'000; // more would not be distinguishable
         for (std::size_t k = 0; k < contacts.size(); k += 1 + contacts.size() / most)
             subject.lines.push_back({contacts[k].ends[0], contacts[k].ends[1], width, red});

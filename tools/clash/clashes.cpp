@@ -27,7 +27,7 @@ void add_parts(const PartList& list, Clashes& found)
     World& world = *found.world;
     std::vector<ModelId> models(list.meshes.size());
     for (std::size_t i = 0; i < list.meshes.size(); ++i)
-        if (list.meshes[i]) models[i] = world.add(list.meshes[i]);
+        if (list.meshes[i]) models[i] = world.models().add(list.meshes[i]);
     std::vector<BodySpec> bodies;
     for (std::size_t i = 0; i < list.parts.size(); ++i) {
         const Part& part = list.parts[i];
@@ -40,11 +40,11 @@ void add_parts(const PartList& list, Clashes& found)
                           .user = i});
     }
     found.bodies.resize(bodies.size());
-    world.add_bodies(bodies, found.bodies);
+    world.bodies().add(bodies, found.bodies);
 
     std::vector<std::uint8_t> closed(list.meshes.size(), 0);
     parallel_chunks(closed.size(), 1, thread_count(world.settings()), [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t i = begin; i < end; ++i) closed[i] = list.meshes[i] && world.closed(models[i]);
+        for (std::size_t i = begin; i < end; ++i) closed[i] = list.meshes[i] && world.models().closed(models[i]);
     });
     for (const Part& part : list.parts)
         if (!closed[part.mesh]) found.open.push_back(part.name);
@@ -84,7 +84,7 @@ void measure(const World& world, const Clashes& found, std::vector<Clash>& clash
         else if (clashes[i].kind != ClashKind::duplicate)
             pairs.push_back(found.pair(clashes[i])), of_pairs.push_back(i);
     std::vector<Penetration> reaches(pairs.size());
-    world.penetration(pairs, reaches);
+    world.pairs().penetration(pairs, reaches);
     for (std::size_t k = 0; k < pairs.size(); ++k) {
         clashes[of_pairs[k]].reach = reaches[k];
         clashes[of_pairs[k]].where = reaches[k].overlap.centre();
@@ -93,7 +93,7 @@ void measure(const World& world, const Clashes& found, std::vector<Clash>& clash
         for (const std::size_t i : std::span(near).subspan(begin, end - begin)) {
             Clash& clash = clashes[i];
             const auto [a, b] = found.pair(clash);
-            const Distance d = world.distance(a, b);
+            const Distance d = world.pairs().distance(a, b);
             clash.lower = d.lower, clash.upper = d.upper;
             clash.nearest_a = d.point_a, clash.nearest_b = d.point_b;
             clash.where = 0.5 * (d.point_a + d.point_b);
@@ -166,8 +166,8 @@ Clashes find_clashes(const PartList& parts, const ClashSettings& settings)
     found.pairs = frame.pairs.size();
     for (const PairResult& pair : frame.pairs) {
         if (pair.verdict == Verdict::separate) continue;
-        const auto [a, b] = std::minmax(
-            {static_cast<std::uint32_t>(world.user(pair.a)), static_cast<std::uint32_t>(world.user(pair.b))});
+        const auto [a, b] = std::minmax({static_cast<std::uint32_t>(world.bodies().user(pair.a)),
+                                         static_cast<std::uint32_t>(world.bodies().user(pair.b))});
         found.list.push_back(
             {.a = a, .b = b, .kind = kind_of(pair.kind), .id = clash_id(parts.parts[a], parts.parts[b])});
     }

@@ -33,12 +33,13 @@ bool is_within_tolerance(const Clashes& found, const Clash& clash, double tolera
     const World& world = *found.world;
     const auto [a, b] = found.pair(clash);
     Away from_b, from_a;
-    for (const Contact& contact : world.contacts(a, b)) from_b.add(contact.normal_b), from_a.add(-contact.normal_a);
+    for (const Contact& contact : world.pairs().contacts(a, b))
+        from_b.add(contact.normal_b), from_a.add(-contact.normal_a);
     const auto parts_them = [&](const Eigen::Vector3d& direction) {
         if (direction.isZero()) return false;
-        Eigen::Isometry3d pose = world.pose(a);
+        Eigen::Isometry3d pose = world.bodies().pose(a);
         pose.translation() += tolerance * direction;
-        const std::vector<QueryHit> hits = world.query(world.model(a), pose);
+        const std::vector<QueryHit> hits = world.space().overlaps(PlacedModel{world.bodies().model(a), pose});
         return std::ranges::none_of(hits, [&](const QueryHit& hit) {
             return hit.body == b && (hit.kind == ContactKind::crossing || hit.kind == ContactKind::enclosed);
         });

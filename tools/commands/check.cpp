@@ -135,7 +135,7 @@ void write_contacts(const World& world, OutputFile& file)
 {
     CsvWriter csv(file, "part_a,part_b,kind,x0,y0,z0,x1,y1,z1,normal_a_x,normal_a_y,normal_a_z,normal_b_x,normal_b_y,"
                         "normal_b_z");
-    for (const Contact& c : world.contacts(world.body_at(0), world.body_at(1))) {
+    for (const Contact& c : world.pairs().contacts(world.bodies().at(0), world.bodies().at(1))) {
         csv.add(part_text(c.a), part_text(c.b), name_of(c.kind));
         for (const Eigen::Vector3d& v : {c.ends[0], c.ends[1], c.normal_a, c.normal_b})
             for (const double x : v) csv.add(Digits{x, 17});
@@ -157,9 +157,9 @@ void set_motions(World& world, const CheckOptions& options)
 {
     std::vector<std::string> warnings;
     if (!options.to_pose_a.empty())
-        world.set_motion(world.body_at(0), pose_of("--to-pose-a", options.to_pose_a, warnings));
+        world.bodies().set_motion(world.bodies().at(0), pose_of("--to-pose-a", options.to_pose_a, warnings));
     if (!options.to_pose_b.empty())
-        world.set_motion(world.body_at(1), pose_of("--to-pose-b", options.to_pose_b, warnings));
+        world.bodies().set_motion(world.bodies().at(1), pose_of("--to-pose-b", options.to_pose_b, warnings));
     for (const std::string& warning : warnings) log(LogLevel::warning, warning);
 }
 
@@ -197,7 +197,7 @@ std::string describe(const Scene& scene, const PairSweep& sweep)
 
 std::string describe_distance(const Scene& scene, const World& world, double tolerance)
 {
-    const Distance d = world.distance(world.body_at(0), world.body_at(1), tolerance);
+    const Distance d = world.pairs().distance(world.bodies().at(0), world.bodies().at(1), {.tolerance = tolerance});
     const std::string a = describe(d.a, printable(scene.label(SceneBodyId{0}))),
                       b = describe(d.b, printable(scene.label(SceneBodyId{1})));
     if (d.upper == 0) return fmt::format("distance: 0, {} meets {}.", a, b);

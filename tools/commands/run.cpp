@@ -108,7 +108,7 @@ int run(const RunOptions& options)
     Pipeline pipeline(scene, settings);
     pipeline.set_continuous(options.continuous);
     if (options.continuous && lists_pairs(options)) WorldAccess::parts_by_poses(pipeline.world());
-    if (first) pipeline.world().continue_from(std::uint32_t(first), 0);
+    if (first) WorldAccess::continue_from(pipeline.world(), std::uint32_t(first), 0);
     std::optional<PairsFile> pairs;
     if (!options.outputs.pairs.empty())
         pairs.emplace(options.outputs.pairs, options.scene, scene, pipeline, first, options.outputs.separate);

@@ -9,6 +9,7 @@
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/text/json_writer.hpp>
 #include <oncollide/pipeline/settings_table.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 #include <oncollide/runs/report.hpp>
 #include <oncollide/runs/report_kept.hpp>
 
@@ -100,7 +101,7 @@ PairsFile::PairsFile(const std::filesystem::path& path, const SceneOptions& sour
     : pipeline_(pipeline), separate_(separate),
       file_(path, header_of(source, scene, pipeline, separate), scene.names, static_cast<std::uint64_t>(frame))
 {
-    if (frame) pipeline.world().continue_from(static_cast<std::uint32_t>(frame), file_.chain());
+    if (frame) WorldAccess::continue_from(pipeline.world(), static_cast<std::uint32_t>(frame), file_.chain());
 }
 
 void PairsFile::add(const FrameView& frame)
@@ -112,7 +113,7 @@ void PairsFile::add(const FrameView& frame)
         if (!separate_ && pair.verdict == Verdict::separate) continue;
         rows_.push_back({index(pair.a), index(pair.b), static_cast<std::uint8_t>(pair.verdict),
                          static_cast<std::uint8_t>(pair.stage), static_cast<std::uint8_t>(pair.kind), pair.bound,
-                         pipeline_.world().max_error(pair.a, pair.b)});
+                         pipeline_.world().pairs().max_error(pair.a, pair.b)});
         if (pipeline_.continuous()) sweeps_.push_back(row_of(sweep_of(i)));
     }
     FrameRow row{.frame = frame.frame,
@@ -131,7 +132,7 @@ void PairsFile::add(const FrameView& frame)
 StoredResults open_pairs(const std::filesystem::path& path)
 {
     check_readable(path);
-    return {path, words(World().stages())};
+    return {path, words(all_stage_names())};
 }
 
 StoredRun stored_run(const std::string& name, const ResultsHeader& header)

@@ -20,10 +20,10 @@ namespace {
 std::string play_two_bodies(const Settings& like)
 {
     World world({.backend = like.backend, .gpu = like.gpu, .viewport = like.viewport});
-    const ModelId pyramid = world.add(
+    const ModelId pyramid = world.models().add(
         make_mesh("trial", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}));
-    world.add_body({.model = pyramid});
-    world.add_body({.model = pyramid, .pose = Eigen::Isometry3d(Eigen::Translation3d(0.2, 0.1, 0.1))});
+    world.bodies().add({.model = pyramid});
+    world.bodies().add({.model = pyramid, .pose = Eigen::Isometry3d(Eigen::Translation3d(0.2, 0.1, 0.1))});
     world.step();
     return world.inspect().backend_note;
 }

@@ -34,8 +34,8 @@ RayPictures::RayPictures(const Scene& scene, const Settings& settings, const std
     for (std::uint32_t body = 0; body < scene.size(); ++body) {
         if (!shown[body]) continue;
         ModelId& model = models[index(scene.geometry[body])];
-        if (!model) model = world_.add(scene.geometries.share(index(scene.geometry[body])));
-        const BodyId id = world_.add_body({.model = model, .pose = scene.poses[body]});
+        if (!model) model = world_.models().add(scene.geometries.share(index(scene.geometry[body])));
+        const BodyId id = world_.bodies().add({.model = model, .pose = scene.poses[body]});
         rows_.push_back({body, id});
         colours_.resize(std::max<std::size_t>(colours_.size(), index(id) + 1));
         colours_[index(id)] = surface_colour(body);
@@ -45,7 +45,7 @@ RayPictures::RayPictures(const Scene& scene, const Settings& settings, const std
 
 void RayPictures::move(const Scene& scene)
 {
-    for (const Row& row : rows_) world_.set_pose(row.id, scene.poses[row.body]);
+    for (const Row& row : rows_) world_.bodies().set_pose(row.id, scene.poses[row.body]);
 }
 
 void RayPictures::frame(Framing& framing) const
@@ -72,7 +72,7 @@ void RayPictures::cast(const std::vector<Segment>& segments, std::vector<CastHit
 {
     hits.resize(segments.size());
     const Clock::time_point from = Clock::now();
-    world_.cast(segments, {}, hits);
+    world_.space().cast(segments, {}, hits);
     ms_ += milliseconds_since(from), rays_ += segments.size();
     hits_ += std::uint64_t(std::ranges::count_if(hits, [](const CastHit& hit) { return bool(hit.body); }));
 }

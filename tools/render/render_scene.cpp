@@ -97,12 +97,12 @@ void ScenePictures::find_meeting(const World& world, std::span<const PairResult>
         if (!shown_.bodies[index(pair.a)] && !shown_.bodies[index(pair.b)]) continue;
         colliding.push_back({pair.a, pair.b});
     }
-    ContactLists found;
-    world.contacts(colliding, found);
+    Lists<Contact> found;
+    world.pairs().contacts(colliding, found);
     for (std::size_t k = 0, c = 0; k < colliding.size(); ++k)
         for (; c < found.offsets[k + 1]; ++c) {
-            meeting_of_[index(colliding[k].a)].push_back(found.contacts[c].a.triangle);
-            meeting_of_[index(colliding[k].b)].push_back(found.contacts[c].b.triangle);
+            meeting_of_[index(colliding[k].a)].push_back(found.items[c].a.triangle);
+            meeting_of_[index(colliding[k].b)].push_back(found.items[c].b.triangle);
         }
     for (std::vector<std::uint32_t>& triangles : meeting_of_) {
         std::sort(triangles.begin(), triangles.end());

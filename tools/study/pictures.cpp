@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/pipeline/mesh_queries.hpp>
+#include <oncollide/pipeline/two_geometries.hpp>
 #include <oncollide/pipeline/world/world_access.hpp>
 
 #include "cli/progress.hpp"

@@ -137,7 +137,7 @@ PageFrames::Places PageFrames::places_of(std::span<const PairResult> pairs,
         for (int axis = 0; axis < 3; ++axis) places.where[3 * pair + std::size_t(axis)] = float((at - origin_)[axis]);
     };
     const auto measure = [&](std::size_t k, double tolerance, double farthest) {
-        const Distance d = world.distance(pairs[k].a, pairs[k].b, tolerance, farthest);
+        const Distance d = world.pairs().distance(pairs[k].a, pairs[k].b, {tolerance, farthest});
         if (!std::isfinite(d.upper)) return;
         places.nearest[k] = below(d.lower), places.apart[k] = above(d.upper);
         put(k, 0.5 * (d.point_a + d.point_b));
@@ -156,21 +156,22 @@ PageFrames::Places PageFrames::places_of(std::span<const PairResult> pairs,
             colliding.push_back(k), bodies.push_back({pair.a, pair.b});
         if ((pair.verdict != Verdict::within && pair.verdict != Verdict::undecided) || measured++ >= most_measured)
             continue;
-        const double error = world.max_error(pair.a, pair.b);
+        const double error = world.pairs().max_error(pair.a, pair.b);
         measure(k, 0.02 * error, std::isfinite(pair.bound) ? 1.01 * pair.bound + error : pair.bound);
     }
-    ContactLists lists;
-    world.contacts(bodies, lists);
+    Lists<Contact> lists;
+    world.pairs().contacts(bodies, lists);
     for (std::size_t c = 0, begin = 0; c < colliding.size(); begin = lists.offsets[++c]) {
         const std::size_t count = lists.offsets[c + 1] - begin;
         if (count == 0) { // one is inside the other
-            measure(colliding[c], world.max_error(bodies[c].a, bodies[c].b), std::numeric_limits<double>::infinity());
+            measure(colliding[c], world.pairs().max_error(bodies[c].a, bodies[c].b),
+                    std::numeric_limits<double>::infinity());
             continue;
         }
         Aabb around;
         const std::size_t step = 1 + count / most_of_pair;
         for (std::size_t k = begin; k < begin + count; ++k) {
-            const std::array<Eigen::Vector3d, 2>& ends = lists.contacts[k].ends;
+            const std::array<Eigen::Vector3d, 2>& ends = lists.items[k].ends;
             if (!ends[0].allFinite() || !ends[1].allFinite()) continue;
             around.add(ends[0]), around.add(ends[1]);
             if ((k - begin) % step || places.of_curve.size() >= most_of_curve) continue;
@@ -211,7 +212,7 @@ PageFrame PageFrames::make(const FrameView& view)
     for (const PairResult& pair : pairs) {
         a.push_back(index(pair.a)), b.push_back(index(pair.b));
         bounds.push_back(pair.verdict == Verdict::separate ? below(pair.bound) : above(pair.bound));
-        errors.push_back(above(pipeline_.world().max_error(pair.a, pair.b)));
+        errors.push_back(above(pipeline_.world().pairs().max_error(pair.a, pair.b)));
     }
     const bool swept = std::ranges::any_of(sweeps, [](const PairSweep* sweep) { return sweep != nullptr; });
     for (const PairSweep* const sweep : sweeps) {

@@ -8,6 +8,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
 #include <oncollide/pipeline/world/stage.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -86,7 +87,7 @@ FrameView StoredFrames::step(int frame)
         mover_.move(scene_, frame - 1);
         pipeline_.step(scene_);
     }
-    pipeline_.world().continue_from(std::uint32_t(frame), 0);
+    WorldAccess::continue_from(pipeline_.world(), std::uint32_t(frame), 0);
     pipeline_.set_continuous(run_.continuous && frame > 0);
     mover_.move(scene_, played_ = frame);
     return pipeline_.step(scene_);
@@ -96,7 +97,7 @@ FrameView StoredFrames::play(int frame)
 {
     const FrameRow& row = stored_.frames()[std::size_t(frame - first())];
     const FrameView played = step(frame);
-    pipeline_.world().continue_from(std::uint32_t(frame) + 1, row.chain);
+    WorldAccess::continue_from(pipeline_.world(), std::uint32_t(frame) + 1, row.chain);
     decide(row, played.pairs);
     count(row, played.stages);
     return {.frame = row.frame,

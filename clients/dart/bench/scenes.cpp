@@ -217,13 +217,15 @@ Measures overlap(const oncollide::Mesh& mesh, const std::string& detector, const
 double free_angle(const oncollide::Mesh& nut, const oncollide::Mesh& bolt, double lift)
 {
     oncollide::World world;
-    const auto of_nut = world.add(nut), of_bolt = world.add(bolt);
+    const auto of_nut = world.models().add(nut), of_bolt = world.models().add(bolt);
     double best = 0, farthest = -1;
     for (int i = 0; i < 720; ++i) {
         Isometry3d pose = at(0, 0, lift);
         pose.rotate(Eigen::AngleAxisd(i * std::numbers::pi / 360, Vector3d::UnitZ()));
         const double gap =
-            world.distance(oncollide::PlacedModel{of_nut, pose}, oncollide::PlacedModel{of_bolt}, 1e-6).lower;
+            world.pairs()
+                .distance(oncollide::PlacedModel{of_nut, pose}, oncollide::PlacedModel{of_bolt}, {.tolerance = 1e-6})
+                .lower;
         if (gap > farthest) farthest = gap, best = i * std::numbers::pi / 360;
     }
     return best;

@@ -61,8 +61,9 @@ struct Place {
     void add_wire(double distance, double angle, double radius = 1e-4)
     {
         const Translation3d at(distance * std::cos(angle), distance * std::sin(angle), 0);
-        world.add_body(
-            {.model = world.add(oncollide::Cylinder{radius, 2}), .pose = Eigen::Isometry3d(at), .is_static = true});
+        world.bodies().add({.model = world.models().add(oncollide::Cylinder{radius, 2}),
+                            .pose = Eigen::Isometry3d(at),
+                            .is_static = true});
     }
     ScopedState<> state(double shoulder, double elbow) const
     {
@@ -185,8 +186,9 @@ TEST(OmplValidity, LastValidIsNotTheFirstTouch)
     block.joints = {{.name = "slide", .kind = JointKind::prismatic, .child = 1, .lower = -4, .upper = 4}};
     block.groups = {{"whole", {0, 1}, {0}}};
     Place place(block);
-    place.world.add_body(
-        {.model = place.world.add(cube), .pose = Eigen::Isometry3d(Translation3d(1, 0, 0)), .is_static = true});
+    place.world.bodies().add({.model = place.world.models().add(cube),
+                              .pose = Eigen::Isometry3d(Translation3d(1, 0, 0)),
+                              .is_static = true});
     ScopedState<> from(place.information), to(place.information), last(place.information);
     for (const double length : {1.0, 2.0, 4.0})
         for (const double start : {0.0, 0.25, -0.5}) {

@@ -59,11 +59,11 @@ bool our_threads_do_the_work()
 {
     OneAfterTheOther executor;
     World world({.threads = 2, .executor = &executor});
-    const ModelId ball = world.add(Sphere{.radius = 0.6});
+    const ModelId ball = world.models().add(Sphere{.radius = 0.6});
     for (int i = 0; i < 1000; ++i) {
         Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
         pose.translation().x() = i;
-        world.add_body({.model = ball, .pose = pose});
+        world.bodies().add({.model = ball, .pose = pose});
     }
     return world.step().pairs.size() == 999 && executor.tasks_run > 0;
 }

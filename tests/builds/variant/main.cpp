@@ -55,12 +55,12 @@ bool parts_are_right(const std::string& off)
 Verdict boxes_at(double x, GeometryData other)
 {
     World world({.exact = ExactLevel::predicates});
-    const ModelId box = world.add(make_box_mesh({1, 1, 1}));
-    const ModelId second = world.add(std::make_shared<const Geometry>(Geometry{{}, std::move(other), {}}));
+    const ModelId box = world.models().add(make_box_mesh({1, 1, 1}));
+    const ModelId second = world.models().add(std::make_shared<const Geometry>(Geometry{{}, std::move(other), {}}));
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     pose.translation().x() = x;
-    world.add_body({.model = box});
-    world.add_body({.model = second, .pose = pose});
+    world.bodies().add({.model = box});
+    world.bodies().add({.model = second, .pose = pose});
     const FrameView frame = world.step();
     return frame.pairs.empty() ? Verdict::separate : frame.pairs[0].verdict;
 }

@@ -97,9 +97,9 @@ TEST(Cooked, OneThatNeedsAllOfADamagedMeshIsRefusedAtOnce)
     bytes.back() ^= 1, bytes[bytes.size() - 20] ^= 1;
     const auto mesh = opened(folder.write("damaged.cooked", bytes));
     World world({.mode = Mode::solid});
-    const ModelId model = world.add(mesh);
+    const ModelId model = world.models().add(mesh);
     test::expect_error(
-        ErrorKind::bad_data, [&] { world.add_body({.model = model}); }, "damaged.cooked", "checksum");
+        ErrorKind::bad_data, [&] { world.bodies().add({.model = model}); }, "damaged.cooked", "checksum");
 }
 
 /// Whether the file opens, and all of its contents are unchanged.

@@ -148,13 +148,19 @@ TEST(Cooked, GridsGiveTheSameResults)
         Pipeline of_a(a, {.exact = ExactLevel::predicates}), of_b(b, {.exact = ExactLevel::predicates});
         of_a.step(a), of_b.step(b);
         for (std::uint32_t i = 1; i < 20; ++i) {
-            const auto found_a = of_a.world().contacts(of_a.body(SceneBodyId{0}), of_a.body(SceneBodyId{i})),
-                       found_b = of_b.world().contacts(of_b.body(SceneBodyId{0}), of_b.body(SceneBodyId{i}));
+            const auto found_a = of_a.world().pairs().contacts(of_a.body(SceneBodyId{0}), of_a.body(SceneBodyId{i})),
+                       found_b = of_b.world().pairs().contacts(of_b.body(SceneBodyId{0}), of_b.body(SceneBodyId{i}));
             ASSERT_EQ(found_a.size(), found_b.size());
             for (std::size_t k = 0; k < found_a.size(); ++k)
                 EXPECT_TRUE(found_a[k].a == found_b[k].a && found_a[k].b == found_b[k].b);
-            EXPECT_EQ(of_a.world().distance(of_a.body(SceneBodyId{0}), of_a.body(SceneBodyId{i}), 1e-3).lower,
-                      of_b.world().distance(of_b.body(SceneBodyId{0}), of_b.body(SceneBodyId{i}), 1e-3).lower);
+            EXPECT_EQ(of_a.world()
+                          .pairs()
+                          .distance(of_a.body(SceneBodyId{0}), of_a.body(SceneBodyId{i}), {.tolerance = 1e-3})
+                          .lower,
+                      of_b.world()
+                          .pairs()
+                          .distance(of_b.body(SceneBodyId{0}), of_b.body(SceneBodyId{i}), {.tolerance = 1e-3})
+                          .lower);
         }
     }
 }
@@ -212,8 +218,8 @@ TEST(Cooked, GridsAreReadWherePairsComeNear)
                     ErrorKind::bad_data,
                     [&] {
                         World world({.mode = Mode::solid});
-                        world.add_body(
-                            {.model = world.add(std::make_shared<const Geometry>(Geometry{"g", opened, {}}))});
+                        world.bodies().add(
+                            {.model = world.models().add(std::make_shared<const Geometry>(Geometry{"g", opened, {}}))});
                     },
                     "checksum");
             }

@@ -1,6 +1,6 @@
 // Meshes in cooked files, compared with the meshes that they were cooked from.
 #include <oncollide/broadphase/bounds/pose_bounds.hpp>
-#include <oncollide/pipeline/mesh_queries.hpp>
+#include <oncollide/pipeline/two_geometries.hpp>
 
 #include "pipeline/models/cooked_scenes.hpp"
 #include "random_pose.hpp"
@@ -75,15 +75,17 @@ TEST(Cooked, GivesTheSameContactsAndDistances)
         of_a.step(a), of_b.step(b);
         std::size_t contacts = 0;
         for (std::uint32_t i = 1; i < a.size(); ++i) {
-            const auto found_a = of_a.world().contacts(of_a.body(SceneBodyId{0}), of_a.body(SceneBodyId{i})),
-                       found_b = of_b.world().contacts(of_b.body(SceneBodyId{0}), of_b.body(SceneBodyId{i}));
+            const auto found_a = of_a.world().pairs().contacts(of_a.body(SceneBodyId{0}), of_a.body(SceneBodyId{i})),
+                       found_b = of_b.world().pairs().contacts(of_b.body(SceneBodyId{0}), of_b.body(SceneBodyId{i}));
             ASSERT_EQ(found_a.size(), found_b.size());
             contacts += found_a.size();
             for (std::size_t k = 0; k < found_a.size(); ++k)
                 EXPECT_TRUE(found_a[k].a == found_b[k].a && found_a[k].b == found_b[k].b &&
                             found_a[k].ends == found_b[k].ends && found_a[k].normal_a == found_b[k].normal_a);
-            const Distance d = of_a.world().distance(of_a.body(SceneBodyId{0}), of_a.body(SceneBodyId{i}), 1e-3),
-                           e = of_b.world().distance(of_b.body(SceneBodyId{0}), of_b.body(SceneBodyId{i}), 1e-3);
+            const Distance d = of_a.world().pairs().distance(of_a.body(SceneBodyId{0}), of_a.body(SceneBodyId{i}),
+                                                             {.tolerance = 1e-3}),
+                           e = of_b.world().pairs().distance(of_b.body(SceneBodyId{0}), of_b.body(SceneBodyId{i}),
+                                                             {.tolerance = 1e-3});
             EXPECT_EQ(d.lower, e.lower);
             EXPECT_EQ(d.upper, e.upper);
             EXPECT_TRUE(d.a == e.a && d.b == e.b);

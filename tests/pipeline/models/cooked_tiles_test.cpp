@@ -89,10 +89,10 @@ TEST(Cooked, LookingAheadOpensTilesBeforeBodiesMeetThem)
     World bare({.exact = ExactLevel::predicates, .look_ahead = 60});
     std::vector<ModelId> models;
     for (std::size_t i = 0; i < world.tiles.size(); ++i)
-        bare.add_body({.model = bare.add(world.tiles[i]), .is_static = true});
-    const BodyId ball = bare.add_body({.model = bare.add(make_sphere_mesh(1, 200))});
+        bare.bodies().add({.model = bare.models().add(world.tiles[i]), .is_static = true});
+    const BodyId ball = bare.bodies().add({.model = bare.models().add(make_sphere_mesh(1, 200))});
     for (int frame = 0; frame < 90 && world.open() == 0; ++frame) { // towards them
-        bare.set_pose(ball, Eigen::Isometry3d(Eigen::Translation3d(-30 + 0.3 * frame, 50, 3)));
+        bare.bodies().set_pose(ball, Eigen::Isometry3d(Eigen::Translation3d(-30 + 0.3 * frame, 50, 3)));
         EXPECT_TRUE(bare.step().pairs.empty());
         std::this_thread::sleep_for(std::chrono::milliseconds(frame < 40 ? 0 : 5));
     }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/pipeline/world.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 #include <oncollide/samples/generators.hpp>
 
 namespace oncollide::open_in_solid_mode_test {
@@ -30,42 +31,42 @@ struct Calls {
     const World& world;
     ModelId around;
     BodyId small;
-    PlacedModel placed{around, Eigen::Isometry3d::Identity()}, inside{world.model(small), placed.pose};
+    PlacedModel placed{around, Eigen::Isometry3d::Identity()}, inside{world.bodies().model(small), placed.pose};
     std::vector<PairOfModels> pairs{{inside, placed}};
-    std::vector<ModelQuery> queries = std::vector<ModelQuery>(1, {.model = around});
-    MovingModel moving{around, {}}, still{world.model(small), {}};
-    std::vector<PairOfMovingModels> ways{{moving, still}};
+    std::vector<PlacedModel> queries = std::vector<PlacedModel>(1, {.model = around});
+    MovingModel moving{around, {}}, still{world.bodies().model(small), {}};
+    std::vector<PairOf<MovingModel>> ways{{moving, still}};
     std::vector<double> numbers = std::vector<double>(1), rows{};
     std::vector<std::uint8_t> near = {0};
 
     std::map<std::string, std::function<void()>> all()
     {
         for (int i = 0; i < 16; ++i) rows.push_back(i % 5 == 0);
-        const ModelPairColumns columns{{&around, 1}, {&inside.model, 1}, rows, rows};
+        const PairOfColumns columns{{{&around, 1}, rows}, {{&inside.model, 1}, rows}};
         return {
-            {"decide", [&] { world.decide(small, placed); }},
-            {"decide pairs", [&] { world.decide(pairs, *std::make_unique<std::vector<Finding>>(1)); }},
+            {"decide", [&] { world.pairs().decide(small, placed); }},
+            {"decide pairs", [&] { world.pairs().decide(pairs, *std::make_unique<std::vector<Finding>>(1)); }},
             {"decide columns",
-             [this, columns] { world.decide(columns, *std::make_unique<std::vector<Verdict>>(1), numbers); }},
-            {"distance", [&] { world.distance(placed, small); }},
-            {"distances", [&] { world.distances(pairs, *std::make_unique<std::vector<Distance>>(1)); }},
+             [this, columns] { world.pairs().decide(columns, *std::make_unique<std::vector<Finding>>(1)); }},
+            {"distance", [&] { world.pairs().distance(placed, small); }},
+            {"distances", [&] { world.pairs().distance(pairs, {}, *std::make_unique<std::vector<Distance>>(1)); }},
             {"distances of columns",
-             [this, columns] { world.distances(columns, *std::make_unique<std::vector<Distance>>(1)); }},
-            {"distances to all", [&] { world.distances(queries[0], 1); }},
-            {"contacts", [&] { world.contacts(placed, small); }},
-            {"contacts of pairs", [&] { world.contacts(pairs, *std::make_unique<ContactLists>()); }},
-            {"penetration", [&] { world.penetration(placed, small); }},
-            {"penetrations", [&] { world.penetration(pairs, *std::make_unique<std::vector<Penetration>>(1)); }},
-            {"manifold", [&] { world.manifold(placed, small); }},
-            {"near", [&] { world.near(pairs, numbers, near); }},
-            {"near bodies", [&] { world.near(queries, numbers, *std::make_unique<QueryHits>()); }},
-            {"sweep", [&] { world.sweep(moving, still); }},
-            {"sweeps", [&] { world.sweep(ways, *std::make_unique<std::vector<SweepResult>>(1)); }},
-            {"clear_until", [&] { world.clear_until(ways, numbers, numbers); }},
-            {"query", [&] { world.query(around, placed.pose); }},
-            {"queries", [&] { world.query(queries, *std::make_unique<QueryHits>()); }},
-            {"cast", [&] { world.cast(moving); }},
-            {"cast_all", [&] { world.cast_all(moving); }},
+             [this, columns] { world.pairs().distance(columns, {}, *std::make_unique<std::vector<Distance>>(1)); }},
+            {"distances to all", [&] { world.space().distances(queries[0], {}, {.cutoff = 1}); }},
+            {"contacts", [&] { world.pairs().contacts(placed, small); }},
+            {"contacts of pairs", [&] { world.pairs().contacts(pairs, *std::make_unique<Lists<Contact>>()); }},
+            {"penetration", [&] { world.pairs().penetration(placed, small); }},
+            {"penetrations", [&] { world.pairs().penetration(pairs, *std::make_unique<std::vector<Penetration>>(1)); }},
+            {"manifold", [&] { world.pairs().manifold(placed, small); }},
+            {"near_features", [&] { world.pairs().near_features(placed, small, 1); }},
+            {"near", [&] { WorldAccess::near(world, pairs, numbers, near); }},
+            {"sweep", [&] { world.pairs().sweep(moving, still); }},
+            {"sweeps", [&] { world.pairs().sweep(ways, {}, *std::make_unique<std::vector<SweepResult>>(1)); }},
+            {"clear_until", [&] { WorldAccess::clear_until(world, ways, numbers, numbers); }},
+            {"query", [&] { world.space().overlaps(placed); }},
+            {"queries", [&] { world.space().overlaps(queries, {}, *std::make_unique<Lists<QueryHit>>()); }},
+            {"cast", [&] { world.space().cast(moving); }},
+            {"cast_all", [&] { world.space().cast_all(moving); }},
         };
     }
 };
@@ -86,9 +87,9 @@ TEST(OpenInSolidMode, EveryQueryOfAModelRefusesWhatAddBodyRefuses)
     for (const bool as_surface : {false, true})
         for (const Mesh& mesh : {holed(), mixed(), make_box_mesh({1, 1, 1})}) {
             World world({.mode = Mode::solid, .open_as_surface = as_surface});
-            const BodyId small = world.add_body({.model = world.add(make_box_mesh({0.1, 0.1, 0.1}))});
-            const ModelId around = world.add(mesh, "around");
-            const std::string expected = error_of([&] { world.add_body({.model = around}); });
+            const BodyId small = world.bodies().add({.model = world.models().add(make_box_mesh({0.1, 0.1, 0.1}))});
+            const ModelId around = world.models().add(mesh, "around");
+            const std::string expected = error_of([&] { world.bodies().add({.model = around}); });
             EXPECT_EQ(expected.empty(), as_surface || is_closed(mesh));
             Calls calls{world, around, small};
             for (const auto& [name, call] : calls.all()) {
@@ -102,12 +103,12 @@ TEST(OpenInSolidMode, EveryQueryOfAModelRefusesWhatAddBodyRefuses)
 TEST(OpenInSolidMode, AModelInUseCannotBecomeOpen)
 {
     World world({.mode = Mode::solid});
-    const ModelId used = world.add(make_box_mesh({1, 1, 1})), unused = world.add(holed());
-    const BodyId body = world.add_body({.model = used});
-    EXPECT_THROW(world.replace(used, mixed()), Error);
-    EXPECT_THROW(world.set_model(body, unused), Error);
-    EXPECT_TRUE(world.closed(used));
-    EXPECT_EQ(world.model(body), used);
+    const ModelId used = world.models().add(make_box_mesh({1, 1, 1})), unused = world.models().add(holed());
+    const BodyId body = world.bodies().add({.model = used});
+    EXPECT_THROW(world.models().replace(used, mixed()), Error);
+    EXPECT_THROW(world.bodies().set_model(body, unused), Error);
+    EXPECT_TRUE(world.models().closed(used));
+    EXPECT_EQ(world.bodies().model(body), used);
 }
 
 } // namespace

@@ -23,9 +23,9 @@ TEST(Solids, RefuseAMeshThatIsNotClosedAndNameItsOpenEdges)
 {
     const Mesh box = holed_box();
     World world({.mode = Mode::solid});
-    const ModelId holed = world.add(box, "holed");
+    const ModelId holed = world.models().add(box, "holed");
     try {
-        world.add_body({.model = holed});
+        world.bodies().add({.model = holed});
         FAIL() << "accepted";
     } catch (const Error& error) {
         const std::string text = error.what();
@@ -38,18 +38,18 @@ TEST(Solids, RefuseAMeshThatIsNotClosedAndNameItsOpenEdges)
                 << text;
         EXPECT_NE(text.find("open-as-surface"), std::string::npos) << text;
     }
-    EXPECT_EQ(world.size(), 0u);
+    EXPECT_EQ(world.bodies().size(), 0u);
     World taken({.mode = Mode::solid, .open_as_surface = true});
-    taken.add_body({.model = taken.add(box)});
-    EXPECT_EQ(taken.size(), 1u);
+    taken.bodies().add({.model = taken.models().add(box)});
+    EXPECT_EQ(taken.bodies().size(), 1u);
 }
 
 TEST(Solids, NameOnlyTheFirstOfManyOpenEdges)
 {
     World world({.mode = Mode::solid});
-    const ModelId ground = world.add(make_terrain_mesh(8, 1, 8, 1), "ground");
+    const ModelId ground = world.models().add(make_terrain_mesh(8, 1, 8, 1), "ground");
     try {
-        world.add_body({.model = ground});
+        world.bodies().add({.model = ground});
         FAIL() << "accepted";
     } catch (const Error& error) {
         const std::string text = error.what();
@@ -61,10 +61,10 @@ TEST(Solids, NameOnlyTheFirstOfManyOpenEdges)
 TEST(Solids, AreOnlyRequiredOfWhatBodiesUse)
 {
     World world({.mode = Mode::solid});
-    world.add(holed_box());
-    world.add_body({.model = world.add(make_sphere_mesh(1, 200))});
-    world.add_body({.model = world.add(Shape(Box{{1, 1, 1}}))});
-    EXPECT_EQ(world.size(), 2u);
+    world.models().add(holed_box());
+    world.bodies().add({.model = world.models().add(make_sphere_mesh(1, 200))});
+    world.bodies().add({.model = world.models().add(Shape(Box{{1, 1, 1}}))});
+    EXPECT_EQ(world.bodies().size(), 2u);
     const Model shape(std::make_shared<const Geometry>(Geometry{"shape", Shape(Box{{1, 1, 1}}), {}}));
     EXPECT_FALSE(shape.closed()) << "its tree has an inside already";
     EXPECT_EQ(shape.parts().size(), 1u);

@@ -17,6 +17,12 @@
 namespace oncollide::casts_test {
 namespace {
 
+std::optional<CastHit> first_hit(const World& world, const Segment& segment, const CollisionFilter& filter = {})
+{
+    const CastHit hit = world.space().cast(segment, filter);
+    return hit.body ? std::optional(hit) : std::nullopt;
+}
+
 using Eigen::Vector3d;
 
 Vector3d random_point(std::uint64_t seed, std::uint64_t i, double reach)
@@ -34,13 +40,14 @@ Segment draw(std::uint64_t k)
 void add_heap(World& world, std::uint64_t bodies)
 {
     for (std::uint64_t i = 0; i < bodies; ++i) {
-        const ModelId model = world.add(std::make_shared<const Geometry>(
+        const ModelId model = world.models().add(std::make_shared<const Geometry>(
             Geometry{"", draw_geometry(static_cast<std::size_t>(i % (kinds - 1)), i), ""}));
         const auto layer = static_cast<std::uint32_t>(1 + i % 2);
         for (int twice = 0; twice < 2; ++twice)
-            world.add_body({.model = model, .pose = random_pose(i, 2.5), .is_static = i % 3 == 0, .layer = layer});
+            world.bodies().add({.model = model, .pose = random_pose(i, 2.5), .is_static = i % 3 == 0, .layer = layer});
     }
-    world.add_body({.model = world.add(Shape(HalfSpace{})), .pose = Eigen::Isometry3d(Eigen::Translation3d(0, 0, -3))});
+    world.bodies().add(
+        {.model = world.models().add(Shape(HalfSpace{})), .pose = Eigen::Isometry3d(Eigen::Translation3d(0, 0, -3))});
 }
 
 void expect_same(const CastHit& a, const CastHit& b)
@@ -63,15 +70,15 @@ TEST(Casts, HitWhatQueriesFindAndReturnTheFirst)
         for (std::uint64_t k = 0; k < 300; ++k) {
             SCOPED_TRACE(k);
             const Segment segment = draw(k);
-            const QueryFilter filter{.mask = k % 2 ? ~0u : 2u};
-            const std::vector<CastHit> all = world.cast_all(segment, filter);
+            const CollisionFilter filter{.mask = k % 2 ? ~0u : 2u};
+            const std::vector<CastHit> all = world.space().cast_all(segment, filter);
             std::vector<std::uint32_t> hit, queried;
             for (const CastHit& h : all) hit.push_back(h.body.slot);
-            for (const QueryHit& h : world.query(segment, filter)) queried.push_back(h.body.slot);
+            for (const QueryHit& h : world.space().overlaps(segment, filter)) queried.push_back(h.body.slot);
             std::ranges::sort(hit);
             EXPECT_EQ(hit, queried);
             EXPECT_TRUE(std::ranges::is_sorted(all, {}, &CastHit::fraction_lower));
-            const std::optional<CastHit> first = world.cast(segment, filter);
+            const std::optional<CastHit> first = first_hit(world, segment, filter);
             ASSERT_EQ(first.has_value(), !all.empty());
             if (!first) continue;
             found += all.size();
@@ -106,11 +113,11 @@ TEST(Casts, AreTheSameOneByOneAndInBatchesOnAnyNumberOfThreads)
         World world({.exact = ExactLevel::predicates, .threads = static_cast<int>(threads)});
         add_heap(world, 60);
         std::vector<CastHit> hits(segments.size());
-        world.cast(segments, {}, hits);
+        world.space().cast(segments, {}, hits);
         if (one.empty()) one = hits;
         for (std::size_t k = 0; k < segments.size(); ++k) {
             SCOPED_TRACE(k);
-            CastHit single = world.cast(segments[k]).value_or(CastHit{});
+            CastHit single = world.space().cast(segments[k]);
             EXPECT_EQ(single.body, hits[k].body);
             single.body.world = one[k].body.world; // another World
             CastHit same = hits[k];
@@ -124,29 +131,29 @@ TEST(Casts, AreTheSameOneByOneAndInBatchesOnAnyNumberOfThreads)
 TEST(Casts, NameTheTriangleTheCellAndThePoint)
 {
     World world;
-    const BodyId box = world.add_body(
-        {.model = world.add(make_box_mesh({1, 1, 1})), .pose = Eigen::Isometry3d(Eigen::Translation3d(4, 0, 0))});
-    const std::optional<CastHit> hit = world.cast({{0, 0.25, 0.5}, {8, 0.25, 0.5}});
+    const BodyId box = world.bodies().add({.model = world.models().add(make_box_mesh({1, 1, 1})),
+                                           .pose = Eigen::Isometry3d(Eigen::Translation3d(4, 0, 0))});
+    const std::optional<CastHit> hit = first_hit(world, {{0, 0.25, 0.5}, {8, 0.25, 0.5}});
     ASSERT_TRUE(hit);
     EXPECT_EQ(hit->body, box);
     EXPECT_NEAR(hit->fraction_lower, 0.375, 1e-14);
     EXPECT_NEAR(hit->fraction_upper, 0.375, 1e-14);
     EXPECT_LT((hit->point - Vector3d(3, 0.25, 0.5)).norm(), 1e-13);
     EXPECT_EQ(hit->normal, Vector3d(-1, 0, 0));
-    const std::optional<CastHit> along = world.cast({{0, 0, 1}, {8, 0, 1}});
+    const std::optional<CastHit> along = first_hit(world, {{0, 0, 1}, {8, 0, 1}});
     ASSERT_TRUE(along) << "in the plane of the upper face";
     EXPECT_NEAR(along->fraction_upper, 0.375, 1e-14);
-    EXPECT_FALSE(world.cast({{0, 0, 1 + 0x1p-50}, {8, 0, 1 + 0x1p-50}}));
-    const std::optional<CastHit> from_face = world.cast({{3, 0.25, 0.5}, {0, 0.25, 0.5}});
+    EXPECT_FALSE(first_hit(world, {{0, 0, 1 + 0x1p-50}, {8, 0, 1 + 0x1p-50}}));
+    const std::optional<CastHit> from_face = first_hit(world, {{3, 0.25, 0.5}, {0, 0.25, 0.5}});
     ASSERT_TRUE(from_face);
     EXPECT_EQ(from_face->fraction_upper, 0);
 
     World maps;
     OccupancyMap map = make_building_map(1, 0.5, 1);
     const Aabb bounds = map.bounds();
-    maps.add_body({.model = maps.add(map)});
+    maps.bodies().add({.model = maps.models().add(map)});
     const Vector3d above(bounds.min.x() + 0.1, bounds.min.y() + 0.1, bounds.max.z() + 1);
-    const std::optional<CastHit> cell = maps.cast({above, above - Vector3d(0, 0, bounds.diagonal() + 2)});
+    const std::optional<CastHit> cell = maps.space().cast({above, above - Vector3d(0, 0, bounds.diagonal() + 2)});
     ASSERT_TRUE(cell);
     EXPECT_GT(cell->part.cell.side, 0);
     EXPECT_EQ(cell->normal, Vector3d::UnitZ());
@@ -159,7 +166,7 @@ TEST(Casts, OfCookedMeshesAreThoseOfTheWhole)
     std::size_t hits = 0;
     for (std::uint64_t k = 0; k < 100; ++k) {
         const Segment segment = test::CookedHills::segment(k);
-        const std::optional<CastHit> a = hills.whole.cast(segment), b = hills.parts.cast(segment);
+        const std::optional<CastHit> a = first_hit(hills.whole, segment), b = first_hit(hills.parts, segment);
         ASSERT_EQ(a.has_value(), b.has_value()) << k;
         if (!a) continue;
         ++hits;
@@ -173,16 +180,16 @@ TEST(Casts, OfCookedMeshesAreThoseOfTheWhole)
 TEST(Casts, OfAMeshWithoutRoomForItsTreeAreUndecidedFromItsBox)
 {
     World world({.memory_budget = 100'000});
-    const BodyId mesh = world.add_body({.model = world.add(make_sphere_mesh(1, 100'000))});
-    const BodyId wall = world.add_body(
-        {.model = world.add(Shape(Box{{0.25, 2, 2}})), .pose = Eigen::Isometry3d(Eigen::Translation3d(2.25, 0, 0))});
-    const std::optional<CastHit> alone = world.cast({{-4, 0, 0}, {0, 0, 0}});
+    const BodyId mesh = world.bodies().add({.model = world.models().add(make_sphere_mesh(1, 100'000))});
+    const BodyId wall = world.bodies().add({.model = world.models().add(Shape(Box{{0.25, 2, 2}})),
+                                            .pose = Eigen::Isometry3d(Eigen::Translation3d(2.25, 0, 0))});
+    const std::optional<CastHit> alone = first_hit(world, {{-4, 0, 0}, {0, 0, 0}});
     ASSERT_TRUE(alone);
     EXPECT_EQ(alone->body, mesh);
     EXPECT_EQ(alone->verdict, Verdict::undecided);
     EXPECT_NEAR(alone->fraction_lower, 0.75, 1e-3);
     EXPECT_EQ(alone->fraction_upper, 1);
-    const std::optional<CastHit> certain = world.cast({{-4, 0, 0}, {4, 0, 0}});
+    const std::optional<CastHit> certain = first_hit(world, {{-4, 0, 0}, {4, 0, 0}});
     ASSERT_TRUE(certain);
     EXPECT_EQ(certain->body, wall) << "the certain hit";
     EXPECT_EQ(certain->verdict, Verdict::colliding);
@@ -195,9 +202,9 @@ TEST(Casts, AreExactWithAllSettings)
     for (const Settings& settings : {Settings{.max_error = 0.5}, Settings{.max_error = 0.5, .clearance = 0.125},
                                      Settings{.exact = ExactLevel::predicates, .contact_kinds = true}}) {
         World world(settings);
-        world.add_body({.model = world.add(Shape(Sphere{1}))});
-        EXPECT_FALSE(world.cast({{-4, 0, 1.0625}, {4, 0, 1.0625}}));
-        const std::optional<CastHit> hit = world.cast({{-4, 0, 0}, {4, 0, 0}});
+        world.bodies().add({.model = world.models().add(Shape(Sphere{1}))});
+        EXPECT_FALSE(first_hit(world, {{-4, 0, 1.0625}, {4, 0, 1.0625}}));
+        const std::optional<CastHit> hit = first_hit(world, {{-4, 0, 0}, {4, 0, 0}});
         ASSERT_TRUE(hit);
         EXPECT_EQ(hit->verdict, Verdict::colliding);
         EXPECT_LE(hit->fraction_lower, 0.375);
@@ -208,12 +215,12 @@ TEST(Casts, AreExactWithAllSettings)
 TEST(Casts, AreRefusedIfTheSegmentHasNoLengthOrIsNotFinite)
 {
     World world;
-    world.add_body({.model = world.add(make_sphere_mesh(1, 500))});
+    world.bodies().add({.model = world.models().add(make_sphere_mesh(1, 500))});
     const auto refuse = [&](const Segment& bad, const std::string& reason) {
         const std::vector<Segment> segments{{{0, 0, 0}, {1, 0, 0}}, bad};
         std::vector<CastHit> hits(2);
         try {
-            world.cast(segments, {}, hits);
+            world.space().cast(segments, {}, hits);
             FAIL() << reason;
         } catch (const Error& error) {
             EXPECT_EQ(error.kind(), ErrorKind::bad_data);
@@ -224,16 +231,17 @@ TEST(Casts, AreRefusedIfTheSegmentHasNoLengthOrIsNotFinite)
         refuse({{0, 0, 0}, {0, bad, 0}}, "a point of the segment is not finite");
     refuse({{1, 2, 3}, {1, 2, 3}}, "the segment has no length");
     std::vector<CastHit> room(1);
-    EXPECT_THROW(world.cast(std::vector<Segment>{}, {}, room), Error);
+    EXPECT_THROW(world.space().cast(std::vector<Segment>{}, {}, room), Error);
 }
 
 TEST(Casts, FindABodyWhoseAabbBeginsJustBeforeTheNearestHit)
 {
     World world;
-    world.add_body({.model = world.add(Shape(Sphere{1})), .pose = Eigen::Isometry3d(Eigen::Translation3d(5, 0, 0))});
-    const BodyId plate = world.add_body({.model = world.add(Shape(Box{{0.01, 0.05, 0.05}})),
-                                         .pose = Eigen::Isometry3d(Eigen::Translation3d(4.51, 0.9, 0))});
-    const std::optional<CastHit> hit = world.cast({{0, 0.9, 0}, {16, 0.9, 0}}); // it meets the sphere at 4.56
+    world.bodies().add(
+        {.model = world.models().add(Shape(Sphere{1})), .pose = Eigen::Isometry3d(Eigen::Translation3d(5, 0, 0))});
+    const BodyId plate = world.bodies().add({.model = world.models().add(Shape(Box{{0.01, 0.05, 0.05}})),
+                                             .pose = Eigen::Isometry3d(Eigen::Translation3d(4.51, 0.9, 0))});
+    const std::optional<CastHit> hit = first_hit(world, {{0, 0.9, 0}, {16, 0.9, 0}}); // it meets the sphere at 4.56
     ASSERT_TRUE(hit);
     EXPECT_EQ(hit->body, plate);
     EXPECT_NEAR(hit->point.x(), 4.5, 1e-12);
@@ -247,28 +255,29 @@ TEST(Casts, OfFewBodiesAreThoseOfTheSameBodiesAmongMany)
             World few, many;
             for (World* const world : {&few, &many}) {
                 for (std::uint64_t i = 0; i < count; ++i)
-                    world->add_body({.model = world->add(std::make_shared<const Geometry>(
-                                         Geometry{"", draw_geometry(i == 0 ? kind : std::size_t(i), i), ""})),
-                                     .pose = random_pose(i, 1),
-                                     .layer = std::uint32_t(1 + i % 2)});
-                if (count > 2) world->remove_body(world->body_at(1));
+                    world->bodies().add({.model = world->models().add(std::make_shared<const Geometry>(
+                                             Geometry{"", draw_geometry(i == 0 ? kind : std::size_t(i), i), ""})),
+                                         .pose = random_pose(i, 1),
+                                         .layer = std::uint32_t(1 + i % 2)});
+                if (count > 2) world->bodies().remove(world->bodies().at(1));
             }
-            const ModelId ball = many.add(Shape(Sphere{0.1}));
+            const ModelId ball = many.models().add(Shape(Sphere{0.1}));
             for (int i = 0; i < 10; ++i)
-                many.add_body({.model = ball, .pose = Eigen::Isometry3d(Eigen::Translation3d(100 + i, 50, 0))});
+                many.bodies().add({.model = ball, .pose = Eigen::Isometry3d(Eigen::Translation3d(100 + i, 50, 0))});
             std::size_t hits = 0;
             for (std::uint64_t k = 0; k < 200; ++k) {
                 const Segment segment = draw(k);
-                const QueryFilter filter{.mask = k % 4 ? 3u : 1u};
-                const std::optional<CastHit> a = few.cast(segment, filter);
-                std::optional<CastHit> b = many.cast(segment, filter);
+                const CollisionFilter filter{.mask = k % 4 ? 3u : 1u};
+                const std::optional<CastHit> a = few.space().cast(segment, filter);
+                std::optional<CastHit> b = many.space().cast(segment, filter);
                 ASSERT_EQ(a.has_value(), b.has_value()) << kind << " " << count << " " << k;
                 if (a) {
                     ASSERT_EQ(a->body.slot, b->body.slot);
                     b->body = a->body; // ids name their World, too
                     expect_same(*a, *b), ++hits;
                 }
-                const auto in_few = few.query(segment, filter), in_many = many.query(segment, filter);
+                const auto in_few = few.space().overlaps(segment, filter),
+                           in_many = many.space().overlaps(segment, filter);
                 ASSERT_EQ(in_few.size(), in_many.size()) << kind << " " << count << " " << k;
                 for (std::size_t i = 0; i < in_few.size(); ++i) EXPECT_EQ(in_few[i].body.slot, in_many[i].body.slot);
             }

@@ -70,7 +70,7 @@ std::size_t compare(const World& world, BodyId a, BodyId b, const GeometryData& 
     EXPECT_EQ(sets_a.size(), parts_a.size()) << where;
     EXPECT_EQ(sets_b.size(), parts_b.size()) << where;
     std::map<std::pair<BodyPart, BodyPart>, Contact> found;
-    const std::vector<Contact> contacts = world.contacts(a, b);
+    const std::vector<Contact> contacts = world.pairs().contacts(a, b);
     for (const Contact& c : contacts) EXPECT_TRUE(found.emplace(std::pair(c.a, c.b), c).second) << where << ", twice";
     EXPECT_TRUE(std::ranges::is_sorted(contacts, {}, [](const Contact& c) { return std::pair(c.a, c.b); })) << where;
     std::size_t meet = 0;
@@ -106,9 +106,9 @@ TEST(Contacts, OfAllKindsAreThosePartsThatMeet)
         World world;
         std::vector<BodyId> bodies;
         for (std::size_t i = 0; i < scene.size(); ++i) {
-            const ModelId model = std::visit([&](const auto& g) { return world.add(g); },
+            const ModelId model = std::visit([&](const auto& g) { return world.models().add(g); },
                                              scene.geometries[index(scene.geometry[i])].data);
-            bodies.push_back(world.add_body({.model = model, .pose = scene.start_pose(i)}));
+            bodies.push_back(world.bodies().add({.model = model, .pose = scene.start_pose(i)}));
         }
         for (std::size_t i = 0; i < scene.size(); ++i)
             for (std::size_t k = 0; k < scene.size(); ++k) {
@@ -134,7 +134,7 @@ Isometry3d at(double x, double y, double z)
 TEST(Contacts, OfSolidsSayWhichWayIsOut)
 {
     World world;
-    const BodyId ball = world.add_body({.model = world.add(Shape(Sphere{1}))});
+    const BodyId ball = world.bodies().add({.model = world.models().add(Shape(Sphere{1}))});
     const struct {
         Shape shape;
         Isometry3d pose;
@@ -146,8 +146,9 @@ TEST(Contacts, OfSolidsSayWhichWayIsOut)
         {HalfSpace{}, at(0, 0, -0.5), {0, 0, 1}},
     };
     for (const auto& other : others) {
-        const BodyId body = world.add_body({.model = world.add(other.shape), .pose = other.pose});
-        const std::vector<Contact> contacts = world.contacts(ball, body), back = world.contacts(body, ball);
+        const BodyId body = world.bodies().add({.model = world.models().add(other.shape), .pose = other.pose});
+        const std::vector<Contact> contacts = world.pairs().contacts(ball, body),
+                                   back = world.pairs().contacts(body, ball);
         ASSERT_EQ(contacts.size(), 1u) << other.shape.index();
         ASSERT_EQ(back.size(), 1u);
         EXPECT_LT((contacts[0].normal_b - other.normal).norm(), 1e-6) << contacts[0].normal_b.transpose();
@@ -161,7 +162,7 @@ TEST(Contacts, OfSolidsSayWhichWayIsOut)
 TEST(Contacts, OfTrianglesHaveTheNormalsOfBothWhetherTheyTouchOrCross)
 {
     World world;
-    const ModelId box = world.add(make_box_mesh({1, 1, 1}));
+    const ModelId box = world.models().add(make_box_mesh({1, 1, 1}));
     const Mesh mesh = make_box_mesh({1, 1, 1});
     Isometry3d quarter = Isometry3d::Identity();
     quarter.linear() << 0, -1, 0, 1, 0, 0, 0, 0, 1;
@@ -174,7 +175,7 @@ TEST(Contacts, OfTrianglesHaveTheNormalsOfBothWhetherTheyTouchOrCross)
         quarter.translation() = Vector3d(x, 0.25, 0.25);
         const PlacedModel a{.model = box}, b{.model = box, .pose = quarter};
         int of_kind = 0;
-        for (const Contact& c : world.contacts(a, b)) {
+        for (const Contact& c : world.pairs().contacts(a, b)) {
             of_kind += c.kind == kind;
             EXPECT_LT((c.normal_a - normal_of(c.a, a.pose)).norm(), 1e-12) << name_of(c.kind);
             EXPECT_LT((c.normal_b - normal_of(c.b, b.pose)).norm(), 1e-12) << name_of(c.kind);
@@ -186,21 +187,21 @@ TEST(Contacts, OfTrianglesHaveTheNormalsOfBothWhetherTheyTouchOrCross)
 TEST(Contacts, OfAHalfSpaceAreAllPartsThatReachIntoIt)
 {
     World world;
-    const BodyId ground = world.add_body({.model = world.add(Shape(HalfSpace{}))});
+    const BodyId ground = world.bodies().add({.model = world.models().add(Shape(HalfSpace{}))});
     const Mesh mesh = make_sphere_mesh(1, 2000);
-    const ModelId model = world.add(mesh);
+    const ModelId model = world.models().add(mesh);
     for (const double height : {2.0, 0.9, 0.0, -0.5, -3.0}) {
-        const BodyId body = world.add_body({.model = model, .pose = at(0, 0, height)});
+        const BodyId body = world.bodies().add({.model = model, .pose = at(0, 0, height)});
         std::size_t low = 0;
         for (const Triangle& t : mesh.triangles)
             low += std::ranges::any_of(t, [&](std::uint32_t v) { return mesh.vertices[v].z() + height <= 0; });
-        const std::vector<Contact> contacts = world.contacts(body, ground);
+        const std::vector<Contact> contacts = world.pairs().contacts(body, ground);
         EXPECT_EQ(contacts.size(), low) << height;
         for (const Contact& c : contacts) {
             EXPECT_LE(c.ends[0].z(), 0);
             EXPECT_EQ(c.normal_b, Vector3d::UnitZ());
         }
-        world.remove_body(body);
+        world.bodies().remove(body);
     }
 }
 

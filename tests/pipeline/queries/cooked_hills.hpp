@@ -18,8 +18,9 @@ public:
     {
         const Mesh hills = make_hills_mesh(200, 1, 20, 3, 0, 0, 200);
         cook_mesh(hills, folder_.path() / "hills.cooked");
-        whole.add_body({.model = whole.add(hills)});
-        parts.add_body({.model = parts.add(std::make_shared<const CookedMesh>(folder_.path() / "hills.cooked"))});
+        whole.bodies().add({.model = whole.models().add(hills)});
+        parts.bodies().add(
+            {.model = parts.models().add(std::make_shared<const CookedMesh>(folder_.path() / "hills.cooked"))});
     }
     /// A random segment in a fifth of the hills.
     static Segment segment(std::uint64_t k)

@@ -61,8 +61,8 @@ Pair world_of(const Placed& a, const Placed& b)
 {
     Pair pair{World({.exact = ExactLevel::predicates}), {}, {}};
     const auto add = [&](const Placed& body) {
-        const ModelId model = std::visit([&](const auto& g) { return pair.world.add(g); }, body.geometry);
-        return pair.world.add_body({.model = model, .pose = body.pose});
+        const ModelId model = std::visit([&](const auto& g) { return pair.world.models().add(g); }, body.geometry);
+        return pair.world.bodies().add({.model = model, .pose = body.pose});
     };
     pair.a = add(a), pair.b = add(b);
     return pair;
@@ -87,7 +87,7 @@ void expect_certified(const Placed& a, const Placed& b, double tolerance, double
 {
     Pair pair = world_of(a, b);
     const tools::TrueDistance truth = truth_of(a, b);
-    const Distance d = pair.world.distance(pair.a, pair.b, tolerance);
+    const Distance d = pair.world.pairs().distance(pair.a, pair.b, {.tolerance = tolerance});
     EXPECT_LE(d.lower, truth.upper + tie);
     EXPECT_GE(d.upper, truth.lower - tie);
     EXPECT_GE(d.lower, 0);
@@ -112,7 +112,7 @@ void expect_certified(const Placed& a, const Placed& b, double tolerance, double
 
     // A cutoff below the distance gives a lower bound above the cutoff; a cutoff above the distance changes nothing.
     if (truth.lower < 1e-3) return;
-    const Distance cut = pair.world.distance(pair.a, pair.b, 0, 0.5 * d.lower);
+    const Distance cut = pair.world.pairs().distance(pair.a, pair.b, {.cutoff = 0.5 * d.lower});
     EXPECT_GT(cut.lower, 0.5 * d.lower);
     EXPECT_LE(cut.lower, truth.upper + tie);
 }
@@ -207,7 +207,7 @@ TEST(Distance, OfTerrainsWithQuantisedHeightsHoldsForTheSurfaceAsGiven)
                 const Placed other(draw_geometry(kind, seed), given.pose * drawn_pose(seed + kind, 1));
                 SCOPED_TRACE(fmt::format("{}, seed {}, {} bytes", every_kind[kind], seed, bytes));
                 Pair pair = seed % 2 ? world_of(kept, other) : world_of(other, kept);
-                const Distance d = pair.world.distance(pair.a, pair.b);
+                const Distance d = pair.world.pairs().distance(pair.a, pair.b);
                 const tools::TrueDistance truth = truth_of(given, other);
                 EXPECT_LE(d.lower, truth.upper + 1e-12);
                 EXPECT_GE(d.upper, truth.lower - 1e-12);

@@ -3,6 +3,7 @@
 #include "every_kind.hpp"
 #include "random_pose.hpp"
 #include <oncollide/pipeline/world.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 
 namespace oncollide {
 namespace {
@@ -12,8 +13,8 @@ struct OneOfEach {
     explicit OneOfEach(double clearance) : world({.clearance = clearance, .exact = ExactLevel::predicates})
     {
         for (std::size_t kind = 0; kind < kinds; ++kind)
-            models.push_back(
-                world.add(std::make_shared<const Geometry>(Geometry{every_kind[kind], draw_geometry(kind, 7), {}})));
+            models.push_back(world.models().add(
+                std::make_shared<const Geometry>(Geometry{every_kind[kind], draw_geometry(kind, 7), {}})));
     }
     PlacedModel placed(std::size_t kind, std::uint64_t seed) const { return {models[kind], random_pose(seed, 2)}; }
     World world;
@@ -31,10 +32,10 @@ TEST(WorldNear, NothingWithinTheReachIsFar)
             reaches.push_back(i % 7 == 0 ? 0 : std::pow(10.0, 4 * u01(5, i, 0) - 3));
         }
         std::vector<std::uint8_t> near(pairs.size());
-        all.world.near(pairs, reaches, near);
+        WorldAccess::near(all.world, pairs, reaches, near);
         std::size_t far = 0, missed = 0;
         for (std::size_t i = 0; i < pairs.size(); ++i) {
-            const Distance d = all.world.distance(pairs[i].a, pairs[i].b, 0, 100);
+            const Distance d = all.world.pairs().distance(pairs[i].a, pairs[i].b, {.cutoff = 100});
             if (!near[i]) {
                 ASSERT_GT(d.upper, clearance + reaches[i]) << i;
             }
@@ -45,44 +46,15 @@ TEST(WorldNear, NothingWithinTheReachIsFar)
     }
 }
 
-TEST(WorldNear, ModelsFindTheBodiesThatPairsFind)
-{
-    OneOfEach all(0.01);
-    std::vector<BodyId> bodies;
-    for (std::uint64_t i = 0; i < 60; ++i)
-        bodies.push_back(all.world.add_body({.model = all.models[i % kinds], .pose = random_pose(900 + i, 6)}));
-    std::vector<ModelQuery> queries;
-    std::vector<double> reaches;
-    for (std::uint64_t i = 0; i < 40; ++i)
-        queries.push_back({all.models[i % kinds], random_pose(2000 + i, 6)}), reaches.push_back(0.05 * double(i));
-    QueryHits hits;
-    all.world.near(queries, reaches, hits);
-    ASSERT_EQ(hits.offsets.size(), queries.size() + 1);
-    std::size_t found = 0;
-    for (std::size_t i = 0; i < queries.size(); ++i) {
-        std::vector<BodyId> of_query;
-        for (std::size_t h = hits.offsets[i]; h < hits.offsets[i + 1]; ++h) of_query.push_back(hits.hits[h].body);
-        for (const BodyId body : bodies) {
-            const PlacedModel mine{queries[i].model, queries[i].pose};
-            const Distance d = all.world.distance(mine, body, 0, 100);
-            const bool listed = std::ranges::count(of_query, body) == 1;
-            EXPECT_TRUE(listed || d.upper > reaches[i] + 0.01) << i;
-            found += listed;
-        }
-    }
-    EXPECT_GT(found, 100u);
-    EXPECT_LT(found, 2000u);
-}
-
 TEST(WorldNear, ModelsAreClearUntilTheBound)
 {
     const OneOfEach all(0);
-    std::vector<PairOfMovingModels> pairs;
+    std::vector<PairOf<MovingModel>> pairs;
     std::vector<double> margins;
     for (std::uint64_t i = 0; pairs.size() < 600; ++i) {
         const PlacedModel a = all.placed(i % kinds, 5 * i), b = all.placed(i / kinds % kinds, 5 * i + 1);
         const double margin = i % 2 ? 0 : 0.1 * u01(6, i, 0);
-        if (!(all.world.distance(a, b, 0, 1).lower > margin)) continue;
+        if (!(all.world.pairs().distance(a, b, {.cutoff = 1}).lower > margin)) continue;
         const auto moved = [&](const Eigen::Isometry3d& pose, std::uint64_t seed) {
             const Eigen::Isometry3d by = random_pose(seed, 1);
             Eigen::Isometry3d to = pose;
@@ -94,7 +66,7 @@ TEST(WorldNear, ModelsAreClearUntilTheBound)
         margins.push_back(margin);
     }
     std::vector<double> until(pairs.size());
-    all.world.clear_until(pairs, margins, until);
+    WorldAccess::clear_until(all.world, pairs, margins, until);
     std::size_t whole = 0, part = 0;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         whole += until[i] == 1, part += until[i] > 0 && until[i] < 1;
@@ -102,7 +74,7 @@ TEST(WorldNear, ModelsAreClearUntilTheBound)
             const double time = until[i] * k / 20;
             const PlacedModel a{pairs[i].a.model, pairs[i].a.motion.pose(time)},
                 b{pairs[i].b.model, pairs[i].b.motion.pose(time)};
-            ASSERT_GT(all.world.distance(a, b, 0, 1).upper, margins[i]) << i << " at " << time;
+            ASSERT_GT(all.world.pairs().distance(a, b, {.cutoff = 1}).upper, margins[i]) << i << " at " << time;
         }
     }
     EXPECT_GT(whole, 100u);
@@ -114,12 +86,12 @@ TEST(WorldNear, BadInputIsRefused)
     const OneOfEach all(0);
     const std::vector<PairOfModels> pairs{{all.placed(0, 1), all.placed(1, 2)}};
     std::vector<std::uint8_t> near(1);
-    EXPECT_THROW(all.world.near(pairs, std::vector<double>{-1}, near), Error);
-    EXPECT_THROW(all.world.near(pairs, std::vector<double>{std::nan("")}, near), Error);
-    EXPECT_THROW(all.world.near(pairs, std::vector<double>{1, 2}, near), Error);
-    const std::vector<PairOfMovingModels> moving{{{all.models[0], {}}, {all.models[1], {}}}};
+    EXPECT_THROW(WorldAccess::near(all.world, pairs, std::vector<double>{-1}, near), Error);
+    EXPECT_THROW(WorldAccess::near(all.world, pairs, std::vector<double>{std::nan("")}, near), Error);
+    EXPECT_THROW(WorldAccess::near(all.world, pairs, std::vector<double>{1, 2}, near), Error);
+    const std::vector<PairOf<MovingModel>> moving{{{all.models[0], {}}, {all.models[1], {}}}};
     std::vector<double> until(1);
-    EXPECT_THROW(all.world.clear_until(moving, std::vector<double>{-1}, until), Error);
+    EXPECT_THROW(WorldAccess::clear_until(all.world, moving, std::vector<double>{-1}, until), Error);
 }
 
 } // namespace

@@ -27,13 +27,13 @@ Penetration between(const GeometryData& a, const Isometry3d& pose_a, const Geome
 {
     World world({.exact = ExactLevel::predicates, .threads = threads});
     const auto add = [&](const GeometryData& data, const Isometry3d& pose) {
-        const ModelId model = world.add(std::make_shared<const Geometry>(Geometry{"", data, ""}));
-        return world.add_body({.model = model, .pose = pose});
+        const ModelId model = world.models().add(std::make_shared<const Geometry>(Geometry{"", data, ""}));
+        return world.bodies().add({.model = model, .pose = pose});
     };
     const BodyId first = add(a, pose_a);
     const PairOfBodies pair{first, add(b, pose_b)};
     Penetration found;
-    world.penetration({&pair, 1}, {&found, 1});
+    world.pairs().penetration(std::span(&pair, 1), {&found, 1});
     return found;
 }
 
@@ -317,14 +317,14 @@ TEST(Penetration, APairWithoutADepthSaysSoAlone)
 {
     World world({.exact = ExactLevel::predicates});
     const auto body = [&](const GeometryData& data, const Isometry3d& pose) {
-        return world.add_body(
-            {.model = world.add(std::make_shared<const Geometry>(Geometry{"", data, ""})), .pose = pose});
+        return world.bodies().add(
+            {.model = world.models().add(std::make_shared<const Geometry>(Geometry{"", data, ""})), .pose = pose});
     };
     const BodyId ground = body(flat_terrain(), at(0)), other = body(flat_terrain(), at(0, 0, -1)),
                  ball = body(Shape(Sphere{1}), at(0.1, 0.1, 0.5));
     const PairOfBodies pairs[] = {{ground, ball}, {ground, other}, {ball, other}};
     Penetration found[3];
-    world.penetration(pairs, found);
+    world.pairs().penetration(pairs, found);
     EXPECT_NEAR(found[0].depth, 0.5, 1e-9);
     EXPECT_NEAR(found[0].depth_upper, 0.5, 1e-9);
     EXPECT_FALSE(found[1].supported);

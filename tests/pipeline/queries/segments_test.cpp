@@ -28,12 +28,12 @@ Vector3d random_point(std::uint64_t seed, std::uint64_t i, double reach)
 void add_heap(World& world, std::uint64_t bodies, double reach)
 {
     for (std::uint64_t i = 0; i < bodies; ++i) {
-        const ModelId model = world.add(std::make_shared<const Geometry>(
+        const ModelId model = world.models().add(std::make_shared<const Geometry>(
             Geometry{"", draw_geometry(static_cast<std::size_t>(i % (kinds - 1)), i), ""}));
-        world.add_body({.model = model,
-                        .pose = random_pose(i, reach),
-                        .is_static = i % 3 == 0,
-                        .layer = static_cast<std::uint32_t>(1 + i % 2)});
+        world.bodies().add({.model = model,
+                            .pose = random_pose(i, reach),
+                            .is_static = i % 3 == 0,
+                            .layer = static_cast<std::uint32_t>(1 + i % 2)});
     }
 }
 
@@ -53,12 +53,12 @@ TEST(Segments, HitWhatAModelOfTheSameShapeHits)
         for (std::uint64_t k = 0; k < 300; ++k) {
             const Vector3d from = random_point(1, k, 4),
                            to = k % 3 ? random_point(2, k, 4) : Vector3d(from + random_point(3, k, 0.05));
-            const ModelId same = world.add(make_mesh("segment", {from, to}, {{0, 1, 1}}));
-            const QueryFilter filter{.mask = k % 2 ? ~0u : 2u};
-            const auto hits = world.query(Segment{from, to}, filter);
-            EXPECT_EQ(slots(hits), slots(world.query(same, Eigen::Isometry3d::Identity(), filter))) << k;
+            const ModelId same = world.models().add(make_mesh("segment", {from, to}, {{0, 1, 1}}));
+            const CollisionFilter filter{.mask = k % 2 ? ~0u : 2u};
+            const auto hits = world.space().overlaps(Segment{from, to}, filter);
+            EXPECT_EQ(slots(hits), slots(world.space().overlaps(PlacedModel{same}, filter))) << k;
             EXPECT_TRUE(std::ranges::is_sorted(slots(hits)));
-            world.remove(same);
+            world.models().remove(same);
             found += hits.size();
         }
         EXPECT_GT(found, 300u);
@@ -69,8 +69,8 @@ TEST(Segments, InsideAClosedMeshHitItInSolidModeAlone)
 {
     for (const Mode mode : {Mode::surface, Mode::solid}) {
         World world({.mode = mode});
-        const BodyId ball = world.add_body({.model = world.add(make_sphere_mesh(1, 500))});
-        const auto hits = world.query(Segment{{0, 0, 0}, {0.25, 0, 0}});
+        const BodyId ball = world.bodies().add({.model = world.models().add(make_sphere_mesh(1, 500))});
+        const auto hits = world.space().overlaps(Segment{{0, 0, 0}, {0.25, 0, 0}});
         ASSERT_EQ(hits.size(), mode == Mode::solid ? 1u : 0u);
         if (!hits.empty()) {
             EXPECT_EQ(hits[0].body, ball);
@@ -79,9 +79,9 @@ TEST(Segments, InsideAClosedMeshHitItInSolidModeAlone)
         }
     }
     World world;
-    world.add_body({.model = world.add(Shape(Box{{1, 1, 1}}))});
-    EXPECT_EQ(world.query(Segment{{0, 0, 0}, {0.25, 0, 0}}).size(), 1u) << "shapes are solid";
-    EXPECT_EQ(world.query(Segment{{0, 0, 0}, {0, 0, 0}}).size(), 1u) << "a point";
+    world.bodies().add({.model = world.models().add(Shape(Box{{1, 1, 1}}))});
+    EXPECT_EQ(world.space().overlaps(Segment{{0, 0, 0}, {0.25, 0, 0}}).size(), 1u) << "shapes are solid";
+    EXPECT_EQ(world.space().overlaps(Segment{{0, 0, 0}, {0, 0, 0}}).size(), 1u) << "a point";
 }
 
 TEST(Segments, AreExactWhateverTheSettings)
@@ -89,19 +89,20 @@ TEST(Segments, AreExactWhateverTheSettings)
     for (Settings settings : {Settings{.max_error = 0.5}, Settings{.max_error = 0.5, .clearance = 0.125},
                               Settings{.exact = ExactLevel::predicates, .contact_kinds = true, .threads = 2}}) {
         World world(settings);
-        const BodyId ground = world.add_body({.model = world.add(make_hills(64, 64, 1, 8, 3)), .is_static = true});
+        const BodyId ground =
+            world.bodies().add({.model = world.models().add(make_hills(64, 64, 1, 8, 3)), .is_static = true});
         std::vector<Segment> segments;
         for (std::uint64_t k = 0; k < 100; ++k)
             segments.push_back({Vector3d(64 * u01(5, k, 0), 64 * u01(5, k, 1), 20),
                                 Vector3d(64 * u01(5, k, 2), 64 * u01(5, k, 3), k % 2 ? 20 : -20)});
-        QueryHits hits;
-        world.query(segments, {}, hits);
+        Lists<QueryHit> hits;
+        world.space().overlaps(segments, {}, hits);
         ASSERT_EQ(hits.offsets.size(), segments.size() + 1);
         for (std::size_t k = 0; k < segments.size(); ++k) {
             ASSERT_EQ(hits.offsets[k + 1] - hits.offsets[k], k % 2 ? 0u : 1u) << k;
-            EXPECT_EQ(world.query(segments[k]).size(), k % 2 ? 0u : 1u) << k;
+            EXPECT_EQ(world.space().overlaps(segments[k]).size(), k % 2 ? 0u : 1u) << k;
             if (k % 2) continue;
-            const QueryHit& hit = hits.hits[hits.offsets[k]];
+            const QueryHit& hit = hits.items[hits.offsets[k]];
             EXPECT_EQ(hit.body, ground);
             if (settings.clearance == 0) {
                 EXPECT_EQ(hit.verdict, Verdict::colliding) << k;
@@ -116,8 +117,8 @@ TEST(Segments, ReadTheChunksOfACookedMeshThatTheyMeet)
     std::size_t hit = 0;
     for (std::uint64_t k = 0; k < 100; ++k) {
         const Segment segment = test::CookedHills::segment(k);
-        const bool meets = !hills.whole.query(segment).empty();
-        EXPECT_EQ(!hills.parts.query(segment).empty(), meets) << k;
+        const bool meets = !hills.whole.space().overlaps(segment).empty();
+        EXPECT_EQ(!hills.parts.space().overlaps(segment).empty(), meets) << k;
         hit += meets;
     }
     EXPECT_GT(hit, 20u);
@@ -127,16 +128,16 @@ TEST(Segments, ReadTheChunksOfACookedMeshThatTheyMeet)
 TEST(Segments, AreRefusedIfTheyAreNotFinite)
 {
     World world;
-    world.add_body({.model = world.add(make_sphere_mesh(1, 500))});
+    world.bodies().add({.model = world.models().add(make_sphere_mesh(1, 500))});
     for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e16}) {
         const std::vector<Segment> segments{{{0, 0, 0}, {1, 0, 0}}, {{0, 0, 0}, {0, bad, 0}}};
-        QueryHits hits;
+        Lists<QueryHit> hits;
         try {
-            world.query(segments, {}, hits);
+            world.space().overlaps(segments, {}, hits);
             FAIL() << bad;
         } catch (const Error& error) {
             EXPECT_EQ(error.kind(), ErrorKind::bad_data);
-            EXPECT_EQ(std::string(error.what()).substr(0, 7), "query 1") << error.what();
+            EXPECT_EQ(std::string(error.what()).substr(0, 10), "overlaps 1") << error.what();
         }
     }
 }

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/pipeline/mesh_queries.hpp>
+#include <oncollide/pipeline/two_geometries.hpp>
 #include <oncollide/pipeline/world.hpp>
 
 #include "pipeline/knots.hpp"
@@ -17,33 +17,33 @@ TEST(World, GivesQueriesWhatAFrameWouldGiveABody)
 {
     for (const ExactLevel exact : {ExactLevel::off, ExactLevel::predicates}) {
         World world({.depth = 5, .exact = exact});
-        const ModelId shapes[] = {world.add(knot()), world.add(make_sphere_mesh(0.6, 300)),
-                                  world.add(Shape(Capsule{0.3, 1}))};
+        const ModelId shapes[] = {world.models().add(knot()), world.models().add(make_sphere_mesh(0.6, 300)),
+                                  world.models().add(Shape(Capsule{0.3, 1}))};
         for (std::uint64_t i = 0; i < 80; ++i)
-            world.add_body({.model = shapes[i % 3], .pose = random_pose(i, 4), .layer = i % 7 ? 1u : 2u});
-        std::vector<ModelQuery> queries;
-        for (std::uint64_t i = 0; i < 24; ++i) queries.push_back({shapes[i % 3], random_pose(i + 900, 4), {.mask = 1}});
+            world.bodies().add({.model = shapes[i % 3], .pose = random_pose(i, 4), .layer = i % 7 ? 1u : 2u});
+        std::vector<PlacedModel> queries;
+        for (std::uint64_t i = 0; i < 24; ++i) queries.push_back({shapes[i % 3], random_pose(i + 900, 4)});
         std::vector<std::vector<QueryHit>> beside(queries.size());
         std::vector<std::thread> threads;
         for (std::size_t t = 0; t < 3; ++t)
             threads.emplace_back([&, t] {
                 for (std::size_t i = t; i < queries.size(); i += 3)
-                    beside[i] = world.query(queries[i].model, queries[i].pose, queries[i].filter);
+                    beside[i] = world.space().overlaps(queries[i], {.mask = 1});
             });
         for (std::thread& thread : threads) thread.join(); // the trees grew during the queries
-        QueryHits many;
-        world.query(queries, many);
+        Lists<QueryHit> many;
+        world.space().overlaps(queries, {.mask = 1}, many);
         ASSERT_EQ(many.offsets.size(), queries.size() + 1);
         std::size_t begin = 0;
         for (std::size_t i = 0; i < queries.size(); ++i) {
             // As the last body it is B of every pair in a frame, and A in a query: exact results are symmetric here.
-            const BodyId added = world.add_body({.model = queries[i].model, .pose = queries[i].pose, .mask = 1});
+            const BodyId added = world.bodies().add({.model = queries[i].model, .pose = queries[i].pose, .mask = 1});
             std::map<std::uint32_t, Verdict> expected;
             for (const PairResult& pair : world.step().pairs)
                 if (pair.b == added && pair.verdict != Verdict::separate) expected[pair.a.slot] = pair.verdict;
-            world.remove_body(added);
+            world.bodies().remove(added);
             std::map<std::uint32_t, Verdict> found, alone;
-            for (; begin < many.offsets[i + 1]; ++begin) found[many.hits[begin].body.slot] = many.hits[begin].verdict;
+            for (; begin < many.offsets[i + 1]; ++begin) found[many.items[begin].body.slot] = many.items[begin].verdict;
             for (const QueryHit& hit : beside[i]) alone[hit.body.slot] = hit.verdict;
             EXPECT_EQ(found, expected) << i;
             EXPECT_EQ(alone, expected) << i;
@@ -55,54 +55,54 @@ TEST(World, GivesQueriesWhatAFrameWouldGiveABody)
 TEST(World, FindsWhatSegmentsAndBoxesReach)
 {
     World world({.exact = ExactLevel::predicates});
-    const ModelId ball = world.add(make_sphere_mesh(1, 500));
-    const BodyId near = world.add_body({.model = ball, .pose = at(5)}),
-                 far = world.add_body({.model = ball, .pose = at(20)});
-    const auto through = world.query(Segment{{0, 0, 0}, {10, 0, 0}});
+    const ModelId ball = world.models().add(make_sphere_mesh(1, 500));
+    const BodyId near = world.bodies().add({.model = ball, .pose = at(5)}),
+                 far = world.bodies().add({.model = ball, .pose = at(20)});
+    const auto through = world.space().overlaps(Segment{{0, 0, 0}, {10, 0, 0}});
     ASSERT_EQ(through.size(), 1u);
     EXPECT_EQ(through[0].body, near);
-    EXPECT_TRUE(world.query(Segment{{0, 3, 0}, {30, 3, 0}}).empty());
+    EXPECT_TRUE(world.space().overlaps(Segment{{0, 3, 0}, {30, 3, 0}}).empty());
     Aabb box;
     box.min = Eigen::Vector3d(15, -5, -5), box.max = Eigen::Vector3d(25, 5, 5);
-    const auto inside = world.query(box);
+    const auto inside = world.space().overlaps(box);
     ASSERT_EQ(inside.size(), 1u);
     EXPECT_EQ(inside[0].body, far);
     EXPECT_EQ(inside[0].kind, ContactKind::enclosed);
-    world.set_pose(far, at(50));
-    EXPECT_TRUE(world.query(box).empty()) << "queries see changes before the next step";
-    EXPECT_EQ(world.query(box, {.layer = 2, .mask = 2}).size(), 0u);
+    world.bodies().set_pose(far, at(50));
+    EXPECT_TRUE(world.space().overlaps(box).empty()) << "queries see changes before the next step";
+    EXPECT_EQ(world.space().overlaps(box, {.layer = 2, .mask = 2}).size(), 0u);
 }
 
 TEST(World, QueriesSegmentsAndBoxesWhereSpheresRefine)
 {
     World world({.max_error = 0.05});
-    const ModelId ball = world.add(make_sphere_mesh(1, 500));
-    const BodyId near = world.add_body({.model = ball, .pose = at(5)});
+    const ModelId ball = world.models().add(make_sphere_mesh(1, 500));
+    const BodyId near = world.bodies().add({.model = ball, .pose = at(5)});
     for (int repeat = 0; repeat < 3; ++repeat) {
-        const auto through = world.query(Segment{{0, 0, 0}, {10, 0, 0}});
+        const auto through = world.space().overlaps(Segment{{0, 0, 0}, {10, 0, 0}});
         ASSERT_EQ(through.size(), 1u);
         EXPECT_EQ(through[0].body, near);
         EXPECT_EQ(through[0].verdict, Verdict::colliding) << "segments are exact";
-        EXPECT_TRUE(world.query(Segment{{0, -2, 0.2}, {7, 3, 0.2}}).empty()) << "the boxes overlap";
-        EXPECT_EQ(world.query(Aabb{{5.5, -0.1, -0.1}, {7, 0.1, 0.1}}).size(), 1u);
-        world.add(make_box_mesh({1, 1, 1}));
+        EXPECT_TRUE(world.space().overlaps(Segment{{0, -2, 0.2}, {7, 3, 0.2}}).empty()) << "the boxes overlap";
+        EXPECT_EQ(world.space().overlaps(Aabb{{5.5, -0.1, -0.1}, {7, 0.1, 0.1}}).size(), 1u);
+        world.models().add(make_box_mesh({1, 1, 1}));
     }
 }
 
 TEST(World, BoundsDistancesOfMeshesAndShapes)
 {
     World world;
-    const BodyId a = world.add_body({.model = world.add(make_box_mesh({1, 1, 1}))});
-    const BodyId b = world.add_body({.model = world.add(Shape(Sphere{1})), .pose = at(5)});
-    const BodyId c = world.add_body({.model = world.add(Shape(Box{{0.1, 0.1, 0.1}})), .pose = at(5)});
-    const Distance apart = world.distance(a, b), inside = world.distance(b, c);
+    const BodyId a = world.bodies().add({.model = world.models().add(make_box_mesh({1, 1, 1}))});
+    const BodyId b = world.bodies().add({.model = world.models().add(Shape(Sphere{1})), .pose = at(5)});
+    const BodyId c = world.bodies().add({.model = world.models().add(Shape(Box{{0.1, 0.1, 0.1}})), .pose = at(5)});
+    const Distance apart = world.pairs().distance(a, b), inside = world.pairs().distance(b, c);
     EXPECT_LE(apart.lower, 3);
     EXPECT_GE(apart.upper, 3);
     EXPECT_NEAR(apart.lower, apart.upper, 0.03);
     EXPECT_EQ(inside.lower, 0);
     EXPECT_LT(inside.upper, 0.02);
-    EXPECT_TRUE(world.contacts(a, b).empty());
-    EXPECT_THROW(world.distance(a, b, -1), Error);
+    EXPECT_TRUE(world.pairs().contacts(a, b).empty());
+    EXPECT_THROW(world.pairs().distance(a, b, {.tolerance = -1}), Error);
 }
 
 TEST(Meshes, AreTestedInOneLine)

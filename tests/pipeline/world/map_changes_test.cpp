@@ -24,10 +24,15 @@ Outcome outcome_of(World& world)
     Outcome outcome;
     for (const PairResult& pair : world.step().pairs) {
         if (pair.verdict == Verdict::separate) continue; // pairs of boxes that do not overlap are not reported
-        const std::uint64_t a = world.user(pair.a), b = world.user(pair.b);
+        const std::uint64_t a = world.bodies().user(pair.a), b = world.bodies().user(pair.b);
         outcome[{std::min(a, b), std::max(a, b)}] = {pair.verdict, pair.kind, pair.bound};
     }
     return outcome;
+}
+
+const OccupancyMap& map_of(const World& world, ModelId model)
+{
+    return std::get<OccupancyMap>(world.models().geometry(model).data);
 }
 
 /// Bodies of all kinds around the map, which is model 0 and body 0.
@@ -38,17 +43,17 @@ struct Place {
 
     Place(const Settings& settings, const OccupancyMap& map) : world(settings)
     {
-        models = {world.add(map, "map"),
-                  world.add(make_sphere_mesh(0.4, 120)),
-                  world.add(make_box_mesh({0.1, 0.1, 0.1})),
-                  world.add(Shape(Sphere{0.3})),
-                  world.add(Shape(Box{{0.5, 0.3, 0.2}})),
-                  world.add(Shape(Capsule{0.2, 0.6})),
-                  world.add(Shape(Cylinder{0.2, 0.5})),
-                  world.add(make_building_map(1, 1.0, 4))};
-        bodies.push_back(world.add_body({.model = models[0], .is_static = true}));
+        models = {world.models().add(map, "map"),
+                  world.models().add(make_sphere_mesh(0.4, 120)),
+                  world.models().add(make_box_mesh({0.1, 0.1, 0.1})),
+                  world.models().add(Shape(Sphere{0.3})),
+                  world.models().add(Shape(Box{{0.5, 0.3, 0.2}})),
+                  world.models().add(Shape(Capsule{0.2, 0.6})),
+                  world.models().add(Shape(Cylinder{0.2, 0.5})),
+                  world.models().add(make_building_map(1, 1.0, 4))};
+        bodies.push_back(world.bodies().add({.model = models[0], .is_static = true}));
         for (std::uint64_t i = 1; i <= 40; ++i)
-            bodies.push_back(world.add_body({.model = models[1 + i % 7], .pose = random_pose(i, 2.5), .user = i}));
+            bodies.push_back(world.bodies().add({.model = models[1 + i % 7], .pose = random_pose(i, 2.5), .user = i}));
     }
 };
 
@@ -86,17 +91,17 @@ public:
                 std::vector<Vector3d> points;
                 for (int i = 0; i < 5; ++i) points.push_back(point());
                 refused = both([&](OccupancyMap& m) { m.set(points, state); });
-                world.set_cells(id, points, state);
+                world.models().edit(id, [&](OccupancyMap& m) { m.set(points, state); });
                 break;
             }
             case 1:
                 refused = both([&](OccupancyMap& m) { m.set(box, state); });
-                world.set_cells(id, box, state);
+                world.models().edit(id, [&](OccupancyMap& m) { m.set(box, state); });
                 break;
             case 2: {
                 const OccupancyMap by = small_map();
                 refused = both([&](OccupancyMap& m) { m.replace(box, by); });
-                world.replace_cells(id, box, by);
+                world.models().edit(id, [&](OccupancyMap& m) { m.replace(box, by); });
                 break;
             }
             default: {
@@ -104,7 +109,7 @@ public:
                 for (int i = 0; i < 20; ++i) points.push_back(point());
                 const Vector3d origin = point();
                 refused = both([&](OccupancyMap& m) { m.insert_scan(points, origin, 2); });
-                world.insert_scan(id, points, origin, 2);
+                world.models().edit(id, [&](OccupancyMap& m) { m.insert_scan(points, origin, 2); });
             }
             }
         } catch (const Error&) {
@@ -136,13 +141,14 @@ void expect_like_fresh(const Settings& settings)
             for (int i = 0; i < 2; ++i) changes.change(place.world, place.models[0], map);
             Place fresh(settings, map);
             ASSERT_EQ(outcome_of(place.world), outcome_of(fresh.world)) << "seed " << seed << ", frame " << frame;
-            EXPECT_EQ(place.world.map(place.models[0]).bounds().min, map.bounds().min);
-            EXPECT_EQ(place.world.map(place.models[0]).bounds().max, map.bounds().max);
-            const auto hits = place.world.query(place.models[1], random_pose(seed + 100, 2));
-            const auto fresh_hits = fresh.world.query(fresh.models[1], random_pose(seed + 100, 2));
+            EXPECT_EQ(map_of(place.world, place.models[0]).bounds().min, map.bounds().min);
+            EXPECT_EQ(map_of(place.world, place.models[0]).bounds().max, map.bounds().max);
+            const auto hits = place.world.space().overlaps(PlacedModel{place.models[1], random_pose(seed + 100, 2)});
+            const auto fresh_hits =
+                fresh.world.space().overlaps(PlacedModel{fresh.models[1], random_pose(seed + 100, 2)});
             ASSERT_EQ(hits.size(), fresh_hits.size());
         }
-        EXPECT_TRUE(place.world.contains(place.bodies[0])) << "ids stay";
+        EXPECT_TRUE(place.world.bodies().contains(place.bodies[0])) << "ids stay";
     }
 }
 
@@ -170,19 +176,19 @@ TEST(MapChanges, LeaveTheMapOfOthersAsItWas)
 {
     const auto shared = std::make_shared<const Geometry>(Geometry{"map", small_map(), {}});
     World one, other;
-    const ModelId a = one.add(shared), b = other.add(shared);
-    one.set_cells(a, Aabb{{-3, -3, 1}, {3, 3, 2}}, CellState::occupied);
-    EXPECT_GT(one.map(a).count(), other.map(b).count());
-    EXPECT_EQ(other.map(b).count(), small_map().count());
-    EXPECT_EQ(one.map(a).bounds().max.z(), 2);
-    one.set_cells(a, Aabb{{-3, -3, 1}, {3, 3, 2}}, CellState::free);
-    EXPECT_EQ(one.map(a).bounds().max, small_map().bounds().max) << "bounds shrink";
+    const ModelId a = one.models().add(shared), b = other.models().add(shared);
+    one.models().edit(a, [&](OccupancyMap& m) { m.set(Aabb{{-3, -3, 1}, {3, 3, 2}}, CellState::occupied); });
+    EXPECT_GT(map_of(one, a).count(), map_of(other, b).count());
+    EXPECT_EQ(map_of(other, b).count(), small_map().count());
+    EXPECT_EQ(map_of(one, a).bounds().max.z(), 2);
+    one.models().edit(a, [&](OccupancyMap& m) { m.set(Aabb{{-3, -3, 1}, {3, 3, 2}}, CellState::free); });
+    EXPECT_EQ(map_of(one, a).bounds().max, small_map().bounds().max) << "bounds shrink";
 }
 
 TEST(MapChanges, ThatMakeNoSenseChangeNothing)
 {
     World world;
-    const ModelId map = world.add(small_map()), ball = world.add(Shape(Sphere{1}));
+    const ModelId map = world.models().add(small_map()), ball = world.models().add(Shape(Sphere{1}));
     const auto refuses = [&](auto work, const char* part) {
         try {
             work();
@@ -194,15 +200,34 @@ TEST(MapChanges, ThatMakeNoSenseChangeNothing)
     };
     const Aabb everything{Vector3d::Constant(-1e9), Vector3d::Constant(1e9)};
     const std::vector<Vector3d> near{{0, 0, 0}}, beyond{{0, 0, 0}, {1e6, 0, 0}}, nowhere{{std::nan(""), 0, 0}};
-    refuses([&] { world.set_cells(ball, near, CellState::free); }, "is not an occupancy map");
-    refuses([&] { world.set_cells(map, beyond, CellState::occupied); }, "beyond the map's grid");
-    refuses([&] { world.set_cells(map, nowhere, CellState::occupied); }, "beyond the map's grid");
-    refuses([&] { world.set_cells(map, everything, CellState::free); }, "no cell would be left occupied");
-    refuses([&] { world.replace_cells(map, everything, make_building_map(1, 1.0, 1)); }, "resolution of 1 m");
-    refuses([&] { world.insert_scan(map, near, beyond[1]); }, "beyond the map's grid");
-    EXPECT_EQ(world.map(map).count(), small_map().count());
-    world.set_cells(map, Aabb{{5, 5, 5}, {5.1, 5.1, 5.1}}, CellState::occupied); // it contains no centre of a cell
-    EXPECT_EQ(world.map(map).count(), small_map().count());
+    EXPECT_THROW(world.models().edit(map,
+                                     [](OccupancyMap& m) {
+                                         m.set(Aabb{{0, 0, 4}, {1, 1, 5}}, CellState::occupied);
+                                         throw std::runtime_error("of the caller");
+                                     }),
+                 std::runtime_error);
+    EXPECT_GT(map_of(world, map).count(), small_map().count()) << "what was set stays";
+    world.models().edit(map, [](OccupancyMap& m) { m.set(Aabb{{0, 0, 4}, {1, 1, 5}}, CellState::free); });
+    refuses([&] { world.models().edit(ball, [&](OccupancyMap& m) { m.set(near, CellState::free); }); },
+            "is not an occupancy map");
+    refuses([&] { world.models().edit(map, [&](OccupancyMap& m) { m.set(beyond, CellState::occupied); }); },
+            "beyond the map's grid");
+    refuses([&] { world.models().edit(map, [&](OccupancyMap& m) { m.set(nowhere, CellState::occupied); }); },
+            "beyond the map's grid");
+    refuses([&] { world.models().edit(map, [&](OccupancyMap& m) { m.set(everything, CellState::free); }); },
+            "no cell would be left occupied");
+    refuses(
+        [&] {
+            world.models().edit(map, [&](OccupancyMap& m) { m.replace(everything, make_building_map(1, 1.0, 1)); });
+        },
+        "resolution of 1 m");
+    refuses([&] { world.models().edit(map, [&](OccupancyMap& m) { m.insert_scan(near, beyond[1]); }); },
+            "beyond the map's grid");
+    EXPECT_EQ(map_of(world, map).count(), small_map().count());
+    world.models().edit(map, [&](OccupancyMap& m) {
+        m.set(Aabb{{5, 5, 5}, {5.1, 5.1, 5.1}}, CellState::occupied);
+    }); // it contains no centre of a cell
+    EXPECT_EQ(map_of(world, map).count(), small_map().count());
 }
 
 TEST(MapChanges, ThatAreRefusedLeaveTheAnswersAsTheyWere)
@@ -211,10 +236,12 @@ TEST(MapChanges, ThatAreRefusedLeaveTheAnswersAsTheyWere)
     const Aabb everything{Vector3d::Constant(-1e9), Vector3d::Constant(1e9)};
     for (int round = 0; round < 5; ++round) {
         const std::vector<Vector3d> cell{{0.3 * round, 1.1, 0.6}};
-        place.world.set_cells(place.models[0], cell, CellState::occupied);
+        place.world.models().edit(place.models[0], [&](OccupancyMap& m) { m.set(cell, CellState::occupied); });
         const Outcome before = outcome_of(place.world);
         EXPECT_FALSE(before.empty());
-        EXPECT_THROW(place.world.set_cells(place.models[0], everything, CellState::unknown), Error);
+        EXPECT_THROW(
+            place.world.models().edit(place.models[0], [&](OccupancyMap& m) { m.set(everything, CellState::unknown); }),
+            Error);
         EXPECT_EQ(outcome_of(place.world), before);
     }
 }

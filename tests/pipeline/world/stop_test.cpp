@@ -3,7 +3,7 @@
 
 #include <atomic>
 
-#include <oncollide/pipeline/mesh_queries.hpp>
+#include <oncollide/pipeline/two_geometries.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/generators.hpp>
 
@@ -28,10 +28,10 @@ class EveryWay : public ::testing::TestWithParam<Way> {
 protected:
     static std::vector<BodyId> pile(World& world)
     {
-        const ModelId knot = world.add(make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 600));
+        const ModelId knot = world.models().add(make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 600));
         std::vector<BodyId> bodies;
         for (std::uint32_t i = 0; i < 120; ++i)
-            bodies.push_back(world.add_body({.model = knot, .pose = random_pose(i, 3.0)}));
+            bodies.push_back(world.bodies().add({.model = knot, .pose = random_pose(i, 3.0)}));
         return bodies;
     }
 };
@@ -57,15 +57,15 @@ TEST_P(EveryWay, AStoppedStepKeepsEveryPairAndTheNextOneIsWhole)
                 EXPECT_EQ(all.pairs[i].verdict, Verdict::separate) << i;
             }
             if (part.pairs[i].verdict == Verdict::undecided) {
-                EXPECT_GE(part.pairs[i].bound, stopped.distance(part.pairs[i].a, part.pairs[i].b).lower) << i;
+                EXPECT_GE(part.pairs[i].bound, stopped.pairs().distance(part.pairs[i].a, part.pairs[i].b).lower) << i;
             }
         }
     }
     for (std::uint32_t i = 0; i < bodies.size(); i += 2) { // moves bodies, so that stored results of the last frame are
                                                            // used
-        Eigen::Isometry3d pose = stopped.pose(bodies[i]);
+        Eigen::Isometry3d pose = stopped.bodies().pose(bodies[i]);
         pose.translation().x() += 0.05;
-        stopped.set_pose(bodies[i], pose), whole.set_pose(same_bodies[i], pose);
+        stopped.bodies().set_pose(bodies[i], pose), whole.bodies().set_pose(same_bodies[i], pose);
     }
     stop.limit = std::numeric_limits<int>::max();
     const FrameView again = stopped.step(), all = whole.step();
@@ -80,10 +80,10 @@ TEST_P(EveryWay, AStoppedQueryKeepsEveryHit)
     settings.stop = [&] { return stop(); };
     World world(settings);
     pile(world);
-    const ModelId ball = world.add(Sphere{2});
-    const std::vector<QueryHit> part = world.query(ball, Eigen::Isometry3d::Identity());
+    const ModelId ball = world.models().add(Sphere{2});
+    const std::vector<QueryHit> part = world.space().overlaps(PlacedModel{ball});
     stop.limit = std::numeric_limits<int>::max();
-    const std::vector<QueryHit> all = world.query(ball, Eigen::Isometry3d::Identity());
+    const std::vector<QueryHit> all = world.space().overlaps(PlacedModel{ball});
     ASSERT_FALSE(all.empty());
     EXPECT_GE(part.size(), all.size());
     for (const QueryHit& hit : part) EXPECT_EQ(hit.verdict, Verdict::undecided);
@@ -103,17 +103,18 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Stop, QueriesInBatchesThatAreStoppedHaveCertifiedBounds)
 {
     StopAfter stop{.limit = 5};
-    MeshQueries queries({make_sphere_mesh(1, 500)}, {.max_error = 0.01, .stop = [&] { return stop(); }});
-    std::vector<MeshQuery> all;
-    for (std::uint32_t i = 0; i < 500; ++i) all.push_back({0, 0, Eigen::Isometry3d::Identity(), random_pose(i, 3)});
+    World world({.max_error = 0.01, .stop = [&] { return stop(); }});
+    const ModelId ball = world.models().add(make_sphere_mesh(1, 500));
+    std::vector<PairOfModels> all;
+    for (std::uint32_t i = 0; i < 500; ++i) all.push_back({{ball}, {ball, random_pose(i, 3)}});
     std::vector<Finding> results(all.size());
-    queries.run(all, results);
+    world.pairs().decide(all, results);
     std::vector<Distance> distances(all.size(), Distance{.lower = 7, .upper = 7});
     stop.calls = 0;
-    queries.distances(all, 0, distances);
+    world.pairs().distance(all, {}, distances);
     EXPECT_NE(results[0].verdict, Verdict::undecided);
     EXPECT_EQ(results.back().verdict, Verdict::undecided);
-    EXPECT_GE(results.back().bound, all.back().pose_b.translation().norm() - 2);
+    EXPECT_GE(results.back().bound, all.back().b.pose.translation().norm() - 2);
     EXPECT_LT(results.back().bound, 12);
     EXPECT_LT(distances[0].upper, 12);
     EXPECT_EQ(distances.back().lower, 0);

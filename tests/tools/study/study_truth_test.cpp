@@ -157,7 +157,8 @@ TEST(StudyTruth, BoundsDistancesAsTheLibraryDoes)
         truth.step();
         if (!truth.colliding().empty()) continue;
         const Pipeline pipeline(scene);
-        const Distance found = pipeline.world().distance(pipeline.body(SceneBodyId{0}), pipeline.body(SceneBodyId{1}));
+        const Distance found =
+            pipeline.world().pairs().distance(pipeline.body(SceneBodyId{0}), pipeline.body(SceneBodyId{1}));
         const DistanceTruth distance = truth.distance({0, 1});
         EXPECT_LE(distance.low, found.upper);
         EXPECT_GE(distance.high, found.lower);

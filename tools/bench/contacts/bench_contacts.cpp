@@ -62,17 +62,17 @@ public:
         std::map<const Geometry*, ModelId> models;
         for (const ContactBody& body : scene.bodies) {
             auto [at, added] = models.emplace(body.geometry.get(), ModelId{});
-            if (added) at->second = world_.add(body.geometry);
+            if (added) at->second = world_.models().add(body.geometry);
             const bool is_static = body.half.isZero(0);
-            ids_.push_back(world_.add_body({.model = at->second, .pose = body.pose, .is_static = is_static}));
+            ids_.push_back(world_.bodies().add({.model = at->second, .pose = body.pose, .is_static = is_static}));
         }
     }
     std::size_t contacts(const Poses& poses)
     {
-        for (std::size_t i = 0; i < ids_.size(); ++i) world_.set_pose(ids_[i], poses[i]);
+        for (std::size_t i = 0; i < ids_.size(); ++i) world_.bodies().set_pose(ids_[i], poses[i]);
         pairs_.clear();
         for (const PairResult& pair : world_.step().pairs) pairs_.push_back({pair.a, pair.b});
-        world_.manifolds(pairs_, {.margin = margin_}, lists_);
+        world_.pairs().manifold(pairs_, {.margin = margin_}, lists_);
         return lists_.points.size();
     }
     World& world() { return world_; }
@@ -123,7 +123,7 @@ Played play(const ContactScene& scene, int steps, int threads)
     }
     const auto poses = [&] {
         Poses all;
-        for (const BodyId id : ours.ids()) all.push_back(world.pose(id));
+        for (const BodyId id : ours.ids()) all.push_back(world.bodies().pose(id));
         return all;
     };
     Played played;
@@ -132,18 +132,18 @@ Played play(const ContactScene& scene, int steps, int threads)
         std::vector<PairOfBodies> pairs;
         for (const PairResult& pair : world.step().pairs) pairs.push_back({pair.a, pair.b});
         ManifoldLists lists;
-        world.manifolds(pairs, {.margin = scene.margin}, lists);
+        world.pairs().manifold(pairs, {.margin = scene.margin}, lists);
         add_manifolds(played, lists);
         return played;
     }
     const Vector3d along = scene.bodies[first].velocity;
-    Isometry3d before = world.pose(ours.ids()[first]), after_half = before;
+    Isometry3d before = world.bodies().pose(ours.ids()[first]), after_half = before;
     std::vector<double> step_ms;
     for (int i = 0; i < steps; ++i) {
         if (i >= steps - scene.timed) played.poses.push_back(poses());
         const double ms = least_ms(1, [&] { solver.step(); });
         if (i >= steps - scene.timed) step_ms.push_back(ms), add_manifolds(played, solver.manifolds());
-        const Isometry3d now = world.pose(ours.ids()[first]);
+        const Isometry3d now = world.bodies().pose(ours.ids()[first]);
         const double turn = turn_between(before, now) / (2 * M_PI);
         if (std::abs(played.turns) < 0.5 && std::abs(played.turns + turn) >= 0.5) after_half = now;
         played.turns += turn, before = now;
@@ -158,7 +158,7 @@ Played play(const ContactScene& scene, int steps, int threads)
         played.lead = (before.translation().z() - after_half.translation().z()) / (std::abs(played.turns) - 0.5);
     const double time = scene.dt * double(played.poses.size());
     for (std::size_t i = 0; i < ours.ids().size(); ++i) {
-        const Vector3d way = world.pose(ours.ids()[i]).translation() - played.poses.front()[i].translation();
+        const Vector3d way = world.bodies().pose(ours.ids()[i]).translation() - played.poses.front()[i].translation();
         played.creep = std::max(played.creep, way.norm() / time);
     }
     return played;

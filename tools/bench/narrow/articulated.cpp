@@ -73,18 +73,18 @@ public:
         world_.set_sweep_options({.time_tolerance = tolerance, .gap_tolerance = tolerance});
         const std::vector<Isometry3d> at_start = poses_at(links_, 0);
         for (std::size_t i = 0; i < links_.size(); ++i) {
-            models_.push_back(world_.add(mesh_of(links_[i].half, of_a_link)));
-            bodies_.push_back(world_.add_body({.model = models_.back(), .pose = at_start[i]}));
-            if (links_[i].parent >= 0) world_.exclude(bodies_[std::size_t(links_[i].parent)], bodies_[i]);
+            models_.push_back(world_.models().add(mesh_of(links_[i].half, of_a_link)));
+            bodies_.push_back(world_.bodies().add({.model = models_.back(), .pose = at_start[i]}));
+            if (links_[i].parent >= 0) world_.bodies().exclude(bodies_[std::size_t(links_[i].parent)], bodies_[i]);
         }
         result.links = links_.size(), result.triangles = links_.size() * mesh_of({1, 1, 1}, of_a_link).triangles.size();
         const Mesh post = mesh_of({0.05, 0.05, 1.2}, of_a_post);
         result.posts = posts, result.triangles_of_posts = posts * post.triangles.size();
-        models_.push_back(world_.add(post));
+        models_.push_back(world_.models().add(post));
         for (std::size_t k = 0; k < posts; ++k) {
             const double beside = 0.26 + 0.04 * double(k % 5); // the first of five are in the way of the arms
             places_.push_back(Isometry3d(Translation3d(1.2 * double(k) + 0.6, k % 2 ? beside : -beside, 0.6)));
-            posts_.push_back(world_.add_body({.model = models_.back(), .pose = places_.back(), .is_static = true}));
+            posts_.push_back(world_.bodies().add({.model = models_.back(), .pose = places_.back(), .is_static = true}));
         }
         world_.step();
     }
@@ -92,7 +92,7 @@ public:
     {
         const std::vector<Isometry3d> from = poses_at(links_, number), to = poses_at(links_, number + 1);
         const auto began = Clock::now();
-        world_.set_motions(bodies_, to);
+        world_.bodies().set_motion(bodies_, to);
         const FrameView frame = world_.step();
         result.us.push_back(1000 * milliseconds_since(began));
         std::vector<double> clear(links_.size() * slots(), 1);
@@ -118,7 +118,7 @@ private:
                 if (time >= clear[a * slots() + b] || (b < links_.size() && links_[b].parent == int(a))) continue;
                 const PlacedModel of_a{models_[a], ways[a].pose(time)},
                     of_b{models_[std::min(b, links_.size())], ways[b].pose(time)};
-                result.contradicted += world_.decide(of_a, of_b).verdict == Verdict::colliding;
+                result.contradicted += world_.pairs().decide(of_a, of_b).verdict == Verdict::colliding;
             }
     }
 

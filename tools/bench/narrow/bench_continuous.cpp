@@ -95,14 +95,14 @@ auto timed_in(SweepTally& tally, Work work)
 class MovingMeshes {
 public:
     MovingMeshes(const Mesh& a, const Mesh& b)
-        : a_(world_.add(a)), b_(world_.add(b)), fcl_a_(make_fcl_geometry(a, FclNodes::obbrss)),
+        : a_(world_.models().add(a)), b_(world_.models().add(b)), fcl_a_(make_fcl_geometry(a, FclNodes::obbrss)),
           fcl_b_(make_fcl_geometry(b, FclNodes::obbrss))
     {
     }
     SweepResult sweep(const Ways& w, double tolerance) const
     {
-        return world_.sweep({a_, {w.a, w.to_a}}, {b_, {w.b, w.to_b}},
-                            {.time_tolerance = tolerance, .gap_tolerance = tolerance});
+        return world_.pairs().sweep({a_, {w.a, w.to_a}}, {b_, {w.b, w.to_b}},
+                                    {.time_tolerance = tolerance, .gap_tolerance = tolerance});
     }
     double fcl(const Ways& w, FclSweep how, double tolerance) const
     {
@@ -114,7 +114,7 @@ public:
         const RigidMotion of_a(w.a, w.to_a), of_b(w.b, w.to_b);
         const auto meets = [&](double time) {
             const PlacedModel a{a_, of_a.pose(time)}, b{b_, of_b.pose(time)};
-            return world_.decide(a, b).verdict == Verdict::colliding;
+            return world_.pairs().decide(a, b).verdict == Verdict::colliding;
         };
         for (int k = 0; k < samples; ++k)
             if (const double time = r.clear_until * k / samples; time < r.clear_until && meets(time)) return true;

@@ -14,7 +14,7 @@
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/base/threads/parallel.hpp>
-#include <oncollide/pipeline/mesh_queries.hpp>
+#include <oncollide/pipeline/two_geometries.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/motion.hpp>
@@ -29,11 +29,11 @@ struct PlannerOptions {
     std::string csv;
 };
 
-/// Random orientations, and positions in the AABB of `fixed` grown by half the size of `moving`.
-std::vector<MeshQuery> sample(const Mesh& fixed, const Mesh& moving, std::size_t count, std::uint64_t seed)
+/// Poses of `moving`: random orientations, and positions in the AABB of `fixed` grown by half the size of `moving`.
+std::vector<Eigen::Isometry3d> sample(const Mesh& fixed, const Mesh& moving, std::size_t count, std::uint64_t seed)
 {
     const Eigen::Vector3d reach = fixed.bounds.half_extent().array() + 0.25 * moving.bounds.diagonal();
-    std::vector<MeshQuery> queries;
+    std::vector<Eigen::Isometry3d> poses;
     for (std::uint64_t i = 0; i < count; ++i) {
         Eigen::Vector4d q;
         Eigen::Vector3d at;
@@ -41,9 +41,9 @@ std::vector<MeshQuery> sample(const Mesh& fixed, const Mesh& moving, std::size_t
         for (std::uint64_t k = 0; k < 3; ++k) at[int(k)] = 2 * u01(seed, i, 10 + k) - 1;
         Eigen::Isometry3d pose(Eigen::Quaterniond(q.normalized()));
         pose.translation() = fixed.bounds.centre() + at.cwiseProduct(reach) - pose.linear() * moving.bounds.centre();
-        queries.push_back({0, 1, Eigen::Isometry3d::Identity(), pose});
+        poses.push_back(pose);
     }
-    return queries;
+    return poses;
 }
 
 std::string stem(const std::string& file)
@@ -60,26 +60,31 @@ struct PlannerEntrant {
     std::vector<std::uint8_t> hits;
 };
 
-PlannerEntrant fcl_in_a_loop(const Mesh& fixed, const Mesh& moving, std::span<const MeshQuery> queries, int threads)
+PlannerEntrant fcl_in_a_loop(const Mesh& fixed, const Mesh& moving, std::span<const Eigen::Isometry3d> poses,
+                             int threads)
 {
     const auto run = [=, &fixed, &moving, fcl = std::shared_ptr<FclPair>()](std::vector<std::uint8_t>& hits) mutable {
         if (!fcl) fcl = std::make_shared<FclPair>(fixed, moving, FclNodes::obb);
-        parallel_chunks(queries.size(), 64, threads, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t i = begin; i < end; ++i) hits[i] = fcl->contacts(queries[i].pose_b) > 0;
+        parallel_chunks(poses.size(), 64, threads, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = begin; i < end; ++i) hits[i] = fcl->contacts(poses[i]) > 0;
         });
     };
     return {"FCL OBB in a loop", "fcl", {}, run, 0, 0, {}};
 }
 
-PlannerEntrant in_one_call(const Mesh& fixed, const Mesh& moving, std::span<const MeshQuery> queries, int threads,
+PlannerEntrant in_one_call(const Mesh& fixed, const Mesh& moving, std::span<const Eigen::Isometry3d> poses, int threads,
                            ExactLevel exact)
 {
     Settings settings;
     settings.threads = threads, settings.exact = exact;
-    const auto run = [=, ours = std::shared_ptr<MeshQueries>(),
-                      findings = std::vector<Finding>(queries.size())](std::vector<std::uint8_t>& hits) mutable {
-        if (!ours) ours = std::make_shared<MeshQueries>(std::vector<Mesh>{fixed, moving}, settings);
-        ours->run(queries, findings);
+    const auto run = [=, ours = std::shared_ptr<World>(), pairs = std::vector<PairOfModels>(),
+                      findings = std::vector<Finding>(poses.size())](std::vector<std::uint8_t>& hits) mutable {
+        if (!ours) {
+            ours = std::make_shared<World>(settings);
+            const ModelId a = ours->models().add(fixed), b = ours->models().add(moving);
+            for (const Eigen::Isometry3d& pose : poses) pairs.push_back({{a}, {b, pose}});
+        }
+        ours->pairs().decide(pairs, findings);
         std::ranges::transform(findings, hits.begin(), [](const Finding& f) { return f.verdict != Verdict::separate; });
     };
     return {fmt::format("oncollide, exact {}", name_of(exact)),
@@ -92,12 +97,13 @@ PlannerEntrant in_one_call(const Mesh& fixed, const Mesh& moving, std::span<cons
 }
 
 /// Two calls of each entrant, in turns.
-std::vector<PlannerEntrant> race(const Mesh& fixed, const Mesh& moving, std::span<const MeshQuery> queries, int threads)
+std::vector<PlannerEntrant> race(const Mesh& fixed, const Mesh& moving, std::span<const Eigen::Isometry3d> poses,
+                                 int threads)
 {
-    std::vector<PlannerEntrant> all{fcl_in_a_loop(fixed, moving, queries, threads),
-                                    in_one_call(fixed, moving, queries, threads, ExactLevel::off),
-                                    in_one_call(fixed, moving, queries, threads, ExactLevel::predicates)};
-    for (PlannerEntrant& entrant : all) entrant.hits.resize(queries.size());
+    std::vector<PlannerEntrant> all{fcl_in_a_loop(fixed, moving, poses, threads),
+                                    in_one_call(fixed, moving, poses, threads, ExactLevel::off),
+                                    in_one_call(fixed, moving, poses, threads, ExactLevel::predicates)};
+    for (PlannerEntrant& entrant : all) entrant.hits.resize(poses.size());
     for (const std::size_t round : {0u, 1u})
         take_turns(all.size(), round, [&](std::size_t k) {
             PlannerEntrant& entrant = all[k];
@@ -122,32 +128,32 @@ int bench_planner(const PlannerOptions& options)
     const Mesh moving = given ? load_mesh(options.meshes[1]) : make_torus_knot_mesh(2, 3, 0.3, 0.12, 0.05, 5000);
     const std::string fixed_name = given ? stem(options.meshes[0]) : "terrain",
                       moving_name = given ? stem(options.meshes[1]) : "knot";
-    const std::vector<MeshQuery> queries = sample(fixed, moving, std::size_t(options.poses), options.seed);
+    const std::vector<Eigen::Isometry3d> poses = sample(fixed, moving, std::size_t(options.poses), options.seed);
     say("{}static     {} triangles\nmoving     {} triangles\nposes      {}, seed {}\n\n", describe_program("planner"),
-        grouped(fixed.triangles.size()), grouped(moving.triangles.size()), grouped(queries.size()), options.seed);
+        grouped(fixed.triangles.size()), grouped(moving.triangles.size()), grouped(poses.size()), options.seed);
 
     std::uint64_t wrong = 0, colliding = 0;
     say("{:<28}{:>8}{:>16}{:>16}{:>8}{:>12}{:>8}\n", "", "threads", "first call, s", "second call, s", "ratio",
-        "queries/s", "false");
+        "poses/s", "false");
     for (int threads = 1; threads <= std::min(2, hardware_threads()); ++threads) {
-        const std::vector<PlannerEntrant> all = race(fixed, moving, queries, threads);
+        const std::vector<PlannerEntrant> all = race(fixed, moving, poses, threads);
         const std::vector<std::uint8_t>& expected = all.front().hits;
         colliding = std::uint64_t(std::ranges::count(expected, 1));
         for (const PlannerEntrant& entrant : all) {
             std::uint64_t false_positives = 0, missed = 0;
-            for (std::size_t i = 0; i < queries.size(); ++i)
+            for (std::size_t i = 0; i < poses.size(); ++i)
                 false_positives += entrant.hits[i] > expected[i], missed += entrant.hits[i] < expected[i];
             wrong += missed + (entrant.exact == ExactLevel::off ? 0 : false_positives);
             const double ratio = all.front().second / entrant.second;
             say("{:<28}{:>8}{:>16.3f}{:>16.3f}{:>8.2f}{:>12}{:>8}\n", entrant.name, threads, entrant.first,
-                entrant.second, ratio, grouped(std::uint64_t(double(queries.size()) / entrant.second)),
+                entrant.second, ratio, grouped(std::uint64_t(double(poses.size()) / entrant.second)),
                 grouped(false_positives));
             csv.row(Quoted{fixed_name}, fixed.triangles.size(), Quoted{moving_name}, moving.triangles.size(),
-                    queries.size(), colliding, entrant.who, threads, Digits{entrant.first, 4},
-                    Digits{entrant.second, 4}, Digits{ratio, 3}, false_positives);
+                    poses.size(), colliding, entrant.who, threads, Digits{entrant.first, 4}, Digits{entrant.second, 4},
+                    Digits{ratio, 3}, false_positives);
         }
     }
-    say("\ncolliding  {} of {}; results that FCL contradicts: {}\n", grouped(colliding), grouped(queries.size()),
+    say("\ncolliding  {} of {}; results that FCL contradicts: {}\n", grouped(colliding), grouped(poses.size()),
         grouped(wrong));
     csv.commit();
     return wrong ? int(ErrorKind::internal) : 0;

@@ -15,12 +15,12 @@ public:
     }
     StageId id() const override { return refine_->id(); }
     std::string_view unit() const override { return refine_->unit(); }
-    std::string_view reason_to_skip(const Bodies& bodies, const Frame& frame) const override
+    std::string_view reason_to_skip(const BodyTable& bodies, const Frame& frame) const override
     {
         return refine_->reason_to_skip(bodies, frame);
     }
 
-    void run(Bodies& bodies, Frame& frame, StageStats& stats) override
+    void run(BodyTable& bodies, Frame& frame, StageStats& stats) override
     {
         refine_->skip(bodies, frame, stats); // lists every pair as undecided
         rows_.clear(), pairs_.clear(), culled_.resize(bodies.slots());
@@ -38,11 +38,11 @@ public:
         }
         frame.context.trees.queries += work.queries, stats.gpu_ms += work.gpu_ms;
     }
-    void skip(Bodies& bodies, Frame& frame, StageStats& stats) override { refine_->skip(bodies, frame, stats); }
+    void skip(BodyTable& bodies, Frame& frame, StageStats& stats) override { refine_->skip(bodies, frame, stats); }
 
 private:
     /// False if the body is no mesh.
-    bool take(const Bodies& bodies, std::uint32_t slot)
+    bool take(const BodyTable& bodies, std::uint32_t slot)
     {
         const Model& model = bodies.model(slot);
         if (!model.is_mesh()) return false;

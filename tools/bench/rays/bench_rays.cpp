@@ -67,17 +67,17 @@ public:
     /// @param first  finds the first points of the segments, too
     WorldRays(std::shared_ptr<const Geometry> geometry, bool together, bool first) : together_(together), first_(first)
     {
-        world_.add_body({.model = world_.add(std::move(geometry)), .is_static = true});
+        world_.bodies().add({.model = world_.models().add(std::move(geometry)), .is_static = true});
         world_.step();
     }
     void trace(std::span<const Segment> segments, std::span<std::uint8_t> hit) override
     {
         if (first_) return cast(segments, hit);
         if (!together_) {
-            for (std::size_t i = 0; i < segments.size(); ++i) hit[i] = !world_.query(segments[i]).empty();
+            for (std::size_t i = 0; i < segments.size(); ++i) hit[i] = !world_.space().overlaps(segments[i]).empty();
             return;
         }
-        world_.query(segments, {}, found_);
+        world_.space().overlaps(segments, {}, found_);
         for (std::size_t i = 0; i < segments.size(); ++i) hit[i] = found_.offsets[i + 1] > found_.offsets[i];
     }
 
@@ -85,17 +85,17 @@ private:
     void cast(std::span<const Segment> segments, std::span<std::uint8_t> hit)
     {
         if (!together_) {
-            for (std::size_t i = 0; i < segments.size(); ++i) hit[i] = world_.cast(segments[i]).has_value();
+            for (std::size_t i = 0; i < segments.size(); ++i) hit[i] = bool(world_.space().cast(segments[i]).body);
             return;
         }
         casts_.resize(segments.size());
-        world_.cast(segments, {}, casts_);
+        world_.space().cast(segments, {}, casts_);
         for (std::size_t i = 0; i < segments.size(); ++i) hit[i] = bool(casts_[i].body);
     }
 
     World world_;
     bool together_, first_;
-    QueryHits found_;
+    Lists<QueryHit> found_;
     std::vector<CastHit> casts_;
 };
 

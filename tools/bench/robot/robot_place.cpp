@@ -70,12 +70,12 @@ RobotDescription with_spheres(RobotDescription robot, const SphereModel& model)
 
 void RobotPlace::set_obstacles(const std::vector<LinkGeometry>& obstacles)
 {
-    world.remove_bodies(bodies_);
-    for (const ModelId model : models_) world.remove(model);
+    world.bodies().remove(bodies_);
+    for (const ModelId model : models_) world.models().remove(model);
     bodies_.clear(), models_.clear();
     for (const LinkGeometry& obstacle : obstacles) {
-        models_.push_back(world.add(obstacle.geometry));
-        bodies_.push_back(world.add_body({.model = models_.back(), .pose = obstacle.pose, .is_static = true}));
+        models_.push_back(world.models().add(obstacle.geometry));
+        bodies_.push_back(world.bodies().add({.model = models_.back(), .pose = obstacle.pose, .is_static = true}));
     }
 }
 

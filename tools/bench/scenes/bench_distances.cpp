@@ -46,9 +46,9 @@ public:
     explicit DistanceRace(Scene& scene) : scene_(scene), fcl_(scene)
     {
         for (std::uint32_t g = 0; g < scene.geometries.size(); ++g)
-            models_.push_back(world_.add(scene.geometries.share(g)));
+            models_.push_back(world_.models().add(scene.geometries.share(g)));
         for (std::size_t i = 0; i < scene.size(); ++i)
-            ids_.push_back(world_.add_body(
+            ids_.push_back(world_.bodies().add(
                 {.model = models_[index(scene.geometry[i])], .pose = scene.poses[i], .is_static = i == 0}));
         const Aabb bounds = bounds_of(scene.geometries[index(scene.geometry[0])].data);
         middle_ = bounds.centre(), diagonal_ = bounds.diagonal();
@@ -66,7 +66,7 @@ public:
             take_turns(2, body, [&](std::size_t k) {
                 if (k == 0)
                     row.our_us += 1e3 / bodies * least_ms(o.repeats, [&] {
-                                      ours = world_.distance(ids_[0], ids_[body], o.tolerance);
+                                      ours = world_.pairs().distance(ids_[0], ids_[body], {.tolerance = o.tolerance});
                                   });
                 else
                     row.fcl_us += 1e3 / bodies * least_ms(o.repeats, [&] { fcl = fcl_.distance({0, body}); });
@@ -89,8 +89,8 @@ private:
         pose.translation() = middle_ + Vector3d(random(3), random(4), 0) * 0.3 * diagonal_ + (diagonal_ + wanted) * out;
         double last = HUGE_VAL;
         for (int step = 0; step < 30; ++step) {
-            world_.set_pose(ids_[body], pose);
-            const Distance d = world_.distance(ids_[0], ids_[body], 0.1 * wanted);
+            world_.bodies().set_pose(ids_[body], pose);
+            const Distance d = world_.pairs().distance(ids_[0], ids_[body], {.tolerance = 0.1 * wanted});
             if (d.lower <= 1.1 * wanted) break;
             const Vector3d back = d.lower < last ? out : Vector3d((d.point_b - d.point_a).normalized());
             pose.translation() -= (d.lower - wanted) * back;

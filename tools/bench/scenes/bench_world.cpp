@@ -41,7 +41,7 @@ public:
         std::vector<BodySpec> specs;
         for (std::size_t i = 0; i < scene_.size(); ++i) specs.push_back(spec_of(models_, i));
         ids_.resize(specs.size());
-        world_.add_bodies(specs, ids_);
+        world_.bodies().add(specs, ids_);
     }
 
     World& world() { return world_; }
@@ -55,7 +55,7 @@ public:
             some_ids_.push_back(ids_[i]);
             some_poses_.push_back(scene_.poses[place()]);
         }
-        world_.set_poses(some_ids_, some_poses_);
+        world_.bodies().set_pose(some_ids_, some_poses_);
     }
 
     /// Removes `count` bodies and adds as many at other poses.
@@ -68,8 +68,8 @@ public:
             some_specs_.push_back(spec_of(models_, i));
             some_specs_.back().pose = scene_.poses[place()];
         }
-        world_.remove_bodies(some_ids_);
-        world_.add_bodies(some_specs_, some_ids_);
+        world_.bodies().remove(some_ids_);
+        world_.bodies().add(some_specs_, some_ids_);
         for (std::size_t k = 0; k < chosen.size(); ++k) ids_[chosen[k]] = some_ids_[k];
     }
 
@@ -80,7 +80,7 @@ public:
         Pairs found;
         for (const PairResult& pair : world.step().pairs) {
             if (pair.verdict == Verdict::separate) continue;
-            const auto [a, b] = std::minmax({world.user(pair.a), world.user(pair.b)});
+            const auto [a, b] = std::minmax({world.bodies().user(pair.a), world.bodies().user(pair.b)});
             found.insert({a, b, pair.verdict});
         }
         return found;
@@ -93,16 +93,16 @@ public:
         const std::vector<ModelId> models = add_models(fresh);
         for (std::size_t i = 0; i < ids_.size(); ++i) {
             BodySpec spec = spec_of(models, i);
-            spec.pose = world_.pose(ids_[i]);
-            fresh.add_body(spec);
+            spec.pose = world_.bodies().pose(ids_[i]);
+            fresh.bodies().add(spec);
         }
         return pairs(world_) == pairs(fresh);
     }
 
     /// Queries of the first bodies' models at the poses of others.
-    std::vector<ModelQuery> queries(std::size_t count)
+    std::vector<PlacedModel> queries(std::size_t count)
     {
-        std::vector<ModelQuery> queries;
+        std::vector<PlacedModel> queries;
         for (std::size_t i = 0; i < count; ++i)
             queries.push_back({models_[index(scene_.geometry[i % size()])], scene_.poses[place()]});
         return queries;
@@ -114,7 +114,7 @@ private:
     {
         std::vector<ModelId> models;
         for (std::size_t g = 0; g < scene_.geometries.size(); ++g)
-            models.push_back(world.add(scene_.geometries.share(g)));
+            models.push_back(world.models().add(scene_.geometries.share(g)));
         return models;
     }
     BodySpec spec_of(std::span<const ModelId> models, std::size_t i) const
@@ -159,13 +159,13 @@ std::pair<double, double> time_frames(Crowd& crowd, int frames, Change change)
 }
 
 /// Queries per second on this many threads, each with a part of the queries, one by one.
-double time_queries(const World& world, std::span<const ModelQuery> queries, std::size_t threads)
+double time_queries(const World& world, std::span<const PlacedModel> queries, std::size_t threads)
 {
     const auto begin = Clock::now();
     std::vector<std::thread> workers;
     for (std::size_t w = 0; w < threads; ++w)
         workers.emplace_back([&, w] {
-            for (std::size_t i = w; i < queries.size(); i += threads) world.query(queries[i].model, queries[i].pose);
+            for (std::size_t i = w; i < queries.size(); i += threads) world.space().overlaps(queries[i]);
         });
     for (std::thread& worker : workers) worker.join();
     return double(queries.size()) / milliseconds_since(begin) * 1000;
@@ -208,9 +208,9 @@ int bench_world(const WorldOptions& options)
     row("all move", "move", crowd.size(), [&] { crowd.move(crowd.size()); });
     say("\nremoved and added / moved  {:.2f}\n", exchanged / moved);
 
-    const std::vector<ModelQuery> queries = crowd.queries(10'000);
-    world.query(queries.front().model, queries.front().pose); // applies the changes
-    time_queries(world, queries, 1);                          // warms up
+    const std::vector<PlacedModel> queries = crowd.queries(10'000);
+    world.space().overlaps(queries.front()); // applies the changes
+    time_queries(world, queries, 1);         // warms up
     const double one = time_queries(world, queries, 1), two = time_queries(world, queries, 2);
     say("queries    {} per second from one thread, {} from two at the same time ({:.2f} times)\n",
         grouped(std::uint64_t(one)), grouped(std::uint64_t(two)), two / one);

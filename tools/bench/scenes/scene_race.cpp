@@ -8,6 +8,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/results.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -88,8 +89,8 @@ private:
                     runs_.our_cold.push_back(least_ms(1, [&] {
                         Pipeline pipeline(scene_, settings_);
                         const FrameView view = pipeline.step(scene_);
-                        ContactLists contacts;
-                        if (options_.contacts) pipeline.world().contacts(colliding(view), contacts);
+                        Lists<Contact> contacts;
+                        if (options_.contacts) pipeline.world().pairs().contacts(colliding(view), contacts);
                     }));
             });
         }
@@ -101,10 +102,10 @@ private:
         mover.move(scene_, 0), mover.move(scene_, runs_.first);
         std::optional<FclWorld> world;
         std::optional<Pipeline> pipeline;
-        ContactLists contacts;
+        Lists<Contact> contacts;
         if (with_fcl_) world.emplace(scene_, octrees_), runs_.fcl_bytes = world->model_bytes();
         if (with_ours_) pipeline.emplace(scene_, settings_), runs_.backend = pipeline->inspect().backend;
-        if (pipeline && runs_.first) pipeline->world().continue_from(std::uint32_t(runs_.first), 0);
+        if (pipeline && runs_.first) WorldAccess::continue_from(pipeline->world(), std::uint32_t(runs_.first), 0);
         for (int frame = runs_.first; frame < runs_.first + int(runs_.rows.size()); ++frame) {
             mover.move(scene_, frame);
             SceneRow& row = runs_.rows[static_cast<std::size_t>(frame - runs_.first)];
@@ -136,11 +137,11 @@ private:
     }
 
     /// The time counts as time of the exact level.
-    void find_contacts(SceneRow& row, const World& world, ContactLists& contacts, FrameView& frame) const
+    void find_contacts(SceneRow& row, const World& world, Lists<Contact>& contacts, FrameView& frame) const
     {
         const Clock::time_point from = Clock::now();
-        world.contacts(colliding(frame), contacts);
-        row.our_contacts = contacts.contacts.size();
+        world.pairs().contacts(colliding(frame), contacts);
+        row.our_contacts = contacts.items.size();
         row.contacts_ms = milliseconds_since(from);
         frame.ms += row.contacts_ms;
     }

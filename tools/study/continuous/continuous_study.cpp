@@ -74,8 +74,9 @@ public:
     }
     SweepResult sweep(const StepOfPair& step, double tolerance) const
     {
-        return world().sweep(moving(step.pair.a, step.motion_a), moving(step.pair.b, step.motion_b),
-                             {.time_tolerance = tolerance, .gap_tolerance = std::max(tolerance * study_.size, 1e-12)});
+        return world().pairs().sweep(
+            moving(step.pair.a, step.motion_a), moving(step.pair.b, step.motion_b),
+            {.time_tolerance = tolerance, .gap_tolerance = std::max(tolerance * study_.size, 1e-12)});
     }
     void take(std::size_t number)
     {
@@ -123,7 +124,7 @@ private:
             const double time = double(k) / samples;
             const PlacedModel a{model(step.pair.a), step.motion_a.pose(time)},
                 b{model(step.pair.b), step.motion_b.pose(time)};
-            if (world().decide(a, b).verdict == Verdict::colliding) return time;
+            if (world().pairs().decide(a, b).verdict == Verdict::colliding) return time;
         }
         return never;
     }

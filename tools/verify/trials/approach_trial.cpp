@@ -27,16 +27,16 @@ public:
         Isometry3d pose_a = Isometry3d::Identity(), pose_b = pose_a;
         pose_a.linear() = attitude(), pose_b.linear() = attitude();
         pose_b.translation() = draw_.vector(), pose_a.translation() = 20 * draw_.vector().normalized();
-        const BodyId a = now_.add_body({.model = add(now_, geometries_.a), .pose = pose_a}),
-                     b = now_.add_body({.model = add(now_, geometries_.b), .pose = pose_b});
+        const BodyId a = now_.bodies().add({.model = add(now_, geometries_.a), .pose = pose_a}),
+                     b = now_.bodies().add({.model = add(now_, geometries_.b), .pose = pose_b});
         if (!approach(a, b, pose_a)) return;
-        const BodyId live_a = live_.add_body({.model = add(live_, geometries_.a), .pose = pose_a});
-        live_.add_body({.model = add(live_, geometries_.b), .pose = pose_b});
+        const BodyId live_a = live_.bodies().add({.model = add(live_, geometries_.a), .pose = pose_a});
+        live_.bodies().add({.model = add(live_, geometries_.b), .pose = pose_b});
         live_.step(), live_.step();
         ++tally_.cases;
         for (int move = 0; move < 6; ++move) {
-            const Finding found = now_.decide(a, b);
-            const Distance distance = now_.distance(a, b);
+            const Finding found = now_.pairs().decide(a, b);
+            const Distance distance = now_.pairs().distance(a, b);
             tally_.bounds += 2;
             if (found.verdict == Verdict::colliding && distance.upper != 0)
                 fault(&Tally::broken, move, fmt::format("collide at a distance of {:.3g} m", distance.upper));
@@ -50,10 +50,10 @@ public:
             if (draw_.number(0, 2) == 0)
                 pose_a.linear() = Matrix3d(Eigen::AngleAxisd(step * draw_.real(-1, 1), draw_.vector().normalized()) *
                                            pose_a.linear());
-            now_.set_pose(a, pose_a), live_.set_pose(live_a, pose_a);
+            now_.bodies().set_pose(a, pose_a), live_.bodies().set_pose(live_a, pose_a);
             const FrameView frame = live_.step();
             const Verdict stepped = frame.pairs.empty() ? Verdict::separate : frame.pairs[0].verdict,
-                          decided = now_.decide(a, b).verdict;
+                          decided = now_.pairs().decide(a, b).verdict;
             ++tally_.results;
             // Where rounding leaves round bodies undecided, one of them may still be certain.
             if (stepped != decided && stepped != Verdict::within && decided != Verdict::within)
@@ -65,7 +65,7 @@ public:
 private:
     static ModelId add(World& world, const GeometryData& geometry)
     {
-        return world.add(std::make_shared<const Geometry>(Geometry{{}, geometry, {}}));
+        return world.models().add(std::make_shared<const Geometry>(Geometry{{}, geometry, {}}));
     }
     Matrix3d attitude()
     {
@@ -77,13 +77,13 @@ private:
     bool approach(BodyId a, BodyId b, Isometry3d& pose)
     {
         for (int step = 0; step < 60; ++step) {
-            const Distance distance = now_.distance(a, b);
+            const Distance distance = now_.pairs().distance(a, b);
             const Vector3d between = distance.point_b - distance.point_a;
             if (distance.upper == 0) return false;
             const double wanted = draw_.magnitude(-43, -6);
             if (distance.lower < 4 * wanted || !(between.norm() > 0)) return distance.upper < 0.1;
             pose.translation() += 0.999 * (distance.lower - wanted) * between.normalized();
-            now_.set_pose(a, pose);
+            now_.bodies().set_pose(a, pose);
         }
         return true;
     }

@@ -33,8 +33,9 @@ struct Yard {
     BodyId a, b;
 
     Yard(const TwoTriangles& pair, const Settings& settings, const Isometry3d& pose_a = Isometry3d::Identity())
-        : world(settings), model_a(world.add(mesh_of(pair.first))), model_b(world.add(mesh_of(pair.second))),
-          a(world.add_body({.model = model_a, .pose = pose_a})), b(world.add_body({.model = model_b}))
+        : world(settings), model_a(world.models().add(mesh_of(pair.first))),
+          model_b(world.models().add(mesh_of(pair.second))), a(world.bodies().add({.model = model_a, .pose = pose_a})),
+          b(world.bodies().add({.model = model_b}))
     {
     }
     Verdict step()
@@ -58,9 +59,9 @@ public:
         if (!meet_) try_kernels();
         try_features();
         Yard yard(pair_, {});
-        const Finding found = yard.world.decide(yard.a, yard.b);
+        const Finding found = yard.world.pairs().decide(yard.a, yard.b);
         judge(found, 0, "decide()");
-        const Distance d = yard.world.distance(yard.a, yard.b);
+        const Distance d = yard.world.pairs().distance(yard.a, yard.b);
         at_most(d.lower, "distance().lower"), at_least(d.upper, "distance().upper");
         try_clearances();
         try_near_features(yard);
@@ -136,25 +137,25 @@ private:
                                        distance_ * (1 + 0x1p-10), 2 * distance_, draw_.magnitude(-30, 0) * size()}) {
             if (!(clearance > 0) || clearance > 1e12) continue;
             const Yard yard(pair_, {.clearance = clearance});
-            judge(yard.world.decide(yard.a, yard.b), clearance,
+            judge(yard.world.pairs().decide(yard.a, yard.b), clearance,
                   fmt::format("decide() with clearance {:.17g}", clearance));
         }
         const double error = std::max(draw_.magnitude(-3, 3) * distance_, 1e-12);
         if (error > 1e9) return;
         const Yard yard(pair_, {.max_error = error});
-        judge(yard.world.decide(yard.a, yard.b), 0, fmt::format("decide() with error {:.17g}", error));
+        judge(yard.world.pairs().decide(yard.a, yard.b), 0, fmt::format("decide() with error {:.17g}", error));
     }
 
     void try_near_features(const Yard& yard)
     {
         const double dhat = distance_ * (1 + 0x1p-20);
         if (dhat > 1e12) return;
-        NearFeatureLists lists;
+        Lists<NearFeatures> lists;
         const PairOfBodies both{yard.a, yard.b};
-        yard.world.near_features({&both, 1}, dhat, lists);
+        yard.world.pairs().near_features(std::span(&both, 1), dhat, lists);
         ++tally_.results;
         bool nearest = false;
-        for (const NearFeatures& features : lists.features) {
+        for (const NearFeatures& features : lists.items) {
             at_least(features.upper, "near_features(), upper");
             nearest |= truth_.compare(features.lower) >= 0;
         }
@@ -172,8 +173,8 @@ private:
             const bool by_gap = draw_.number(0, 1);
             pose.translation() = share * (by_gap ? gap : distance_) * toward.normalized() +
                                  draw_.number(0, 1) * draw_.magnitude(-10, 0) * gap * draw_.vector();
-            live.world.set_pose(live.a, pose);
-            const Verdict decided = live.world.decide(live.a, live.b).verdict, stepped = live.step();
+            live.world.bodies().set_pose(live.a, pose);
+            const Verdict decided = live.world.pairs().decide(live.a, live.b).verdict, stepped = live.step();
             ++tally_.results;
             if (stepped == decided) continue;
             tally_.fault(decided == Verdict::colliding ? &Tally::missed : &Tally::changed,
@@ -184,11 +185,11 @@ private:
         end.translation() = draw_.real(0.5, 3) * distance_ * toward.normalized();
         const MovingModel moving{live.model_a, RigidMotion(Isometry3d::Identity(), end)}, still{live.model_b, {}};
         const double tolerance = std::max(0x1p-10 * distance_, 1e-12);
-        const SweepResult swept = live.world.sweep(moving, still, {.gap_tolerance = tolerance});
+        const SweepResult swept = live.world.pairs().sweep(moving, still, {.gap_tolerance = tolerance});
         for (const double share : {0.3, 0.999, 1 - 1e-9}) {
             ++tally_.results;
             const Isometry3d pose = moving.motion.pose(share * swept.clear_until);
-            if (live.world.decide(PlacedModel{live.model_a, pose}, live.b).verdict == Verdict::colliding)
+            if (live.world.pairs().decide(PlacedModel{live.model_a, pose}, live.b).verdict == Verdict::colliding)
                 tally_.fault(&Tally::missed, what("sweep(), clear_until", swept.clear_until));
         }
     }
@@ -220,11 +221,11 @@ private:
             const std::vector<Triangle> triangles =
                 outward ? std::vector<Triangle>{{0, 1, 2}, {1, 0, 3}, {2, 1, 3}, {0, 2, 3}}
                         : std::vector<Triangle>{{1, 0, 2}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
-            return world.add_body(
-                {.model = world.add(make_mesh("tetrahedron", {t[0], t[1], t[2], side[2]}, triangles))});
+            return world.bodies().add(
+                {.model = world.models().add(make_mesh("tetrahedron", {t[0], t[1], t[2], side[2]}, triangles))});
         };
         const BodyId first = add(faces_a), second = add(faces_b);
-        const Manifold manifold = world.manifold(first, second, {.margin = distance * (1 + 0x1p-20)});
+        const Manifold manifold = world.pairs().manifold(first, second, {.margin = distance * (1 + 0x1p-20)});
         // The direction across a tiny gap is rounded, so one tetrahedron may lie inside the other.
         for (const ManifoldRegion& region : manifold.regions)
             if (region.kind == RegionKind::enclosed) return;

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/pipeline/mesh_queries.hpp>
+#include <oncollide/pipeline/two_geometries.hpp>
 #include <oncollide/runs/pipeline.hpp>
 
 #include "verify/judge.hpp"
@@ -55,17 +55,14 @@ public:
 
     void run_queries(ExactLevel exact, int threads)
     {
-        std::vector<Mesh> meshes;
-        std::vector<MeshQuery> queries;
-        for (const BodyCase& c : cases_) {
-            const auto first = std::uint32_t(meshes.size());
-            meshes.push_back(c.a), meshes.push_back(c.b);
-            queries.push_back({first, first + 1, c.pose_a, c.poses_b.front()});
-        }
-        std::vector<Finding> answers(queries.size());
         const Settings settings{.exact = exact, .threads = threads};
-        MeshQueries(std::move(meshes), settings).run(queries, answers);
-        judge_all(answers, settings, fmt::format("MeshQueries, exact {}", name_of(exact)));
+        World world(settings);
+        std::vector<PairOfModels> pairs;
+        for (const BodyCase& c : cases_)
+            pairs.push_back({{world.models().add(c.a), c.pose_a}, {world.models().add(c.b), c.poses_b.front()}});
+        std::vector<Finding> answers(pairs.size());
+        world.pairs().decide(pairs, answers);
+        judge_all(answers, settings, fmt::format("pairs of models, exact {}", name_of(exact)));
     }
 
     const Tally& tally() const { return tally_; }

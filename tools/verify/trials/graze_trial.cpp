@@ -198,10 +198,10 @@ std::string graze_fault(std::uint64_t seed, GrazeTally& tally)
     if (scene != 2) c.options.gap_tolerance = std::max(1e-12, 0x1p-12 * c.size);
     World world;
     const auto add = [&](const GeometryData& data) {
-        return world.add(std::make_shared<const Geometry>(Geometry{{}, data, {}}));
+        return world.models().add(std::make_shared<const Geometry>(Geometry{{}, data, {}}));
     };
     const MovingModel a{add(c.a), c.motion_a}, b{add(c.b), c.motion_b};
-    const SweepResult found = world.sweep(a, b, c.options), swapped = world.sweep(b, a, c.options);
+    const SweepResult found = world.pairs().sweep(a, b, c.options), swapped = world.pairs().sweep(b, a, c.options);
     ++tally.sweeps;
     ++(found.verdict == Verdict::colliding  ? tally.contacts
        : found.verdict == Verdict::within   ? tally.grazes

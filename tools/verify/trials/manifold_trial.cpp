@@ -92,10 +92,10 @@ ManifoldTally try_pair(std::uint64_t seed)
     for (Vector3d& v : b.vertices) v += by;
     b = make_mesh("moved", b.vertices, b.triangles);
     World world({.threads = 1});
-    const auto add = [&](const Mesh& mesh) { return world.add_body({.model = world.add(Mesh(mesh))}); };
+    const auto add = [&](const Mesh& mesh) { return world.bodies().add({.model = world.models().add(Mesh(mesh))}); };
     const BodyId of_a = add(a), of_b = add(b);
     const oracle::ManifoldVerdict found =
-        oracle::judge_manifold(surface_of(a), surface_of(b), world.manifold(of_a, of_b));
+        oracle::judge_manifold(surface_of(a), surface_of(b), world.pairs().manifold(of_a, of_b));
     ManifoldTally tally;
     tally.pairs = 1;
     tally.met = found.contacts > 0, tally.whole = found.whole, tally.exact = found.exact;

@@ -27,13 +27,13 @@ Result result_of(const Settings& settings, const PlacedBody& a, const PlacedBody
     std::array<BodyId, 2> ids;
     for (std::size_t i = 0; i < 2; ++i) {
         const PlacedBody& body = i ? b : a;
-        const ModelId model = std::visit([&](const auto& g) { return world.add(g); }, body.geometry);
-        ids[i] = world.add_body({.model = model, .pose = body.pose});
+        const ModelId model = std::visit([&](const auto& g) { return world.models().add(g); }, body.geometry);
+        ids[i] = world.bodies().add({.model = model, .pose = body.pose});
     }
     const FrameView frame = world.step();
     Result result{unlisted(settings), {}};
     if (!frame.pairs.empty()) result.finding = frame.pairs[0];
-    result.distance = world.distance(ids[0], ids[1]);
+    result.distance = world.pairs().distance(ids[0], ids[1]);
     return result;
 }
 

@@ -36,7 +36,7 @@ bool is_half_space(const GeometryData& geometry)
 
 ModelId add(World& world, const GeometryData& data)
 {
-    return world.add(std::make_shared<const Geometry>(Geometry{{}, data, {}}));
+    return world.models().add(std::make_shared<const Geometry>(Geometry{{}, data, {}}));
 }
 
 /// With a clearance, a World decides exactly only on request.
@@ -108,28 +108,28 @@ public:
     bool must_meet(double time) override
     {
         place(time);
-        const Finding found = world_.decide(a_, b_);
+        const Finding found = world_.pairs().decide(a_, b_);
         return found.verdict == Verdict::colliding || found.kind == ContactKind::near;
     }
     bool may_meet(double time) override
     {
         place(time);
-        if (world_.decide(a_, b_).verdict != Verdict::separate) return true;
+        if (world_.pairs().decide(a_, b_).verdict != Verdict::separate) return true;
         // A witness counts up to the rounding of the clearance (docs/results.md), which the search for one does not
         // use.
         const double clearance = drawn_.settings.clearance;
-        return clearance > 0 && world_.distance(a_, b_).lower <= clearance * (1 + 0x1p-16);
+        return clearance > 0 && world_.pairs().distance(a_, b_).lower <= clearance * (1 + 0x1p-16);
     }
     bool confirms(double time) override
     {
         place(time);
         exact_a_.pose = a_.pose, exact_b_.pose = b_.pose;
-        return exact_.decide(exact_a_, exact_b_).verdict == Verdict::colliding;
+        return exact_.pairs().decide(exact_a_, exact_b_).verdict == Verdict::colliding;
     }
     double least_distance(double time) override
     {
         place(time);
-        return world_.distance(a_, b_).lower;
+        return world_.pairs().distance(a_, b_).lower;
     }
 
 private:
@@ -165,7 +165,7 @@ SweepResult sweep_of(const DrawnSweep& drawn, bool swapped)
 {
     World world(drawn.settings);
     const MovingModel a{add(world, drawn.a), drawn.motion_a}, b{add(world, drawn.b), drawn.motion_b};
-    return swapped ? world.sweep(b, a) : world.sweep(a, b);
+    return swapped ? world.pairs().sweep(b, a) : world.pairs().sweep(a, b);
 }
 
 std::string fault_in(const DrawnSweep& drawn, const SweepResult& r, const SweepResult& swapped, std::uint64_t seed,

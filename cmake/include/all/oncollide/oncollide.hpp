@@ -2,6 +2,6 @@
 // docs/architecture.md.
 #pragma once
 #include <oncollide/base/error.hpp>
-#include <oncollide/pipeline/mesh_queries.hpp>
+#include <oncollide/pipeline/two_geometries.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>

@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <oncollide/pipeline/world/bodies.hpp>
+#include <oncollide/pipeline/world/body_table.hpp>
 #include <oncollide/scenes/geometry.hpp>
 
-namespace oncollide::bodies_test {
+namespace oncollide::body_table_test {
 namespace {
 
 class BodiesTest : public testing::Test {
@@ -33,7 +33,7 @@ protected:
     static Eigen::Isometry3d at(double x) { return Eigen::Isometry3d(Eigen::Translation3d(x, 0, 0)); }
 
     Model model{std::make_shared<const Geometry>(Geometry{"ball", Shape(Sphere{0.5}), {}})};
-    Bodies bodies{1};
+    BodyTable bodies{1};
 };
 
 using Slots = std::vector<std::uint32_t>;
@@ -112,4 +112,4 @@ TEST_F(BodiesTest, NameTheFirstFault)
 }
 
 } // namespace
-} // namespace oncollide::bodies_test
+} // namespace oncollide::body_table_test

@@ -1,4 +1,4 @@
-#include <oncollide/pipeline/world/bodies.hpp>
+#include <oncollide/pipeline/world/body_table.hpp>
 
 #include <cmath>
 
@@ -23,34 +23,34 @@ bool BodyChanges::empty() const
     return true;
 }
 
-void Bodies::mark(std::uint32_t slot, std::uint8_t how)
+void BodyTable::mark(std::uint32_t slot, std::uint8_t how)
 {
     if (!(state_[slot] & listed_bit)) changed_.push_back(slot);
     if (how & (fresh_bit | moved_bit)) set_asleep(slot, false);
     state_[slot] |= static_cast<std::uint8_t>(how | listed_bit);
 }
 
-void Bodies::reserve(std::size_t slots)
+void BodyTable::reserve(std::size_t slots)
 {
     state_.reserve(slots), reserve_large(model_of_, slots), reserve_large(poses_, slots);
     for (auto* column : {&layers_, &masks_, &groups_, &changed_}) reserve_large(*column, slots);
     reserve_large(travel_, slots), reserve_large(boxes_, slots);
 }
 
-void Bodies::note_model(std::uint32_t slot, Model* model, ModelId id)
+void BodyTable::note_model(std::uint32_t slot, Model* model, ModelId id)
 {
     if (models_.size() <= id.slot) models_.resize(id.slot + std::size_t{1});
     models_[id.slot] = {model, id};
     model_of_[slot] = id.slot;
 }
 
-void Bodies::set_user(std::uint32_t slot, std::uint64_t user)
+void BodyTable::set_user(std::uint32_t slot, std::uint64_t user)
 {
     if (user_.size() <= slot) user_.resize(slots());
     user_[slot] = user;
 }
 
-std::uint32_t Bodies::add(const Init& body)
+std::uint32_t BodyTable::add(const Init& body)
 {
     std::uint32_t slot;
     if (free_.empty()) {
@@ -74,7 +74,7 @@ std::uint32_t Bodies::add(const Init& body)
     return slot;
 }
 
-void Bodies::remove(std::uint32_t slot)
+void BodyTable::remove(std::uint32_t slot)
 {
     --size_, dynamic_ -= !is_static(slot);
     if (motion(slot)) motion_of_[slot] = 0;
@@ -88,7 +88,7 @@ void Bodies::remove(std::uint32_t slot)
     mark(slot, fresh_bit);
 }
 
-void Bodies::set_motion(std::uint32_t slot, RigidMotion motion)
+void BodyTable::set_motion(std::uint32_t slot, RigidMotion motion)
 {
     const double travel = (travel_[slot] + model(slot).bounds().motion(poses_[slot], motion)) * (1 + 0x1p-52);
     set_pose(slot, motion.pose(1));
@@ -100,7 +100,7 @@ void Bodies::set_motion(std::uint32_t slot, RigidMotion motion)
     mark(slot, moved_bit);
 }
 
-void Bodies::end_motions()
+void BodyTable::end_motions()
 {
     for (const std::uint32_t slot : moving_) {
         motion_of_[slot] = 0;
@@ -109,7 +109,7 @@ void Bodies::end_motions()
     motions_.clear(), moving_.clear();
 }
 
-void Bodies::set_pose(std::uint32_t slot, const Eigen::Isometry3d& pose)
+void BodyTable::set_pose(std::uint32_t slot, const Eigen::Isometry3d& pose)
 {
     if (motion(slot)) motion_of_[slot] = 0, mark(slot, moved_bit);
     if (poses_[slot].matrix() == pose.matrix()) return; // so resting bodies cost no work later
@@ -119,7 +119,7 @@ void Bodies::set_pose(std::uint32_t slot, const Eigen::Isometry3d& pose)
     mark(slot, moved_bit);
 }
 
-void Bodies::set_filter(std::uint32_t slot, std::uint32_t layer, std::uint32_t mask, std::uint32_t group)
+void BodyTable::set_filter(std::uint32_t slot, std::uint32_t layer, std::uint32_t mask, std::uint32_t group)
 {
     if (layers_[slot] == layer && masks_[slot] == mask && groups_[slot] == group) return;
     layers_[slot] = layer, masks_[slot] = mask, groups_[slot] = group;
@@ -128,7 +128,7 @@ void Bodies::set_filter(std::uint32_t slot, std::uint32_t layer, std::uint32_t m
     mark(slot, moved_bit);
 }
 
-void Bodies::set_static(std::uint32_t slot, bool now)
+void BodyTable::set_static(std::uint32_t slot, bool now)
 {
     if (is_static(slot) == now) return;
     state_[slot] ^= static_bit;
@@ -136,32 +136,32 @@ void Bodies::set_static(std::uint32_t slot, bool now)
     mark(slot, 0);
 }
 
-void Bodies::set_asleep(std::uint32_t slot, bool asleep)
+void BodyTable::set_asleep(std::uint32_t slot, bool asleep)
 {
     state_[slot] = static_cast<std::uint8_t>(asleep ? state_[slot] | asleep_bit : state_[slot] & ~asleep_bit);
 }
 
-void Bodies::set_model(std::uint32_t slot, Model* model, ModelId id)
+void BodyTable::set_model(std::uint32_t slot, Model* model, ModelId id)
 {
     note_model(slot, model, id);
     mark(slot, fresh_bit);
 }
 
-void Bodies::exclude(std::uint32_t a, std::uint32_t b)
+void BodyTable::exclude(std::uint32_t a, std::uint32_t b)
 {
     if (!excluded_.insert(key(a, b)).second) return;
     ++exclusions_version_;
     partners_[a].push_back(b), partners_[b].push_back(a);
 }
 
-void Bodies::include(std::uint32_t a, std::uint32_t b)
+void BodyTable::include(std::uint32_t a, std::uint32_t b)
 {
     if (excluded_.erase(key(a, b)) == 0) return;
     ++exclusions_version_;
     std::erase(partners_[a], b), std::erase(partners_[b], a);
 }
 
-void Bodies::take_changes(BodyChanges& changes)
+void BodyTable::take_changes(BodyChanges& changes)
 {
     changes.clear();
     for (std::uint32_t slot : changed_) {
@@ -183,7 +183,7 @@ void Bodies::take_changes(BodyChanges& changes)
     changed_.clear();
 }
 
-void update_boxes(Bodies& bodies, const BodyChanges& changes, bool tight, int threads)
+void update_boxes(BodyTable& bodies, const BodyChanges& changes, bool tight, int threads)
 {
     constexpr std::size_t ahead = 8;
     for (const auto* list : {&changes.added_static, &changes.added_dynamic, &changes.moved}) {
@@ -211,7 +211,7 @@ void update_boxes(Bodies& bodies, const BodyChanges& changes, bool tight, int th
     }
 }
 
-std::string Bodies::validate() const
+std::string BodyTable::validate() const
 {
     for (const std::size_t rows : {model_of_.size(), poses_.size(), layers_.size(), masks_.size(), groups_.size(),
                                    travel_.size(), boxes_.size()})
@@ -247,7 +247,7 @@ std::string Bodies::validate() const
     return {};
 }
 
-std::size_t Bodies::bytes() const
+std::size_t BodyTable::bytes() const
 {
     return state_.capacity() + removed_.capacity() * sizeof(std::uint16_t) +
            (layers_.capacity() + masks_.capacity() + groups_.capacity() + free_.capacity() + changed_.capacity() +

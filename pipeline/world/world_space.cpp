@@ -1,4 +1,4 @@
-// World: const queries of one thing against all bodies, safe from many threads at once.
+// Space: queries of one thing against all bodies, safe from many threads at once.
 #include <cmath>
 #include <limits>
 
@@ -7,7 +7,6 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/broadphase/aabb_checks.hpp>
 #include <oncollide/broadphase/segment_part.hpp>
-#include <oncollide/pipeline/check_distance.hpp>
 #include <oncollide/pipeline/world/query_worker.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
 
@@ -16,7 +15,7 @@ namespace oncollide {
 namespace {
 
 /// True if some point of the body lies in the box.
-bool has_point_in(const Bodies& bodies, std::uint32_t slot, const Aabb& box)
+bool has_point_in(const BodyTable& bodies, std::uint32_t slot, const Aabb& box)
 {
     const RelativePose into(bodies.pose(slot));
     return bodies.model(slot).any_part(box, into, [&](const PartPoints& part) {
@@ -67,22 +66,27 @@ void check_ends(const char* call, std::span<const Segment> segments)
                             fmt::format("{} {}: a point of the segment is not finite, or beyond 1e15 m", call, i));
 }
 
-bool World::Impl::allows(const QueryFilter& q, std::uint32_t slot) const
+bool WorldImpl::allows(const CollisionFilter& q, std::uint32_t slot) const
 {
     return (q.layer & bodies.mask(slot)) && (bodies.layer(slot) & q.mask) &&
            (q.group == 0 || q.group != bodies.group(slot));
 }
 
+void WorldImpl::check_placed(const char* call, std::size_t number, const PlacedModel& placed)
+{
+    naming(call, number, nullptr, [&] { check_model(placed.model), check_pose("", placed.pose); });
+}
+
 /// A model at a pose, as a query tests it.
-struct World::Impl::Probe {
+struct WorldImpl::Probe {
     Model* model;
     Eigen::Isometry3d pose;
-    QueryFilter filter;
+    CollisionFilter filter;
     const Aabb* solid_box = nullptr; ///< bodies wholly inside are hits, too
 };
 
 /// Leaves in worker.tasks the bodies that the filter allows and whose AABBs are at most `margin` from the probe's.
-void World::Impl::find_near(QueryWorker& worker, const Probe& probe, double margin)
+void WorldImpl::find_near(QueryWorker& worker, const Probe& probe, double margin)
 {
     worker.boxes.assign(1, grown(probe.model->bounds().box(probe.pose), margin));
     broad->query(bodies.columns(), worker.boxes, worker.hits);
@@ -94,7 +98,7 @@ void World::Impl::find_near(QueryWorker& worker, const Probe& probe, double marg
 }
 
 /// Appends the hits of `probe` among worker.tasks.
-void World::Impl::refine_hits(QueryWorker& w, const Probe& probe, std::vector<QueryHit>& hits)
+void WorldImpl::refine_hits(QueryWorker& w, const Probe& probe, std::vector<QueryHit>& hits)
 {
     constexpr double unknown = std::numeric_limits<double>::infinity();
     const auto farthest = [&](std::uint32_t slot) {
@@ -119,14 +123,14 @@ void World::Impl::refine_hits(QueryWorker& w, const Probe& probe, std::vector<Qu
     }
 }
 
-void World::Impl::find_hits(QueryWorker& w, const Probe& probe, std::vector<QueryHit>& hits)
+void WorldImpl::find_hits(QueryWorker& w, const Probe& probe, std::vector<QueryHit>& hits)
 {
     find_near(w, probe, 0);
     if (!w.tasks.empty()) refine_hits(w, probe, hits);
 }
 
 /// True if the body has the tree that segments need, or needs none. Makes the tree if there is room.
-bool World::Impl::has_tree_for_segments(std::uint32_t slot)
+bool WorldImpl::has_tree_for_segments(std::uint32_t slot)
 {
     Model& model = bodies.model(slot);
     if (with_tree.load(std::memory_order_acquire) == &model || !SegmentQuery::needs_tree(model.kind())) return true;
@@ -145,13 +149,13 @@ bool World::Impl::has_tree_for_segments(std::uint32_t slot)
 }
 
 /// True if on_segment() covers the body. Makes the tree that it needs.
-bool World::Impl::tests_segments(std::uint32_t slot)
+bool WorldImpl::tests_segments(std::uint32_t slot)
 {
     return SegmentQuery::covers(bodies.model(slot).kind()) && has_tree_for_segments(slot);
 }
 
 /// The result of a segment and a body, in the body's frame.
-Finding World::Impl::on_segment(QueryWorker& w, std::uint32_t slot, const Segment& segment)
+Finding WorldImpl::on_segment(QueryWorker& w, std::uint32_t slot, const Segment& segment)
 {
     Model& model = bodies.model(slot);
     const RelativePose into(bodies.pose(slot));
@@ -170,7 +174,7 @@ Finding World::Impl::on_segment(QueryWorker& w, std::uint32_t slot, const Segmen
 /// is not covered, the tests of pairs decide, with a triangle of the segment's shape.
 /// Leaves in worker.hits the bodies in whose AABBs the segment may be. Few bodies need no search, and a single one that
 /// is tested exactly no test of its AABB.
-void World::Impl::find_boxes(QueryWorker& w, const Segment& segment)
+void WorldImpl::find_boxes(QueryWorker& w, const Segment& segment)
 {
     constexpr std::uint32_t few = 4;
     if (bodies.slots() > few) return broad->query_segments(bodies.columns(), std::span(&segment, 1), w.hits);
@@ -181,8 +185,8 @@ void World::Impl::find_boxes(QueryWorker& w, const Segment& segment)
             w.hits.push_back({0, slot});
 }
 
-void World::Impl::find_hits(QueryWorker& w, const Segment& segment, const QueryFilter& filter,
-                            std::vector<QueryHit>& hits)
+void WorldImpl::find_hits(QueryWorker& w, const Segment& segment, const CollisionFilter& filter,
+                          std::vector<QueryHit>& hits)
 {
     const bool plain = settings.clearance == 0 && !wants_kinds(settings);
     if (plain)
@@ -207,7 +211,7 @@ void World::Impl::find_hits(QueryWorker& w, const Segment& segment, const QueryF
                       [](const QueryHit& hit) { return hit.body.slot; });
 }
 
-void World::Impl::bring_up_to_date()
+void WorldImpl::bring_up_to_date()
 {
     if (taken_in.load(std::memory_order_acquire)) return;
     const std::lock_guard lock(guard);
@@ -219,97 +223,97 @@ void World::Impl::bring_up_to_date()
     taken_in.store(true, std::memory_order_release);
 }
 
-std::vector<QueryHit> World::query(ModelId model, const Eigen::Isometry3d& pose, const QueryFilter& filter) const
+std::vector<QueryHit> Space::overlaps(const PlacedModel& model, const CollisionFilter& filter) const
 {
-    Impl& p = impl();
-    Model& mine = p.check_model(model);
-    p.check_pose("", pose);
+    WorldImpl& p = *world_;
+    Model& mine = p.check_model(model.model);
+    p.check_pose("", model.pose);
     p.bring_up_to_date();
     std::vector<QueryHit> hits;
-    Impl::Lease worker(p);
-    p.find_hits(*worker, {&mine, pose, filter}, hits);
+    WorldImpl::Lease worker(p);
+    p.find_hits(*worker, {&mine, model.pose, filter}, hits);
     return hits;
 }
 
-void World::query(std::span<const ModelQuery> queries, QueryHits& out) const
+void Space::overlaps(std::span<const PlacedModel> models, const CollisionFilter& filter, Lists<QueryHit>& out) const
 {
-    Impl& p = impl();
-    for (std::size_t i = 0; i < queries.size(); ++i)
-        naming("query", i, nullptr, [&] { p.check_model(queries[i].model), p.check_pose("", queries[i].pose); });
+    WorldImpl& p = *world_;
+    for (std::size_t i = 0; i < models.size(); ++i) p.check_placed("overlaps", i, models[i]);
     p.bring_up_to_date();
-    p.gather(queries.size(), 64, out.hits, out.offsets, [&](auto& worker, std::size_t i, auto& hits) {
-        const ModelQuery& query = queries[i];
-        p.find_hits(worker, {&p.models[query.model], query.pose, query.filter}, hits);
+    p.gather(models.size(), 64, out, [&](auto& worker, std::size_t i, auto& hits) {
+        p.find_hits(worker, {&p.models[models[i].model], models[i].pose, filter}, hits);
     });
 }
 
-void World::near(std::span<const ModelQuery> queries, std::span<const double> reaches, QueryHits& out) const
+std::vector<QueryHit> Space::overlaps(const Segment& segment, const CollisionFilter& filter) const
 {
-    Impl& p = impl();
-    same_room("near", "queries", queries.size(), "reaches", reaches.size());
-    check_reaches("near: reach", reaches);
-    for (std::size_t i = 0; i < queries.size(); ++i)
-        naming("near", i, nullptr, [&] { p.check_model(queries[i].model), p.check_pose("", queries[i].pose); });
-    p.bring_up_to_date();
-    p.gather(queries.size(), 64, out.hits, out.offsets, [&](auto& worker, std::size_t i, auto& hits) {
-        const ModelQuery& query = queries[i];
-        p.find_near(worker, {&p.models[query.model], query.pose, query.filter}, reaches[i] * (1 + 0x1p-40));
-        p.need_trees(worker.tasks);
-        for (const PairTask& task : worker.tasks)
-            if (p.may_be_near(worker, task, reaches[i])) hits.push_back({Finding{}, p.bodies.id(task.number)});
-    });
-}
-
-std::vector<QueryHit> World::query(const Segment& segment, const QueryFilter& filter) const
-{
-    Impl& p = impl();
-    check_ends("query", std::span(&segment, 1));
+    WorldImpl& p = *world_;
+    check_ends("overlaps", std::span(&segment, 1));
     p.bring_up_to_date();
     std::vector<QueryHit> hits;
-    Impl::Lease worker(p);
+    WorldImpl::Lease worker(p);
     p.find_hits(*worker, segment, filter, hits);
     return hits;
 }
 
-void World::query(std::span<const Segment> segments, const QueryFilter& filter, QueryHits& out) const
+void Space::overlaps(std::span<const Segment> segments, const CollisionFilter& filter, Lists<QueryHit>& out) const
 {
-    Impl& p = impl();
-    check_ends("query", segments);
+    WorldImpl& p = *world_;
+    check_ends("overlaps", segments);
     p.bring_up_to_date();
-    p.gather(segments.size(), 64, out.hits, out.offsets,
+    p.gather(segments.size(), 64, out,
              [&](auto& worker, std::size_t i, auto& hits) { p.find_hits(worker, segments[i], filter, hits); });
 }
 
-std::vector<QueryHit> World::query(const Aabb& box, const QueryFilter& filter) const
+std::vector<QueryHit> Space::overlaps(const Aabb& box, const CollisionFilter& filter) const
 {
-    Impl& p = impl();
-    if (box.empty()) throw Error(ErrorKind::bad_data, "query: the box is empty (min > max)");
-    Mesh mesh = box_mesh(box);
-    p.bring_up_to_date();
-    TransientModel model(p.models, p.guard, std::move(mesh));
-    std::vector<QueryHit> hits;
-    Impl::Lease worker(p);
-    p.find_hits(*worker, {&*model, Eigen::Isometry3d::Identity(), filter, &box}, hits);
-    return hits;
+    Lists<QueryHit> hits;
+    overlaps(std::span(&box, 1), filter, hits);
+    return std::move(hits.items);
 }
 
-std::vector<BodyDistance> World::distances(const ModelQuery& query, double cutoff, double tolerance) const
+void Space::overlaps(std::span<const Aabb> boxes, const CollisionFilter& filter, Lists<QueryHit>& out) const
 {
-    Impl& p = impl();
-    check_distance(tolerance, cutoff);
-    if (!std::isfinite(cutoff)) throw Error(ErrorKind::usage, "distances: the cutoff to all bodies must be finite");
-    Model& mine = p.check_model(query.model);
-    p.check_pose("", query.pose);
+    WorldImpl& p = *world_;
+    std::vector<Mesh> meshes;
+    for (std::size_t i = 0; i < boxes.size(); ++i)
+        naming("overlaps", i, nullptr, [&] {
+            if (boxes[i].empty()) throw Error(ErrorKind::bad_data, "the box is empty (min > max)");
+            meshes.push_back(box_mesh(boxes[i]));
+        });
     p.bring_up_to_date();
-    Impl::Lease worker(p);
-    p.find_near(*worker, {&mine, query.pose, query.filter}, cutoff * (1 + 0x1p-40));
-    for (PairTask& task : worker->tasks) task.pose_a = &query.pose; // the probe is gone
-    p.need_trees(worker->tasks);
-    std::vector<BodyDistance> found;
-    for (const PairTask& task : worker->tasks)
-        if (const Distance distance = p.distance(*worker, task, tolerance, cutoff); distance.lower <= cutoff)
-            found.push_back({p.bodies.id(task.number), distance});
-    return found;
+    p.gather(boxes.size(), 16, out, [&](auto& worker, std::size_t i, auto& hits) {
+        TransientModel model(p.models, p.guard, std::move(meshes[i]));
+        p.find_hits(worker, {&*model, Eigen::Isometry3d::Identity(), filter, &boxes[i]}, hits);
+    });
+}
+
+std::vector<BodyDistance> Space::distances(const PlacedModel& model, const CollisionFilter& filter,
+                                           const DistanceOptions& options) const
+{
+    Lists<BodyDistance> found;
+    distances(std::span(&model, 1), filter, options, found);
+    return std::move(found.items);
+}
+
+void Space::distances(std::span<const PlacedModel> models, const CollisionFilter& filter,
+                      const DistanceOptions& options, Lists<BodyDistance>& out) const
+{
+    WorldImpl& p = *world_;
+    check_distance(options);
+    if (!std::isfinite(options.cutoff))
+        throw Error(ErrorKind::usage, "distances: the cutoff to all bodies must be finite");
+    for (std::size_t i = 0; i < models.size(); ++i) p.check_placed("distances", i, models[i]);
+    p.bring_up_to_date();
+    p.gather(models.size(), 4, out, [&](auto& worker, std::size_t i, auto& found) {
+        const PlacedModel& model = models[i];
+        p.find_near(worker, {&p.models[model.model], model.pose, filter}, options.cutoff * (1 + 0x1p-40));
+        for (PairTask& task : worker.tasks) task.pose_a = &model.pose; // the probe is gone
+        p.need_trees(worker.tasks);
+        for (const PairTask& task : worker.tasks)
+            if (const Distance distance = p.distance(worker, task, options); distance.lower <= options.cutoff)
+                found.push_back({p.bodies.id(task.number), distance});
+    });
 }
 
 } // namespace oncollide

@@ -1,3 +1,5 @@
+#include <oncollide/pipeline/manifold_tracker.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -70,8 +72,8 @@ const ManifoldTracker::Update& ManifoldTracker::update(const World& world, std::
         const auto regions =
             std::span(manifolds.regions).subspan(manifolds.offsets[i], manifolds.offsets[i + 1] - manifolds.offsets[i]);
         if (regions.empty()) continue;
-        const Eigen::Isometry3d a = world.pose(pairs[i].a).inverse(Eigen::Isometry),
-                                b = world.pose(pairs[i].b).inverse(Eigen::Isometry);
+        const Eigen::Isometry3d a = world.bodies().pose(pairs[i].a).inverse(Eigen::Isometry),
+                                b = world.bodies().pose(pairs[i].b).inverse(Eigen::Isometry);
         for (const ManifoldRegion& region : regions)
             for (std::uint32_t k = region.first; k < region.first + region.count; ++k) {
                 const ManifoldPoint& p = manifolds.points[k];

@@ -28,7 +28,7 @@ struct BodyChanges {
 
 /// The bodies of a World, as columns by slot, and their changes. The slot freed last is reused first, under a new
 /// generation.
-class Bodies {
+class BodyTable {
 public:
     struct Init {
         Model* model;
@@ -40,7 +40,7 @@ public:
     };
 
     /// @param world  the tag of the World in its ids
-    explicit Bodies(std::uint16_t world) : world_(world) {}
+    explicit BodyTable(std::uint16_t world) : world_(world) {}
 
     void reserve(std::size_t slots);
     std::uint32_t add(const Init& body); ///< returns the slot
@@ -169,6 +169,6 @@ private:
 };
 
 /// Updates the world AABBs of new and moved bodies: tight, or around bounding spheres.
-void update_boxes(Bodies& bodies, const BodyChanges& changes, bool tight, int threads);
+void update_boxes(BodyTable& bodies, const BodyChanges& changes, bool tight, int threads);
 
 } // namespace oncollide

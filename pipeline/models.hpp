@@ -1,0 +1,60 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/pipeline/results.hpp>
+#include <oncollide/scenes/geometry.hpp>
+#include <oncollide/scenes/motion.hpp>
+
+namespace oncollide {
+
+struct WorldImpl;
+
+/// The models of a World: geometries that bodies share. World::models() returns them. Errors, threads and ids as
+/// World's.
+class ONCOLLIDE_API Models {
+public:
+    Models(const Models&) = delete;
+    Models& operator=(const Models&) = delete;
+
+    /// @param geometry  a Mesh, a Shape (Sphere, Box, ...), an OccupancyMap, a Terrain, or a mesh in a cooked file,
+    /// which
+    ///                  is read where tests need it
+    /// @param name      for messages
+    /// Throws Error{bad_data} that names the fault in a geometry.
+    ModelId add(GeometryData geometry, std::string name = {});
+    ModelId add(std::shared_ptr<const Geometry> geometry); ///< shared, as with a Scene
+    /// Gives the model another geometry, which all its bodies have from now on; it keeps its name. Cost: O(bodies of
+    /// the World).
+    void replace(ModelId model, GeometryData geometry);
+    void replace(ModelId model, std::shared_ptr<const Geometry> geometry);
+    /// Lets `change` set cells of a map, for all bodies of the model; what it has set before it throws stays. Cost: of
+    /// the change; the first change also copies the map, 8 bytes per inner node. Sphere-trees of the map grow anew.
+    /// Throws Error{usage} for a model that is not a map.
+    ///
+    ///     world.models().edit(map, [&](OccupancyMap& cells) { cells.insert_scan(points, origin); });
+    void edit(ModelId map, const std::function<void(OccupancyMap&)>& change);
+    /// Throws Error{usage} while a body uses it.
+    void remove(ModelId model);
+
+    bool contains(ModelId model) const;
+    std::size_t size() const; ///< number of models
+    /// The model in a slot; null if the slot is free. Slots are less than the greatest number of models so far.
+    ModelId at(std::uint32_t slot) const;
+    const Geometry& geometry(ModelId model) const; ///< valid until the next change of the model
+    /// True for a mesh with an inside: every edge is shared by two triangles that run along it in opposite directions.
+    /// Cost: of is_closed(), once.
+    bool closed(ModelId model) const;
+    /// The AABB of a model at a pose (a motion at rest), or on its whole way, as step() computes it for a body.
+    Aabb bounds(ModelId model, const RigidMotion& motion) const;
+
+private:
+    friend struct WorldImpl;
+    explicit Models(WorldImpl& world) : world_(&world) {}
+    WorldImpl* world_;
+};
+
+} // namespace oncollide

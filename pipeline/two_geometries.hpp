@@ -1,0 +1,54 @@
+#pragma once
+#include <concepts>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/narrowphase/finding.hpp>
+#include <oncollide/scenes/geometry.hpp>
+
+namespace oncollide {
+
+/// A geometry of any kind, for the calls below. A mesh is not copied and must outlive the call.
+class GeometryArgument {
+public:
+    GeometryArgument(const Mesh& mesh) : mesh_(&mesh) {}
+    GeometryArgument(std::shared_ptr<const Geometry> geometry) : geometry_(std::move(geometry)) {}
+    template <class Data> // a Shape (Sphere, Box, ...), an OccupancyMap, a Terrain
+    requires(std::constructible_from<GeometryData, Data> && !std::same_as<Data, Mesh>)
+        GeometryArgument(const Data& data)
+        : geometry_(std::make_shared<const Geometry>(Geometry{{}, data, {}}))
+    {
+    }
+    const Mesh* mesh() const { return mesh_; } ///< null: another kind, see geometry()
+    const std::shared_ptr<const Geometry>& geometry() const { return geometry_; }
+
+private:
+    const Mesh* mesh_ = nullptr;
+    std::shared_ptr<const Geometry> geometry_;
+};
+
+// --- Two geometries at two poses, in one line. Poses are rigid: body frame to world, metres.
+// Each call builds its trees (5 ns per triangle, 60 ns per traversed triangle); a World keeps them.
+// Throw Error{bad_data} for poses that are not rigid, and for a geometry that Models::add() would refuse.
+
+/// Exact: the verdict is separate or colliding, or, where a shape is round, within for a gap that rounding hides;
+/// touching counts as colliding.
+ONCOLLIDE_API Finding collide(const GeometryArgument& a, const Eigen::Isometry3d& pose_a, const GeometryArgument& b,
+                              const Eigen::Isometry3d& pose_b);
+
+/// As Pairs::distance().
+ONCOLLIDE_API Distance distance(const GeometryArgument& a, const Eigen::Isometry3d& pose_a, const GeometryArgument& b,
+                                const Eigen::Isometry3d& pose_b, const DistanceOptions& options = {});
+
+/// As Pairs::contacts().
+ONCOLLIDE_API std::vector<Contact> contacts(const GeometryArgument& a, const Eigen::Isometry3d& pose_a,
+                                            const GeometryArgument& b, const Eigen::Isometry3d& pose_b);
+
+/// As Pairs::penetration().
+ONCOLLIDE_API Penetration penetration(const GeometryArgument& a, const Eigen::Isometry3d& pose_a,
+                                      const GeometryArgument& b, const Eigen::Isometry3d& pose_b);
+
+} // namespace oncollide
