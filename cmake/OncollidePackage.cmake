@@ -43,26 +43,51 @@ endforeach()
 if(NOT ONCOLLIDE_TOOLS OR (CMAKE_CROSSCOMPILING AND NOT CMAKE_CROSSCOMPILING_EMULATOR))
   return()
 endif()
-set(references ${PROJECT_BINARY_DIR}/references) # generated from the command's options
-add_custom_command(OUTPUT ${references}/made
-  COMMAND ${CMAKE_COMMAND} -E rm -rf ${references}
-  COMMAND ${CMAKE_COMMAND} -E make_directory ${references}/man
-  COMMAND oncollide_tool reference man --out ${references}/man
-  COMMAND oncollide_tool reference bash --out ${references}/oncollide
-  COMMAND oncollide_tool reference zsh --out ${references}/_oncollide
-  COMMAND oncollide_tool reference fish --out ${references}/oncollide.fish
-  COMMAND ${CMAKE_COMMAND} -E touch ${references}/made
-  DEPENDS oncollide_tool VERBATIM)
-add_custom_target(oncollide_references ALL DEPENDS ${references}/made)
-install(DIRECTORY ${references}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
-install(FILES ${references}/oncollide DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
-install(FILES ${references}/_oncollide DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
-install(FILES ${references}/oncollide.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+# The man pages and completions of a program, generated from its options.
+add_custom_target(oncollide_references ALL)
+function(oncollide_install_references target program component)
+  set(references ${PROJECT_BINARY_DIR}/references/${program})
+  set(commands COMMAND ${target} reference man --out ${references}/man)
+  foreach(shell IN ITEMS "bash ${program}" "zsh _${program}" "fish ${program}.fish")
+    separate_arguments(shell)
+    list(GET shell 0 name)
+    list(GET shell 1 file)
+    list(APPEND commands COMMAND ${target} reference ${name} --out ${references}/${file})
+  endforeach()
+  add_custom_command(OUTPUT ${references}/made
+    COMMAND ${CMAKE_COMMAND} -E rm -rf ${references}
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${references}/man ${commands}
+    COMMAND ${CMAKE_COMMAND} -E touch ${references}/made
+    DEPENDS ${target} VERBATIM)
+  add_custom_target(${target}_references DEPENDS ${references}/made)
+  add_dependencies(oncollide_references ${target}_references)
+  set(data ${CMAKE_INSTALL_DATADIR})
+  install(DIRECTORY ${references}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT ${component})
+  install(FILES ${references}/${program} DESTINATION ${data}/bash-completion/completions COMPONENT ${component})
+  install(FILES ${references}/_${program} DESTINATION ${data}/zsh/site-functions COMPONENT ${component})
+  install(FILES ${references}/${program}.fish DESTINATION ${data}/fish/vendor_completions.d COMPONENT ${component})
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/${program} COMPONENT ${component})
+endfunction()
+oncollide_install_references(oncollide_tool oncollide command)
+if(ONCOLLIDE_LAB)
+  oncollide_install_references(oncollide_lab_tool oncollide-lab lab)
+endif()
 
 if(NOT PROJECT_IS_TOP_LEVEL)
   return()
 endif()
+# Two packages: `cpack` makes oncollide, with the library, and `cpack --config CPackLab.cmake` makes oncollide-lab.
+function(oncollide_packed result)
+  foreach(component IN LISTS ARGN)
+    list(APPEND packed ${PROJECT_BINARY_DIR} oncollide ${component} /)
+  endforeach()
+  set(${result} "${packed}" PARENT_SCOPE)
+endfunction()
+set(library static)
+if(BUILD_SHARED_LIBS)
+  set(library shared)
+endif()
+oncollide_packed(CPACK_INSTALL_CMAKE_PROJECTS command headers ${library})
 set(CPACK_GENERATOR TGZ DEB)
 set(CPACK_PACKAGE_VENDOR oncollide)
 set(CPACK_PACKAGE_CONTACT "The maintainers of oncollide <maintainers@oncollide.invalid>")
@@ -74,6 +99,18 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libegl1, libgl1-mesa-dri, libopengl0, libjs-three")
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libhdf5-103-1, libgdal32, libeigen3-dev, libexpat1-dev, libpng-dev, libzip-dev, libfmt-dev, nlohmann-json3-dev, libqhull-dev, libmeshoptimizer-dev, libfcl-dev, libccd-dev, liboctomap-dev, libepoxy-dev")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "oncollide-lab, libhdf5-103-1, libgdal32, libeigen3-dev, libexpat1-dev, libpng-dev, libzip-dev, libfmt-dev, nlohmann-json3-dev, libqhull-dev, libmeshoptimizer-dev, libfcl-dev, libccd-dev, liboctomap-dev, libepoxy-dev")
 set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/packaging/bundle.cmake)
 include(CPack)
+if(ONCOLLIDE_LAB)
+  oncollide_packed(lab_packed lab)
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/CPackLab.cmake @ONLY CONTENT [[
+include(@PROJECT_BINARY_DIR@/CPackConfig.cmake)
+set(CPACK_INSTALL_CMAKE_PROJECTS "@lab_packed@")
+set(CPACK_PACKAGE_NAME oncollide-lab)
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Benchmarks of oncollide against other libraries, and judges of its results")
+set(CPACK_PACKAGE_FILE_NAME oncollide-lab-@PROJECT_VERSION@-linux-@CMAKE_SYSTEM_PROCESSOR@)
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "oncollide (= @PROJECT_VERSION@)") # and the other libraries, which SHLIBDEPS finds
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "python3-matplotlib")
+]])
+endif()

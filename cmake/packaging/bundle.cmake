@@ -1,20 +1,21 @@
 # Adds the system files that the command needs to the archive (not to the .deb), so that it runs after unpacking in any
 # folder:
-#   bin/oncollide                 a script that finds the rest (launcher.sh)
-#   lib/oncollide/oncollide       the command; it and its libraries look for each other in their own folder ($ORIGIN)
-#   lib/oncollide/libc/           the C library, for systems whose own is older
-#   lib/oncollide/gl/             the loaders of OpenGL and EGL, for systems that have a driver but no loader; vendors/ names
+#   bin/PROGRAM                   a script that finds the rest (launcher.sh); PROGRAM: oncollide or oncollide-lab
+#   lib/PROGRAM/PROGRAM           the program; it and its libraries look for each other in their own folder ($ORIGIN)
+#   lib/PROGRAM/libc/             the C library, for systems whose own is older
+#   lib/PROGRAM/gl/               the loaders of OpenGL and EGL, for systems that have a driver but no loader; vendors/ names
 #                                 NVIDIA's driver, which containers often forget
-#   share/oncollide/three/        three.js, which pages draw with, if Debian's libjs-three is installed
+#   share/PROGRAM/three/          three.js, which pages draw with, if Debian's libjs-three is installed
 if(NOT CPACK_GENERATOR STREQUAL "TGZ")
   return()
 endif()
 find_program(PATCHELF patchelf REQUIRED)
 set(root ${CPACK_TEMPORARY_INSTALL_DIRECTORY})
-set(home ${root}/lib/oncollide)
+set(program ${CPACK_PACKAGE_NAME})
+set(home ${root}/lib/${program})
 file(MAKE_DIRECTORY ${home}/libc)
-file(RENAME ${root}/bin/oncollide ${home}/oncollide)
-file(GET_RUNTIME_DEPENDENCIES EXECUTABLES ${home}/oncollide RESOLVED_DEPENDENCIES_VAR libraries)
+file(RENAME ${root}/bin/${program} ${home}/${program})
+file(GET_RUNTIME_DEPENDENCIES EXECUTABLES ${home}/${program} RESOLVED_DEPENDENCIES_VAR libraries)
 foreach(library IN LISTS libraries)
   get_filename_component(name ${library} NAME)
   get_filename_component(file ${library} REALPATH)
@@ -37,20 +38,20 @@ if(libraries) # a build with OpenGL; these are opened by name
   file(WRITE ${home}/gl/vendors/10_nvidia.json
        [[{"file_format_version": "1.0.0", "ICD": {"library_path": "libEGL_nvidia.so.0"}}]] "\n")
 endif()
-foreach(file IN LISTS bundled ITEMS ${home}/oncollide)
+foreach(file IN LISTS bundled ITEMS ${home}/${program})
   # DT_RPATH instead of DT_RUNPATH: it also applies to indirect dependencies.
   execute_process(COMMAND ${PATCHELF} --force-rpath --set-rpath "$ORIGIN" ${file} COMMAND_ERROR_IS_FATAL ANY)
 endforeach()
 set(three /usr/share/javascript/three)
 if(EXISTS ${three}/three.min.js AND EXISTS ${three}/examples/js/controls/OrbitControls.js)
-  file(INSTALL ${three}/three.min.js /usr/share/doc/libjs-three/copyright DESTINATION ${root}/share/oncollide/three FOLLOW_SYMLINK_CHAIN)
-  file(INSTALL ${three}/examples/js/controls/OrbitControls.js DESTINATION ${root}/share/oncollide/three/examples/js/controls)
+  file(INSTALL ${three}/three.min.js /usr/share/doc/libjs-three/copyright DESTINATION ${root}/share/${program}/three FOLLOW_SYMLINK_CHAIN)
+  file(INSTALL ${three}/examples/js/controls/OrbitControls.js DESTINATION ${root}/share/${program}/three/examples/js/controls)
 else()
   message(WARNING "The archive comes without three.js: 'run --view' will need it. Install Debian's libjs-three before packing.")
 endif()
 # The minimum version of the C library: the newest version that the command or a library requires.
 set(needed 0)
-foreach(file IN LISTS bundled ITEMS ${home}/oncollide)
+foreach(file IN LISTS bundled ITEMS ${home}/${program})
   execute_process(COMMAND objdump -T ${file} OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
   string(REGEX MATCHALL "GLIBC_2\\.[0-9]+" versions "${symbols}")
   foreach(version IN LISTS versions)
@@ -61,5 +62,5 @@ foreach(file IN LISTS bundled ITEMS ${home}/oncollide)
   endforeach()
 endforeach()
 file(GLOB loader RELATIVE ${home}/libc ${home}/libc/ld-linux*)
-configure_file(${CMAKE_CURRENT_LIST_DIR}/launcher.sh ${root}/bin/oncollide @ONLY FILE_PERMISSIONS
+configure_file(${CMAKE_CURRENT_LIST_DIR}/launcher.sh ${root}/bin/${program} @ONLY FILE_PERMISSIONS
   OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)

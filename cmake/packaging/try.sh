@@ -3,10 +3,11 @@
 # otherwise prints that it is skipped.
 #   1. the archive in Debian's smallest system, in several folders, with the system's C library and with the bundled one
 #   2. the archive in a root that has only a shell (busybox): no library of the system at all
-#   3. the .deb in Debian's smallest system
+#   3. the .deb in Debian's smallest system: it brings no library that only oncollide-lab compares with
+#   4. the .deb of oncollide-lab, which brings them
 set -euo pipefail
 packages=$(readlink -f "$1")
-archive=$(ls "$packages"/oncollide-*.tar.gz) deb=$(ls "$packages"/oncollide_*.deb)
+archive=$(ls "$packages"/oncollide-[0-9]*.tar.gz) deb=$(ls "$packages"/oncollide_*.deb) lab=$(ls "$packages"/oncollide-lab_*.deb)
 mirror=${MIRROR:-$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Codename: bookworm' | head -n 1)}
 [[ $mirror || ${BARE:-} ]] || { echo "try: skipped: no mirror of Debian 12 in apt or in MIRROR" >&2; exit 0; }
 (( EUID == 0 )) && command -v debootstrap >/dev/null || { echo "try: skipped: needs root and debootstrap" >&2; exit 0; }
@@ -56,9 +57,20 @@ works_in "$work/nothing" /oncollide/bin/oncollide 0
 echo "try: the archive works in a system without libraries"
 
 cp "$deb" "$bare/tmp/oncollide.deb"
-chroot "$bare" sh -c 'apt-get -qq update && apt-get -qq install -y --no-install-recommends /tmp/oncollide.deb' >"$work/log" 2>&1 ||
-    { tail "$work/log" >&2; exit 1; }
+cp "$lab" "$bare/tmp/oncollide-lab.deb"
+install_deb() {
+    chroot "$bare" sh -c "apt-get -qq update && apt-get -qq install -y --no-install-recommends $1" >"$work/log" 2>&1 ||
+        { tail "$work/log" >&2; exit 1; }
+}
+peers='embree|bullet|libode|libgmp|libmpfr|libcgal|libboost|googletest|libgtest'
+install_deb /tmp/oncollide.deb
+! dpkg-deb -f "$deb" Depends | grep -E "$peers" || { echo "try: the .deb of oncollide depends on peers" >&2; exit 1; }
 works_in "$bare" oncollide 66
 chroot "$bare" sh -c 'test -s /usr/share/man/man1/oncollide-run.1 && test -s /usr/share/bash-completion/completions/oncollide'
+install_deb /tmp/oncollide-lab.deb
+chroot "$bare" sh -euc 'oncollide-lab doctor | grep -q "^peers .*Embree.*ODE"
+                        oncollide-lab hard --count 10 --family coplanar | grep -q "no collision missed"
+                        test -s /usr/share/man/man1/oncollide-lab-bench.1'
+echo "try: the .deb of oncollide-lab installs with the libraries that it compares with, and works"
 chroot "$bare" apt-get -qq remove -y oncollide >/dev/null 2>&1
 echo "try: the .deb installs, works and can be removed in a bare Debian"

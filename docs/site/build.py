@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes the site of docs/: pages, the reference of the command line from its options, plots from docs/data, and the API.
 
-    build.py --command OUT/bin/oncollide --out FOLDER    the site is FOLDER/site/index.html
+    build.py --command OUT/bin/oncollide --lab OUT/bin/oncollide-lab --out FOLDER    the site is FOLDER/site/index.html
 
 Needs MkDocs and its theme material; without matplotlib the plots are left out, without Doxygen the API (--complete: an error).
 """
@@ -66,9 +66,9 @@ def gather(pages):
         to.write_text(for_mkdocs(text), encoding="utf-8")
 
 
-def write_reference(pages, command):
-    made = subprocess.run([command, "reference", "markdown"], check=True, capture_output=True, text=True).stdout
-    (pages / "reference.md").write_text(for_mkdocs(made), encoding="utf-8")
+def write_reference(page, program):
+    made = subprocess.run([program, "reference", "markdown"], check=True, capture_output=True, text=True).stdout
+    page.write_text(for_mkdocs(made), encoding="utf-8")
 
 
 def write_plots(pages, complete):
@@ -129,6 +129,7 @@ def check_links(site):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--command", required=True)
+    parser.add_argument("--lab", required=True)
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--complete", action="store_true", help="plots and API must be there")
     options = parser.parse_args()
@@ -136,7 +137,8 @@ def main():
     pages = options.out / "pages"
     pages.mkdir(parents=True)
     gather(pages)
-    write_reference(pages, options.command)
+    write_reference(pages / "reference.md", options.command)
+    write_reference(pages / "reference-lab.md", options.lab)
     write_plots(pages, options.complete)
     write_api(pages, options.out, options.complete)
     shutil.copy(SITE / "mkdocs.yml", options.out)

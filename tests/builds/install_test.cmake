@@ -43,8 +43,9 @@ if(PKG_CONFIG)
   run(${COMPILER} -std=c++20 ${plain_flags} ${WORK}/readme_source/main.cpp ${pc_flags} -o ${WORK}/by_pkg_config)
 endif()
 if(EXISTS ${WORK}/prefix/bin/oncollide)
-  foreach(file IN ITEMS man/man1/oncollide.1 man/man1/oncollide-bench-narrow.1 bash-completion/completions/oncollide
-                        zsh/site-functions/_oncollide fish/vendor_completions.d/oncollide.fish)
+  foreach(file IN ITEMS man/man1/oncollide.1 man/man1/oncollide-accuracy-study.1 bash-completion/completions/oncollide
+                        zsh/site-functions/_oncollide fish/vendor_completions.d/oncollide.fish
+                        man/man1/oncollide-lab-bench-narrow.1 bash-completion/completions/oncollide-lab)
     if(NOT EXISTS ${WORK}/prefix/share/${file})
       message(FATAL_ERROR "not installed: share/${file}")
     endif()

@@ -8,7 +8,9 @@ import pathlib
 import re
 import sys
 
-MODULES = ["base", "scenes", "samples", "broadphase", "narrowphase", "pipeline", "robots", "runs", "tools"]
+MODULES = ["base", "scenes", "samples", "broadphase", "narrowphase", "pipeline", "robots", "runs"]
+# Both are include folders of each other's files; the first one, which users install, must not include the second.
+TOOLS = ["tools/command", "tools/lab"]
 
 # The folders that each folder may include, within its module; CMake's include trees keep modules apart. Folders that are
 # not listed may include any folder, as long as that makes no circle.
@@ -50,16 +52,17 @@ LAYERS = {
 
 
 def includes(project):
-    """{(folder, included folder): the first such include}, within modules."""
+    """{(folder, included folder): the first such include}, within modules, and within tools/."""
     found = {}
-    for module in MODULES:
+    for module in MODULES + TOOLS:
+        roots = TOOLS if module in TOOLS else [module]
         for source in sorted((project / module).rglob("*.[ch]pp")):
             folder = source.parent.relative_to(project).as_posix()
             for name in re.findall(r'^ *#include [<"](?:oncollide/)?([\w/]+\.hpp)[>"]', source.read_text(), re.MULTILINE):
-                # tools/ is its own include folder
-                candidates = [name, f"{module}/{name}", f"{folder}/{name}"]
+                candidates = [name, *(f"{root}/{name}" for root in roots), f"{folder}/{name}"]
                 path = next((c for c in candidates if (project / c).is_file()), None)
-                if path and path.split("/")[0] == module and (to := path.rpartition("/")[0]) != folder:
+                within = path and any(path.startswith(f"{root}/") for root in roots)
+                if within and (to := path.rpartition("/")[0]) != folder:
                     found.setdefault((folder, to), f"{source.relative_to(project)} includes {name}")
     return found
 
@@ -91,6 +94,8 @@ def main():
     found = includes(pathlib.Path(sys.argv[1]))
     faults = [f"{line}: not permitted by LAYERS" for (folder, to), line in found.items()
               if folder in LAYERS and to not in {f"{folder.split('/')[0]}/{name}".rstrip("/") for name in LAYERS[folder]}]
+    faults += [f"{line}: the command must not include the laboratory" for (folder, to), line in found.items()
+               if folder.startswith(TOOLS[0]) and to.startswith(TOOLS[1])]
     if round_trip := circle(set(found)):
         faults.append("a circle: " + " -> ".join(round_trip))
         faults += [found[arrow] for arrow in zip(round_trip, round_trip[1:])]

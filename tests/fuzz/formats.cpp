@@ -7,9 +7,9 @@
 #include <cstdlib>
 
 #include "bench/broad/aabbs_file.hpp"
-#include "bench/narrow/pose_file.hpp"
 #include "cooked_bytes.hpp"
 #include "cooked_inputs.hpp"
+#include "study/pose_file.hpp"
 #ifdef ONCOLLIDE_HDF5
 #include "hdf5_inputs.hpp"
 #endif

@@ -76,7 +76,7 @@ TEST_F(HostileOutputs, TemporaryFilesOfOtherRunsBlockNobody)
 /// After the run, when interrupted() is no longer checked, and slow results are partly written.
 TEST_F(HostileOutputs, AnInterruptWhileResultsAreWrittenLeavesNoTemporaryFile)
 {
-    const std::string program = ONCOLLIDE_COMMAND;
+    const std::string program = ONCOLLIDE_LAB;
     Surroundings around{.folder = folder_.path()};
     around.environment.emplace_back("ONCOLLIDE_DATA", "");
     around.meanwhile = [&](pid_t child) {
@@ -100,7 +100,7 @@ class Ended : public HostileOutputs, public ::testing::WithParamInterface<int> {
 
 TEST_P(Ended, ASignalLeavesNoTemporaryFile)
 {
-    const std::string program = ONCOLLIDE_COMMAND;
+    const std::string program = ONCOLLIDE_LAB;
     Surroundings around{.folder = folder_.path()};
     around.environment.emplace_back("ONCOLLIDE_DATA", "");
     around.meanwhile = [&](pid_t child) {
@@ -111,7 +111,7 @@ TEST_P(Ended, ASignalLeavesNoTemporaryFile)
     };
     const Outcome outcome = run_program(program, {"bench", "narrow", "--csv", "out.csv"}, around);
     EXPECT_EQ(outcome.code, 1000 + GetParam());
-    EXPECT_EQ(outcome.err.ends_with("oncollide: interrupted\n"), GetParam() != SIGPIPE) << outcome.err;
+    EXPECT_EQ(outcome.err.ends_with("oncollide-lab: interrupted\n"), GetParam() != SIGPIPE) << outcome.err;
     EXPECT_TRUE(folder_.list().empty()) << folder_.list().front();
 }
 

@@ -1,6 +1,6 @@
 // Names of files and folders that std::filesystem, a shell or a network would take for something else: one error line
 // with the exit code of the input, never an internal fault.
-#include "tools/clash/clash_fixture.hpp"
+#include "tools/command/clash/clash_fixture.hpp"
 
 namespace oncollide::test {
 namespace {

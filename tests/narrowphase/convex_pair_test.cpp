@@ -8,7 +8,7 @@
 #include <oncollide/narrowphase/shapes/convex_pair.hpp>
 
 #include "random_pose.hpp"
-#include "verify/oracle/convex_truth.hpp"
+#include "truth/convex_truth.hpp"
 
 namespace oncollide {
 namespace {

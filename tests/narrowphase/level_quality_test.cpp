@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "octant_truth.hpp"
-#include "verify/trees/box_levels.hpp"
-#include "verify/trees/grown_tree.hpp"
-#include "verify/trees/level_quality.hpp"
+#include "trees/box_levels.hpp"
+#include "trees/grown_tree.hpp"
+#include "trees/level_quality.hpp"
 
 namespace oncollide {
 namespace {

@@ -6,8 +6,8 @@
 #include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/generators.hpp>
 
+#include "truth/truth.hpp"
 #include "verify/cases/body_case.hpp"
-#include "verify/truth.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -13,7 +13,7 @@
 #include <oncollide/scenes/motion.hpp>
 
 #include "narrowphase/mesh_parts.hpp"
-#include "verify/scene_truth.hpp"
+#include "truth/scene_truth.hpp"
 
 namespace oncollide {
 namespace {

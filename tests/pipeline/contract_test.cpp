@@ -8,7 +8,7 @@
 #include <oncollide/samples/catalogue.hpp>
 #include <oncollide/samples/generators.hpp>
 
-#include "verify/scene_truth.hpp"
+#include "truth/scene_truth.hpp"
 
 namespace oncollide::tools::contract_test {
 namespace {

@@ -1,4 +1,4 @@
-// The hard cases of 'oncollide accuracy hard': each must be decided correctly with any stages left out.
+// The hard cases of 'oncollide-lab hard': each must be decided correctly with any stages left out.
 #include <cctype>
 
 #include <gtest/gtest.h>
@@ -8,13 +8,13 @@
 
 #include "narrowphase/mesh_parts.hpp"
 #include "random_pose.hpp"
-#include "verify/oracle/exact_inside.hpp"
-#include "verify/oracle/exact_oracle.hpp"
-#include "verify/oracle/triangle_distance.hpp"
+#include "truth/exact_inside.hpp"
+#include "truth/exact_oracle.hpp"
+#include "truth/triangle_distance.hpp"
+#include "truth/truth.hpp"
 #include "verify/trials/body_trial.hpp"
 #include "verify/trials/crowd_trial.hpp"
 #include "verify/trials/triangle_trial.hpp"
-#include "verify/truth.hpp"
 
 namespace oncollide::tools {
 namespace {

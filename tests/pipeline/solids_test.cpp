@@ -16,7 +16,7 @@ TEST(Differential, DrawnScenesHaveNoFault)
 {
     for (std::uint64_t seed = 1; seed <= 1500; ++seed) {
         const tools::DrawnScene drawn = tools::draw_scene(seed);
-        ASSERT_EQ(tools::fault_in(drawn), "") << "seed " << seed << "; 'oncollide accuracy fuzz' shrinks it";
+        ASSERT_EQ(tools::fault_in(drawn), "") << "seed " << seed << "; 'oncollide-lab fuzz' shrinks it";
     }
 }
 

@@ -9,7 +9,17 @@
 
 namespace oncollide::test {
 
-/// Runs the built `oncollide` in an empty folder without any data.
+/// The built program that has the command: oncollide, or oncollide-lab in tests that depend on it.
+inline std::string program_of([[maybe_unused]] const std::vector<std::string>& arguments)
+{
+#ifdef ONCOLLIDE_LAB
+    for (const char* of_lab : {"bench", "study", "hard", "fuzz", "manifolds"})
+        if (!arguments.empty() && arguments[0] == of_lab) return ONCOLLIDE_LAB;
+#endif
+    return ONCOLLIDE_COMMAND;
+}
+
+/// Runs the built programs in an empty folder without any data.
 class CommandLine : public ::testing::Test {
 protected:
     Outcome run(std::vector<std::string> arguments) { return run(std::move(arguments), Surroundings{}); }
@@ -18,7 +28,7 @@ protected:
         around.folder = folder_.path();
         // An empty variable counts as not set, and ../shared/data is not found from a temporary folder.
         around.environment.emplace_back("ONCOLLIDE_DATA", "");
-        return run_program(ONCOLLIDE_COMMAND, std::move(arguments), around);
+        return run_program(program_of(arguments), arguments, around);
     }
 
     /// Expects exit code `code` and one line on standard error that contains every word; nothing on standard output.
@@ -26,11 +36,12 @@ protected:
     {
         std::string line;
         for (const std::string& argument : arguments) line += " " + argument;
-        SCOPED_TRACE("oncollide" + line);
+        const std::string name = std::filesystem::path(program_of(arguments)).filename();
+        SCOPED_TRACE(name + line);
         const Outcome outcome = run(std::move(arguments));
         EXPECT_EQ(outcome.code, code) << outcome.err;
         EXPECT_EQ(outcome.out, "");
-        EXPECT_TRUE(outcome.err.starts_with("oncollide: ")) << outcome.err;
+        EXPECT_TRUE(outcome.err.starts_with(name + ": ")) << outcome.err;
         EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
         for (const std::string& word : words) EXPECT_NE(outcome.err.find(word), std::string::npos) << outcome.err;
     }

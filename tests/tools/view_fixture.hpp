@@ -1,5 +1,5 @@
 #pragma once
-#include "command_fixture.hpp"
+#include "tools/command_fixture.hpp"
 
 #include <cmath>
 #include <cstring>

@@ -205,9 +205,7 @@ int bench_plan(const PlanBenchOptions& options)
     return 0;
 }
 
-} // namespace
-
-void add_commands(Arguments app)
+void add_plan(Arguments app)
 {
     Arguments sub = app.add_command("plan", "RRT-Connect of OMPL in MotionBenchMaker's problems, with certified and "
                                             "sampled motions, spheres and FCL");
@@ -227,5 +225,12 @@ void add_commands(Arguments app)
                "  ./dev bench plan panda.urdf --srdf panda.srdf --problems problems --spheres panda_spherized.urdf");
     sub.action([options] { return bench_plan(*options); });
 }
+
+} // namespace
+
+const Program program{.name = "oncollide-ompl-bench",
+                      .summary = "Benchmarks of oncollide's validity checker and motion validator for OMPL.",
+                      .footer = "See docs/ompl.md.",
+                      .add_commands = add_plan};
 
 } // namespace oncollide::tools

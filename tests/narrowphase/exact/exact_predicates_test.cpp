@@ -2,8 +2,8 @@
 
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 
+#include "truth/integers.hpp"
 #include "verify/cases/triangle_families.hpp"
-#include "verify/oracle/integers.hpp"
 
 namespace oncollide {
 namespace {

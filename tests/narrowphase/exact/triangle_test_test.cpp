@@ -5,8 +5,8 @@
 #include <oncollide/narrowphase/exact/triangle_gap.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 
+#include "truth/exact_oracle.hpp"
 #include "verify/cases/triangle_families.hpp"
-#include "verify/oracle/exact_oracle.hpp"
 
 namespace oncollide {
 namespace {

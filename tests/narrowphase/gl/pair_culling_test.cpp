@@ -11,7 +11,7 @@
 #include <oncollide/samples/generators.hpp>
 
 #include "random_pose.hpp"
-#include "verify/truth.hpp"
+#include "truth/truth.hpp"
 
 namespace oncollide::pair_culling_test {
 namespace {

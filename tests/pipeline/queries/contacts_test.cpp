@@ -7,8 +7,8 @@
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/generators.hpp>
 
+#include "truth/convex_truth.hpp"
 #include "verify/cases/drawn_scene.hpp"
-#include "verify/oracle/convex_truth.hpp"
 
 namespace oncollide {
 namespace {

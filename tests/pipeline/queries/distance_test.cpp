@@ -7,7 +7,7 @@
 
 #include "every_kind.hpp"
 #include "random_pose.hpp"
-#include "verify/oracle/convex_truth.hpp"
+#include "truth/convex_truth.hpp"
 
 namespace oncollide {
 namespace {

@@ -1,0 +1,237 @@
+// The page of 'run --view', rendered if Chromium and three.js are installed.
+#include "tools/browser.hpp"
+#include "tools/decoded_png.hpp"
+#include "tools/view_fixture.hpp"
+
+namespace oncollide::test {
+namespace {
+
+bool is_colliding(const std::uint8_t* p)
+{
+    return p[0] > 150 && p[0] > 2 * p[1] && p[0] > 2 * p[2];
+}
+bool is_within(const std::uint8_t* p)
+{
+    return p[0] > 150 && p[1] > 120 && p[0] > 2 * p[2];
+}
+bool is_blue(const std::uint8_t* p)
+{
+    return p[2] > 120 && p[2] > p[0] + 40;
+}
+
+/// Tests with three.js and Chromium on a software renderer.
+class ViewInBrowser : public View {
+protected:
+    void SetUp() override
+    {
+        if (!std::filesystem::exists(chromium)) GTEST_SKIP() << "needs Debian's package chromium";
+        if (!std::filesystem::exists(three)) GTEST_SKIP() << "needs Debian's package libjs-three";
+    }
+
+    struct Seen {
+        std::string document; ///< at the end
+        Decoded picture;
+
+        /// data-NAME of the document.
+        std::string data(const std::string& name) const
+        {
+            const std::string mark = "data-" + name + "=\"";
+            const std::size_t from = document.find(mark);
+            if (from == std::string::npos || from > document.find("<head>")) return "";
+            return document.substr(from + mark.size(), document.find('"', from + mark.size()) - from - mark.size());
+        }
+    };
+    /// The page after the given time of the browser's clock. The browser may draw late on a loaded machine, so an empty
+    /// picture is taken again.
+    Seen look(const std::string& page, const std::string& fragment, const std::string& size = "900,640",
+              int milliseconds = 1500)
+    {
+        const Seen seen = look_once(page, fragment, size, milliseconds);
+        const bool empty = drawn(seen.picture) == 0 && milliseconds < 10'000;
+        return empty ? look(page, fragment, size, 3 * milliseconds) : seen;
+    }
+    Seen look_once(const std::string& page, const std::string& fragment, const std::string& size, int milliseconds)
+    {
+        const Outcome outcome = browse(
+            folder_, {"--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+                      "--disable-dev-shm-usage", "--enable-logging=stderr", "--run-all-compositor-stages-before-draw",
+                      fmt::format("--virtual-time-budget={}", milliseconds), "--window-size=" + size,
+                      "--screenshot=" + (folder_ / "x.png").string(), "--dump-dom",
+                      "file://" + (folder_ / page).string() + "#" + fragment});
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_EQ(outcome.err.find("Uncaught"), std::string::npos) << outcome.err;
+        EXPECT_EQ(outcome.err.find("THREE."), std::string::npos) << outcome.err; // no shader fails to compile
+        Seen seen{outcome.out, decode(folder_.read("x.png"))};
+        EXPECT_EQ(seen.data("ready"), "yes") << fragment << "\n" << outcome.err;
+        EXPECT_EQ(seen.data("error"), "");
+        return seen;
+    }
+    /// Pixels of the scene that are `wanted`: outside the panel, the legend and the strip of frames.
+    template <class Wanted>
+    static int in_scene(const Decoded& picture, Wanted wanted)
+    {
+        int count = 0;
+        for (int y = 60; y < 420; ++y)
+            for (int x = 0; x < 520; ++x) count += wanted(picture.at(x, y));
+        return count;
+    }
+    /// Pixels that differ from the background.
+    static int drawn(const Decoded& picture)
+    {
+        const std::uint8_t* paper = picture.at(260, 4);
+        return in_scene(picture, [&](const std::uint8_t* p) {
+            return std::abs(p[0] - paper[0]) + std::abs(p[1] - paper[1]) + std::abs(p[2] - paper[2]) > 60;
+        });
+    }
+};
+
+TEST_F(ViewInBrowser, EveryViewShowsWhatItIsFor)
+{
+    write_scene("scene.json", 1.5);
+    ASSERT_EQ(run({"run", "scene.json", "--exact", "predicates", "--separate", "--quiet", "--view", "x.html"}).code, 0);
+    const Seen apart = look("x.html", "frame=0&theme=light"), hit = look("x.html", "frame=7&theme=light");
+    EXPECT_EQ(apart.data("frame"), "0");
+    EXPECT_EQ(hit.data("frame"), "7");
+    EXPECT_GT(drawn(apart.picture), 8000) << "two balls";
+    EXPECT_EQ(in_scene(apart.picture, is_colliding), 0);
+    EXPECT_GT(in_scene(hit.picture, is_colliding), 8000);
+    const Seen dark = look("x.html", "frame=7&theme=dark");
+    EXPECT_LT(dark.picture.at(260, 4)[0], 80);
+    EXPECT_GT(in_scene(dark.picture, is_colliding), 8000);
+    for (const char* kind : {"spheres", "boxes"}) {
+        const Seen trees = look("x.html", fmt::format("frame=7&pair=0,1&trees={}&level=3&theme=light", kind));
+        EXPECT_GT(in_scene(trees.picture, is_blue), 1000) << kind << " of the first body";
+        EXPECT_GT(in_scene(trees.picture, is_colliding), 300) << kind << " that touch";
+        EXPECT_NE(trees.document.find("touch, off by"), std::string::npos);
+    }
+    const Seen phone = look("x.html", "frame=7&theme=light&tab=stages", "390,844");
+    EXPECT_GT(phone.picture.count(is_colliding), 2000);
+    EXPECT_NE(phone.document.find("Boxes of the bodies"), std::string::npos);
+}
+
+/// A link of a clash report selects the pair and moves the camera to the clash.
+TEST_F(ViewInBrowser, AClashIsSeenFromNear)
+{
+    const auto write_box = [&](const std::string& name, double low, double high) {
+        std::string text = "OFF\n8 12 0\n";
+        for (const double x : {low, high})
+            for (const char* yz : {"0 0", "100 0", "100 100", "0 100"}) text += fmt::format("{} {}\n", x, yz);
+        folder_.write(name, text + "3 0 2 1\n3 0 3 2\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n3 2 3 7\n"
+                                   "3 2 7 6\n3 3 0 4\n3 3 4 7\n");
+    };
+    write_box("left.off", 0, 100), write_box("right.off", 99, 200), write_box("far.off", 50'000, 50'100);
+    EXPECT_EQ(run({"clash", "left.off", "right.off", "far.off", "--quiet", "--view", "v.html", "-o", "r.html"}).code,
+              1);
+    const std::string page = folder_.read("r.html"), mark = "href=\"./v.html#";
+    const std::size_t begin = page.find(mark) + mark.size();
+    std::string link = page.substr(begin, page.find('"', begin) - begin);
+    for (std::size_t at = 0; (at = link.find("&amp;", at)) != link.npos;) link.replace(at, 5, "&");
+    EXPECT_TRUE(link.starts_with("pair=0,1&isolate&at=99.5,50,50,")) << link;
+    const Seen near = look("v.html", link + "&theme=light"), all = look("v.html", "frame=0&theme=light");
+    const auto scale = [](const Seen& seen) {
+        const std::size_t at = seen.document.find("<b>", seen.document.find("id=\"scale\""));
+        return seen.document.substr(at + 3, seen.document.find("</b>", at) - at - 3);
+    };
+    EXPECT_EQ(scale(near), "50 mm");
+    EXPECT_EQ(scale(all), "10 m");
+    EXPECT_GT(in_scene(near.picture, is_colliding), 8000);
+    EXPECT_LT(in_scene(all.picture, is_colliding), 1000);
+    EXPECT_NE(near.document.find("surfaces cross"), std::string::npos) << "the pair is selected";
+}
+
+TEST_F(ViewInBrowser, TheSliderAndKeysChangeTheFrame)
+{
+    write_scene("scene.json", 1.5, "</script><script>document.title='owned'</script>");
+    ASSERT_EQ(run({"run", "scene.json", "--exact", "off", "--quiet", "--view", "x.html"}).code, 0);
+    folder_.write("y.html", folder_.read("x.html") + R"(<script>
+const root = document.documentElement, slider = document.getElementById("scrub"), key = (k) => dispatchEvent(new KeyboardEvent("keydown", {key: k}));
+slider.value = 6, slider.dispatchEvent(new Event("input"));
+root.dataset.scrubbed = root.dataset.frame;
+key("ArrowLeft"), root.dataset.left = root.dataset.frame;
+key("Home"), root.dataset.home = root.dataset.frame;
+key("End"), root.dataset.end = root.dataset.frame;
+const canvas = document.getElementById("scene"), box = canvas.getBoundingClientRect();
+for (const what of ["pointerdown", "pointerup"])
+  canvas.dispatchEvent(new PointerEvent(what, {clientX: box.left + box.width / 4, clientY: box.top + box.height / 2}));
+</script>)");
+    const Seen seen = look("y.html", "frame=0&theme=light");
+    EXPECT_EQ(seen.data("scrubbed"), "6");
+    EXPECT_EQ(seen.data("left"), "5");
+    EXPECT_EQ(seen.data("home"), "0");
+    EXPECT_EQ(seen.data("end"), "7");
+    EXPECT_NE(seen.document.find("class=\"body-link\""), std::string::npos) << "the clicked body is selected";
+    EXPECT_EQ(seen.document.find("<title>owned"), std::string::npos);
+    EXPECT_GT(in_scene(seen.picture, is_within), 8000) << "without an exact level they may touch";
+}
+
+TEST_F(ViewInBrowser, DetailIsLessWhileItPlaysAndReturnsAtRest)
+{
+    ASSERT_EQ(run({"run", "city", "--bodies", "400", "--frames", "30", "--quiet", "--view", "x.html"}).code, 0);
+    folder_.write("y.html", folder_.read("x.html") + R"(<script>
+const root = document.documentElement, play = () => dispatchEvent(new KeyboardEvent("keydown", {key: " "}));
+play();
+const wait = () => {
+  if (+root.dataset.drawn < 3) return requestAnimationFrame(wait);
+  for (const name of ["bodies", "triangles", "pixels"]) root.setAttribute("data-played-" + name, root.dataset[name]);
+  play();
+};
+wait();
+</script>)");
+    Seen seen;
+    const auto rest = [&](const char* name) { return std::stoi(seen.data(name)); };
+    const auto played = [&](const char* name) { return std::stoi(seen.data(std::string("played-") + name)); };
+    for (int tries = 0; tries < 3; ++tries) { // a loaded machine may not draw the page at rest in time
+        seen = look("y.html", "frame=0&theme=light", "900,640", 60000);
+        if (played("triangles") < rest("triangles")) break;
+    }
+    EXPECT_GT(rest("frame"), 0);
+    EXPECT_GT(rest("bodies"), 300);
+    EXPECT_EQ(played("bodies"), rest("bodies")) << "nothing disappears";
+    EXPECT_LT(played("triangles"), rest("triangles") / 2);
+    EXPECT_LT(played("pixels"), rest("pixels") / 2 + 1);
+    const Seen never = look("x.html", fmt::format("frame={}&theme=light", rest("frame")));
+    EXPECT_EQ(seen.data("triangles"), never.data("triangles"));
+    EXPECT_EQ(seen.data("pixels"), never.data("pixels"));
+}
+
+TEST_F(ViewInBrowser, SmallBodiesHaveTheirColoursAndHideWhatIsBehind)
+{
+    // A wall of 24 x 16 colliding pairs of spheres, and behind the first sphere of each pair, as seen in the page, one
+    // that does not collide.
+    std::string placed;
+    const auto put = [&](double x, double y, double z) {
+        placed += fmt::format(R"(,{{"geometry": "ball", "position": [{}, {}, {}]}})", x, y, z);
+    };
+    for (int row = 0; row < 16; ++row)
+        for (int column = 0; column < 24; ++column) {
+            const double x = 2.5 * column, z = 1.5 * row;
+            put(x, 0, z), put(x + 0.9, 0, z), put(x + 1.1, 2, z - 1.24);
+        }
+    folder_.write("wall.json", R"({"geometries": {"ball": {"mesh": {"generate": {"kind": "sphere", "radius": 0.5,
+        "triangles": 512}}}}, "bodies": [)" +
+                                   placed.substr(1) + "]}");
+    ASSERT_EQ(run({"run", "wall.json", "--exact", "on", "--quiet", "--view", "x.html"}).code, 0);
+    folder_.write("y.html", folder_.read("x.html") + R"(<script>
+for (const key of ["l", "c"]) dispatchEvent(new KeyboardEvent("keydown", {key})); // hides the marks
+</script>)");
+    const Seen seen = look("y.html", "theme=light");
+    EXPECT_EQ(seen.data("bodies"), "1152");
+    EXPECT_EQ(seen.data("triangles"), "2304") << "they are drawn as sprites";
+    EXPECT_GT(in_scene(seen.picture, is_colliding), 30'000) << "24,000 if the spheres behind were drawn first";
+}
+
+TEST_F(ViewInBrowser, RegionsAndMarksOfALargeScene)
+{
+    ASSERT_EQ(
+        run({"run", "city", "--bodies", "400", "--frames", "4", "--exact", "predicates", "--quiet", "--view", "x.html"})
+            .code,
+        0);
+    const Seen plain = look("x.html", "frame=3&theme=light"), regions = look("x.html", "frame=3&theme=light&regions");
+    EXPECT_GT(drawn(plain.picture), 5000);
+    EXPECT_EQ(plain.data("frame"), "3");
+    EXPECT_GT(std::stoi(plain.data("bodies")), 100);
+    EXPECT_EQ(regions.data("error"), "");
+}
+
+} // namespace
+} // namespace oncollide::test

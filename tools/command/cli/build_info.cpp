@@ -1,0 +1,69 @@
+#include "cli/build_info.hpp"
+
+#include <fmt/format.h>
+
+#include <oncollide/base/simd/cpu_features.hpp>
+#include <oncollide/runs/report.hpp>
+
+#include "cli/log.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+struct Part {
+    const char* name;
+    bool built;
+};
+
+constexpr Part parts[] = {{"OpenGL", ONCOLLIDE_HAS_GL},       {"FCL", ONCOLLIDE_HAS_FCL},
+                          {"OctoMap", ONCOLLIDE_HAS_OCTOMAP}, {"OpenMP", ONCOLLIDE_HAS_OPENMP},
+                          {"GDAL", ONCOLLIDE_HAS_GDAL},       {"HDF5", ONCOLLIDE_HAS_HDF5},
+                          {"XML", ONCOLLIDE_HAS_XML},         {"MPI", ONCOLLIDE_HAS_MPI}};
+
+std::string parts_that(bool are_built)
+{
+    std::string names;
+    for (const Part& part : parts)
+        if (part.built == are_built) names += (names.empty() ? "" : ", ") + std::string(part.name);
+    return names;
+}
+
+} // namespace
+
+std::string build_text()
+{
+    return fmt::format("{}, {}", ONCOLLIDE_BUILD_TYPE, ONCOLLIDE_COMPILER);
+}
+
+std::string build_flags()
+{
+    return ONCOLLIDE_BUILD_FLAGS;
+}
+
+std::string parts_built()
+{
+    return parts_that(true);
+}
+
+std::string parts_left_out()
+{
+    return parts_that(false);
+}
+
+std::string instruction_sets_text()
+{
+    std::string sets;
+    for (const InstructionSet set : {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512})
+        if (set <= best_instruction_set()) sets += fmt::format("{}{}", sets.empty() ? "" : ", ", name_of(set));
+    return fmt::format("{} (in use: {})", sets, name_of(instruction_set()));
+}
+
+std::string version_text()
+{
+    const std::string without = parts_left_out();
+    return fmt::format("{} {}\nbuild         {}, flags '{}'\nparts         {}{}\ninstructions  {}", program_name(),
+                       version, build_text(), build_flags(), parts_built(),
+                       without.empty() ? "" : fmt::format("; without {}", without), instruction_sets_text());
+}
+
+} // namespace oncollide::tools

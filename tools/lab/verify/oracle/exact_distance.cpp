@@ -1,0 +1,168 @@
+#include "verify/oracle/exact_distance.hpp"
+
+#include <cmath>
+
+#include <boost/multiprecision/cpp_int.hpp>
+
+#include "truth/exact_oracle.hpp"
+
+namespace oncollide::oracle {
+namespace {
+
+using Integer = boost::multiprecision::cpp_int;
+using Place = std::array<Integer, 3>;
+
+/// A fraction with a positive denominator.
+struct Fraction {
+    Integer top, bottom;
+};
+bool operator<(const Fraction& a, const Fraction& b)
+{
+    return a.top * b.bottom < b.top * a.bottom;
+}
+
+/// x as a multiple of 2^exponent.
+Integer multiple(double x, int exponent)
+{
+    int power = 0;
+    const auto mantissa = static_cast<long long>(std::ldexp(std::frexp(x, &power), 53));
+    const int shift = power - 53 - exponent;
+    return shift >= 0 ? Integer(mantissa) << shift : Integer(mantissa) / (Integer(1) << -shift);
+}
+/// The exponent of the last bit of x that is set; large for 0.
+int last_bit(double x)
+{
+    if (x == 0) return 2000;
+    int power = 0;
+    auto mantissa = static_cast<long long>(std::ldexp(std::frexp(x, &power), 53));
+    int last = power - 53;
+    for (; mantissa % 2 == 0; mantissa /= 2) ++last;
+    return last;
+}
+
+Place operator-(const Place& a, const Place& b)
+{
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+Integer dot(const Place& a, const Place& b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+Place cross(const Place& a, const Place& b)
+{
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+Fraction to_segment(const Place& p, const Place& a, const Place& b)
+{
+    const Place edge = b - a, from_a = p - a;
+    const Integer length2 = dot(edge, edge), along = dot(edge, from_a);
+    if (along <= 0) return {dot(from_a, from_a), 1};
+    if (along >= length2) return {dot(p - b, p - b), 1};
+    return {dot(from_a, from_a) * length2 - along * along, length2}; // Pythagoras
+}
+
+void take(Fraction& least, const Fraction& other)
+{
+    if (least.bottom == 0 || other < least) least = other;
+}
+
+void take_segments(Fraction& least, const Place& p, const Place& q, const Place& c, const Place& d)
+{
+    take(least, to_segment(p, c, d)), take(least, to_segment(q, c, d));
+    take(least, to_segment(c, p, q)), take(least, to_segment(d, p, q));
+    // Gram's determinants of the normal equations of the two lines' nearest points.
+    const Place u = q - p, v = d - c, w = c - p;
+    const Integer uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), wu = dot(w, u), wv = dot(w, v);
+    const Integer gram = uu * vv - uv * uv, s = wu * vv - wv * uv, t = wu * uv - wv * uu;
+    if (gram <= 0 || s < 0 || s > gram || t < 0 || t > gram) return;
+    const Integer volume = dot(w, cross(u, v));
+    take(least, {volume * volume, gram});
+}
+
+void take_face(Fraction& least, const Place& p, const std::array<Place, 3>& t)
+{
+    const Place n = cross(t[1] - t[0], t[2] - t[0]);
+    const Integer area2 = dot(n, n);
+    if (area2 == 0) return;
+    for (std::size_t k = 0; k < 3; ++k)
+        if (dot(cross(t[(k + 1) % 3] - t[k], p - t[k]), n) < 0) return;
+    const Integer height = dot(p - t[0], n);
+    take(least, {height * height, area2});
+}
+
+} // namespace
+
+struct ExactDistance::Square {
+    Fraction value; ///< in units of 4^exponent
+    int exponent;
+
+    template <std::size_t N>
+    static int exponent_of(const std::array<Eigen::Vector3d, N>& a, const std::array<Eigen::Vector3d, N>& b)
+    {
+        int exponent = 2000;
+        for (const auto* points : {&a, &b})
+            for (const Eigen::Vector3d& p : *points)
+                for (const double x : p) exponent = std::min(exponent, last_bit(x));
+        return exponent == 2000 ? 0 : exponent;
+    }
+    template <std::size_t N>
+    static std::array<Place, N> places(const std::array<Eigen::Vector3d, N>& of, int exponent)
+    {
+        std::array<Place, N> places;
+        for (std::size_t i = 0; i < N; ++i)
+            for (int k = 0; k < 3; ++k) places[i][std::size_t(k)] = multiple(of[i][k], exponent);
+        return places;
+    }
+};
+
+ExactDistance::ExactDistance(const TrianglePoints& a, const TrianglePoints& b)
+    : square_(new Square{{0, 1}, Square::exponent_of(a, b)})
+{
+    if (contact(a, b) != TriangleContact::separate) return;
+    const auto p = Square::places(a, square_->exponent), q = Square::places(b, square_->exponent);
+    Fraction least{0, 0};
+    for (std::size_t i = 0; i < 3; ++i) {
+        take_face(least, p[i], q), take_face(least, q[i], p);
+        for (std::size_t j = 0; j < 3; ++j) take_segments(least, p[i], p[(i + 1) % 3], q[j], q[(j + 1) % 3]);
+    }
+    square_->value = least;
+}
+
+ExactDistance::ExactDistance(const SegmentPoints& a, const SegmentPoints& b)
+    : square_(new Square{{0, 0}, Square::exponent_of(a, b)})
+{
+    const auto p = Square::places(a, square_->exponent), q = Square::places(b, square_->exponent);
+    take_segments(square_->value, p[0], p[1], q[0], q[1]);
+}
+
+ExactDistance::~ExactDistance() = default;
+ExactDistance::ExactDistance(ExactDistance&&) noexcept = default;
+ExactDistance& ExactDistance::operator=(ExactDistance&&) noexcept = default;
+
+int ExactDistance::compare(double length) const
+{
+    const int finer = std::min(last_bit(length), square_->exponent), shift = 2 * (square_->exponent - finer);
+    const Integer units = multiple(length, finer);
+    const Integer distance2 = square_->value.top << shift, length2 = units * units * square_->value.bottom;
+    return distance2 < length2 ? -1 : distance2 > length2;
+}
+
+double ExactDistance::value() const
+{
+    const auto& [top, bottom] = square_->value;
+    if (top == 0) return 0;
+    const int shift = 128 + int(msb(bottom)) - int(msb(top)), even = shift + (shift & 1);
+    const Integer scaled = even >= 0 ? Integer(top << even) / bottom : Integer(top / (bottom << -even));
+    return std::ldexp(std::sqrt(scaled.convert_to<double>()), square_->exponent - even / 2);
+}
+
+bool ExactDistance::operator<(const ExactDistance& other) const
+{
+    const int shift = 2 * (square_->exponent - other.square_->exponent);
+    Fraction mine = square_->value, theirs = other.square_->value;
+    (shift > 0 ? mine.top : theirs.top) <<= std::abs(shift);
+    return mine < theirs;
+}
+
+} // namespace oncollide::oracle

@@ -1,0 +1,89 @@
+#include "verify/trials/pair_trial.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <oncollide/base/threads/parallel.hpp>
+#include <oncollide/narrowphase/fcl/exact_fcl.hpp>
+#include <oncollide/pipeline/world.hpp>
+
+#include "truth/judge.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+/// Relative rounding of the truth's square roots, and of its conversion to double.
+constexpr double root_rounding = 1e-12;
+
+struct Result {
+    Finding finding;
+    Distance distance;
+};
+
+Result result_of(const Settings& settings, const PlacedBody& a, const PlacedBody& b)
+{
+    World world(settings);
+    std::array<BodyId, 2> ids;
+    for (std::size_t i = 0; i < 2; ++i) {
+        const PlacedBody& body = i ? b : a;
+        const ModelId model = std::visit([&](const auto& g) { return world.models().add(g); }, body.geometry);
+        ids[i] = world.bodies().add({.model = model, .pose = body.pose});
+    }
+    const FrameView frame = world.step();
+    Result result{unlisted(settings), {}};
+    if (!frame.pairs.empty()) result.finding = frame.pairs[0];
+    result.distance = world.pairs().distance(ids[0], ids[1]);
+    return result;
+}
+
+} // namespace
+
+PairTruth truth_if(bool meet)
+{
+    PairTruth truth;
+    truth.surfaces = truth.kinds = false, truth.collide = meet;
+    if (meet) truth.distance.high = 0;
+    return truth;
+}
+
+void try_pair(const PlacedBody& a, const PlacedBody& b, const PairTruth& given, const std::string& what, Tally& tally)
+{
+    ++tally.cases;
+    PairTruth truth = given;
+    truth.slack = std::isfinite(truth.distance.high) ? root_rounding * truth.distance.high : 0;
+    const auto run = [&](const Settings& settings, const char* how) {
+        const Result result = result_of(settings, a, b);
+        judge(result.finding, truth, settings, fmt::format("{}: {}", how, what), tally);
+        ++tally.bounds;
+        if (result.distance.lower > truth.distance.high + truth.slack ||
+            result.distance.upper < truth.distance.low - truth.slack)
+            tally.fault(&Tally::broken, fmt::format("distance: {}", what));
+        return result.finding.verdict;
+    };
+    const Settings exact{.exact = ExactLevel::predicates};
+    const Verdict found = run(exact, "exact");
+    if (!truth.surfaces && found != result_of(exact, b, a).finding.verdict)
+        tally.fault(&Tally::changed, fmt::format("in the other order: {}", what));
+    run({.bounding_volume = BoundingVolume::obb}, "boxes");
+    run({.depth = 5, .bounding_volume = BoundingVolume::sphere}, "spheres");
+    if (truth.uncertain) return;
+    run({.exact = ExactLevel::fcl}, "fcl");
+    const bool theirs = fcl_collides(*make_fcl_model(a.geometry), a.pose, *make_fcl_model(b.geometry), b.pose);
+    tally.fcl_missed += truth.collide && !theirs, tally.fcl_false += theirs && !truth.collide;
+}
+
+Tally try_many(const std::string& family, std::uint64_t count, int threads,
+               const std::function<void(std::uint64_t, Tally&)>& run)
+{
+    constexpr std::size_t grain = 16;
+    std::vector<Tally> tallies((count + grain - 1) / grain);
+    parallel_chunks(count, grain, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) run(i, tallies[i / grain]);
+    });
+    Tally sum{.family = family};
+    for (const Tally& tally : tallies) sum += tally;
+    return sum;
+}
+
+} // namespace oncollide::tools
