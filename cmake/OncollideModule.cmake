@@ -3,18 +3,19 @@
 #   oncollide_add_module(broadphase
 #       HEADERS kd_tree.hpp ...      public, installed, each compiled alone by the tests
 #       SOURCES kd_tree.cpp ...
-#       DEPENDS scenes               lower modules only
+#       DEPENDS geometry             lower modules only
 #       LINK    Qhull::qhull_r)      private third-party libraries
 #   SAMPLES: a part of oncollide::samples; only its users see the headers
 #   FOLDER: where its headers are, if not in the folder of its name
 #
 # A module can include its own headers and the headers of modules that it depends on, as <oncollide/MODULE/x.hpp>, and
-# no others: each module's folder is linked into a separate include tree under cmake/include, so an upward include does
-# not compile, and an editor follows every include in a fresh clone (compile_flags.txt).
+# no others: the module's headers are linked into an include tree of their own, cmake/include/MODULE, so an upward include
+# does not compile, and an editor follows every include in a fresh clone (compile_flags.txt). Three modules share the folder
+# scenes/: each tree links a part of it. The two modules of samples/ share one tree.
 
 set(ONCOLLIDE_SAMPLES_INCLUDE ${CMAKE_INSTALL_INCLUDEDIR}/oncollide-samples)
-# Bottom first. Only catalogue depends on files.
-set(ONCOLLIDE_LAYERS base scenes generators files catalogue broadphase narrowphase pipeline robots runs)
+# Bottom first. Only catalogue and robots depend on files.
+set(ONCOLLIDE_LAYERS base geometry broadphase narrowphase pipeline scenes generators files catalogue robots runs)
 
 # Eigen aligns its types for the processor's widest registers, so a program compiled with -march=native would use other
 # structure layouts. All users of the library get the baseline's alignment.
@@ -82,7 +83,10 @@ function(oncollide_add_module name)
     endif()
   endforeach()
 
-  set(include_tree ${PROJECT_SOURCE_DIR}/cmake/include/${arg_FOLDER}) # a link to the folder: exposes only this module
+  set(include_tree ${PROJECT_SOURCE_DIR}/cmake/include/${name}) # exposes only this module
+  if(NOT EXISTS ${include_tree})
+    set(include_tree ${PROJECT_SOURCE_DIR}/cmake/include/${arg_FOLDER})
+  endif()
 
   add_library(oncollide_${name} STATIC ${arg_SOURCES})
   add_library(oncollide::${name} ALIAS oncollide_${name})

@@ -26,7 +26,7 @@ file(RELATIVE_PATH up_to_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefi
 # Compilers take a folder that is given by -I and -isystem for one of the system, whose headers give no warnings.
 get_target_property(pc_eigen Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
 set(pc_libdir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
-set(pc_libraries "-loncollide_runs -loncollide_pipeline -loncollide_narrowphase -loncollide_broadphase -loncollide_files -loncollide_scenes -loncollide_base${pc_libs}")
+set(pc_libraries "-loncollide_runs -loncollide_robots -loncollide_pipeline -loncollide_narrowphase -loncollide_broadphase -loncollide_files -loncollide_scenes -loncollide_geometry -loncollide_base${pc_libs}")
 set(pc_requires " fmt${pc_requires}")
 set(pc_samples "-L\${libdir} -loncollide_catalogue -loncollide_generators")
 set(pc_folder ${PROJECT_BINARY_DIR})

@@ -7,7 +7,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/results.hpp>
 #include <oncollide/scenes/geometry.hpp>
-#include <oncollide/scenes/motion.hpp>
+#include <oncollide/scenes/rigid_motion.hpp>
 
 namespace oncollide {
 

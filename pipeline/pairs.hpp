@@ -8,7 +8,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/results.hpp>
-#include <oncollide/scenes/motion.hpp>
+#include <oncollide/scenes/rigid_motion.hpp>
 
 namespace oncollide {
 

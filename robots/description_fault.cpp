@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/base/rigid.hpp>
 #include <oncollide/scenes/files/mesh/mesh_source.hpp> // quoted()
-#include <oncollide/scenes/scene.hpp>
 
 namespace oncollide {
 

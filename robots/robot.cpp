@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/numbers/random.hpp>
+#include <oncollide/base/rigid.hpp>
 #include <oncollide/base/text/near_word.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/pipeline/world/world_access.hpp>

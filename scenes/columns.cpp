@@ -1,10 +1,12 @@
-#include <oncollide/base/error.hpp>
-#include <oncollide/scenes/scene.hpp>
+#include <oncollide/scenes/columns.hpp>
 
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <functional>
 
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/function_ref.hpp>
 #include <oncollide/base/memory/large_vector.hpp>
 
 namespace oncollide {
@@ -15,6 +17,23 @@ bool is_identity(const Eigen::Matrix3d& rotation)
 {
     static const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
     return std::memcmp(rotation.data(), identity.data(), sizeof(double) * 9) == 0; // -0 is a different matrix
+}
+
+constexpr std::uint32_t no_body = 0xffffffffu;
+
+std::uint32_t hash_of(std::string_view name)
+{
+    return static_cast<std::uint32_t>(std::hash<std::string_view>()(name));
+}
+
+/// Puts `slot` into the first free slot, starting at the position given by its hash.
+template <class Slot>
+void place(std::vector<Slot>& slots, const Slot& slot)
+{
+    const std::size_t mask = slots.size() - 1;
+    std::size_t at = slot.hash & mask;
+    while (slots[at].index != no_body) at = (at + 1) & mask;
+    slots[at] = slot;
 }
 
 } // namespace
@@ -88,6 +107,33 @@ void ChangeLog::note(Change change, std::size_t most)
         forgotten_ += half;
     }
     changes_.push_back(change);
+}
+
+bool NameIndex::add(std::string_view name, std::uint32_t index, const NameOf& name_of)
+{
+    if (find(name, name_of)) return false;
+    if (2 * (used_ + 1) > slots_.size()) grow();
+    place(slots_, Slot{hash_of(name), index});
+    ++used_;
+    return true;
+}
+
+std::optional<std::uint32_t> NameIndex::find(std::string_view name, const NameOf& name_of) const
+{
+    if (slots_.empty()) return std::nullopt;
+    const std::uint32_t hash = hash_of(name);
+    const std::size_t mask = slots_.size() - 1;
+    for (std::size_t at = hash & mask; slots_[at].index != no_body; at = (at + 1) & mask)
+        if (slots_[at].hash == hash && name_of(slots_[at].index) == name) return slots_[at].index;
+    return std::nullopt;
+}
+
+void NameIndex::grow()
+{
+    std::vector<Slot> larger(std::max<std::size_t>(16, 2 * slots_.size()), Slot{0, no_body});
+    for (const Slot& slot : slots_)
+        if (slot.index != no_body) place(larger, slot);
+    slots_ = std::move(larger);
 }
 
 } // namespace oncollide

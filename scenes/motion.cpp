@@ -127,6 +127,21 @@ bool nearly_half_a_turn(const Keyed::Key& a, const Keyed::Key& b)
 
 } // namespace
 
+void move_body(const Motion& motion, const Eigen::Isometry3d& start, double pace, int from, int to,
+               Eigen::Isometry3d& pose)
+{
+    const Jitter* jitter = std::get_if<Jitter>(&motion);
+    if (!jitter) {
+        pose = pose_at(motion, start, to * pace);
+        return;
+    }
+    Jitter paced = *jitter;
+    paced.step *= pace;
+    Eigen::Vector3d position = pose.translation();
+    for (int f = from + 1; f <= to; ++f) jitter_step(paced, static_cast<std::uint64_t>(f), position);
+    pose.translation() = position;
+}
+
 std::vector<RigidMotion::Key> way_between(const Motion& motion, double from, double to, const Isometry3d& first,
                                           const Isometry3d& last)
 {

@@ -1,11 +1,12 @@
+#include <oncollide/scenes/rigid_motion.hpp>
+
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/scenes/motion.hpp>
-#include <oncollide/scenes/scene.hpp>
+#include <oncollide/base/rigid.hpp>
 
 namespace oncollide {
 

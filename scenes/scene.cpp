@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cstring>
-#include <functional>
 
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/function_ref.hpp>
 #include <oncollide/base/memory/large_vector.hpp>
-#include <oncollide/scenes/cooked/cooked_mesh.hpp>
+#include <oncollide/base/rigid.hpp>
 #include <oncollide/scenes/recording.hpp>
 
 namespace oncollide {
@@ -19,23 +19,6 @@ namespace {
 std::string who_is(std::string_view name, std::size_t body)
 {
     return name.empty() ? fmt::format("body {}", body) : fmt::format("body '{}'", name);
-}
-
-constexpr std::uint32_t no_body = 0xffffffffu;
-
-std::uint32_t hash_of(std::string_view name)
-{
-    return static_cast<std::uint32_t>(std::hash<std::string_view>()(name));
-}
-
-/// Puts `slot` into the first free slot, starting at the position given by its hash.
-template <class Slot>
-void place(std::vector<Slot>& slots, const Slot& slot)
-{
-    const std::size_t mask = slots.size() - 1;
-    std::size_t at = slot.hash & mask;
-    while (slots[at].index != no_body) at = (at + 1) & mask;
-    slots[at] = slot;
 }
 
 auto body_names(const Scene& scene)
@@ -54,96 +37,7 @@ bool same_bits(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b)
     return std::memcmp(a.data(), b.data(), sizeof(double) * 16) == 0;
 }
 
-Aabb bounds_of(const Mesh& mesh)
-{
-    return mesh.bounds;
-}
-
-Aabb bounds_of(const OccupancyMap& map)
-{
-    return map.bounds();
-}
-
-Aabb bounds_of(const Terrain& terrain)
-{
-    return terrain.bounds();
-}
-
-Aabb bounds_of(const std::shared_ptr<const CookedMesh>& mesh)
-{
-    return mesh->bounds();
-}
-
 } // namespace
-
-Aabb bounds_of(const GeometryData& geometry)
-{
-    return std::visit([](const auto& data) { return bounds_of(data); }, geometry);
-}
-
-Aabb bounds_of(const Geometry& geometry)
-{
-    return bounds_of(geometry.data);
-}
-
-void check_geometry(const std::string& name, const GeometryData& geometry)
-{
-    if (const auto* mesh = std::get_if<Mesh>(&geometry)) check_mesh(name, *mesh);
-    if (const auto* shape = std::get_if<Shape>(&geometry)) check_shape(name, *shape);
-    if (const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry); cooked && !*cooked)
-        refuse(name, "there is no cooked mesh");
-}
-
-std::string why_not_rigid(const Eigen::Isometry3d& pose)
-{
-    constexpr double tolerance = 1e-6;
-    const double* const m = pose.data(); // columns of four. Written out: called for every pose of every frame and query
-    const auto dot = [](const double* x, const double* y) { return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]; };
-    const auto is = [](double value, double wanted) { return std::abs(value - wanted) <= tolerance; };
-    const double *const x = m, *const y = m + 4, *const z = m + 8, *const t = m + 12;
-    const bool orthogonal = is(dot(x, x), 1) & is(dot(y, y), 1) & is(dot(z, z), 1) & is(dot(x, y), 0) &
-                            is(dot(y, z), 0) & is(dot(z, x), 0); // false for NaN
-    const bool at_a_point = (t[0] - t[0] == 0) & (t[1] - t[1] == 0) & (t[2] - t[2] == 0);
-    const bool affine = (x[3] == 0) & (y[3] == 0) & (z[3] == 0) & (t[3] == 1);
-    const double determinant =
-        x[0] * (y[1] * z[2] - y[2] * z[1]) + x[1] * (y[2] * z[0] - y[0] * z[2]) + x[2] * (y[0] * z[1] - y[1] * z[0]);
-    if (orthogonal & at_a_point & affine & (determinant > 0)) return {};
-    if (!pose.matrix().allFinite()) return "the pose is not finite";
-    if (!affine) return "the pose's last row is not (0, 0, 0, 1)";
-    if (orthogonal) return "the pose is not rigid: it mirrors (the determinant of R is negative)";
-    const Eigen::Matrix3d r = pose.linear();
-    return fmt::format("the pose is not rigid: R^T R differs from the identity by {:.3g}, at most {} is allowed",
-                       (r.transpose() * r - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(), tolerance);
-}
-
-template <class NameOf>
-bool NameIndex::add(std::string_view name, std::uint32_t index, NameOf name_of)
-{
-    if (find(name, name_of)) return false;
-    if (2 * (used_ + 1) > slots_.size()) grow();
-    place(slots_, Slot{hash_of(name), index});
-    ++used_;
-    return true;
-}
-
-template <class NameOf>
-std::optional<std::uint32_t> NameIndex::find(std::string_view name, NameOf name_of) const
-{
-    if (slots_.empty()) return std::nullopt;
-    const std::uint32_t hash = hash_of(name);
-    const std::size_t mask = slots_.size() - 1;
-    for (std::size_t at = hash & mask; slots_[at].index != no_body; at = (at + 1) & mask)
-        if (slots_[at].hash == hash && name_of(slots_[at].index) == name) return slots_[at].index;
-    return std::nullopt;
-}
-
-void NameIndex::grow()
-{
-    std::vector<Slot> larger(std::max<std::size_t>(16, 2 * slots_.size()), Slot{0, no_body});
-    for (const Slot& slot : slots_)
-        if (slot.index != no_body) place(larger, slot);
-    slots_ = std::move(larger);
-}
 
 GeometryId SceneInfo::add(std::string geometry_name, GeometryData data, std::string recipe)
 {
@@ -334,21 +228,6 @@ void Scene::play_recording(int frame, bool as_start)
                 set_pose(SceneBodyId{first + i}, pose);
         },
         [&](std::uint32_t i) { return who_is(names[first + i], first + i); });
-}
-
-void move_body(const Motion& motion, const Eigen::Isometry3d& start, double pace, int from, int to,
-               Eigen::Isometry3d& pose)
-{
-    const Jitter* jitter = std::get_if<Jitter>(&motion);
-    if (!jitter) {
-        pose = pose_at(motion, start, to * pace);
-        return;
-    }
-    Jitter paced = *jitter;
-    paced.step *= pace;
-    Eigen::Vector3d position = pose.translation();
-    for (int f = from + 1; f <= to; ++f) jitter_step(paced, static_cast<std::uint64_t>(f), position);
-    pose.translation() = position;
 }
 
 namespace {

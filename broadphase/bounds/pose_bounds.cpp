@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/rigid.hpp>
 #include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/broadphase/aabb_kernel.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>

@@ -3,8 +3,8 @@
 #include <memory>
 
 #include <oncollide/broadphase/bounds/cooked_support.hpp>
-#include <oncollide/scenes/motion.hpp>
-#include <oncollide/scenes/scene.hpp>
+#include <oncollide/scenes/geometry.hpp>
+#include <oncollide/scenes/rigid_motion.hpp>
 
 namespace oncollide {
 

@@ -3,7 +3,7 @@
 
 #include <Eigen/Geometry>
 
-#include <oncollide/scenes/scene.hpp>
+#include <oncollide/scenes/geometry.hpp>
 
 namespace oncollide {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <oncollide/scenes/scene.hpp>
+#include <oncollide/scenes/geometry.hpp>
 
 namespace oncollide {
 

@@ -3,7 +3,7 @@
 #include <oncollide/narrowphase/model.hpp>
 #include <oncollide/narrowphase/pairs/pair_memory.hpp>
 #include <oncollide/narrowphase/walks/swept_motion.hpp>
-#include <oncollide/scenes/motion.hpp>
+#include <oncollide/scenes/rigid_motion.hpp>
 
 namespace oncollide {
 

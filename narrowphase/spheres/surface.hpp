@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <oncollide/narrowphase/spheres/primitive.hpp>
-#include <oncollide/scenes/scene.hpp>
+#include <oncollide/scenes/geometry.hpp>
 
 namespace oncollide {
 

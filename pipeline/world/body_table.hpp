@@ -14,7 +14,7 @@
 #include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/narrowphase/model.hpp>
 #include <oncollide/pipeline/results.hpp>
-#include <oncollide/scenes/motion.hpp>
+#include <oncollide/scenes/rigid_motion.hpp>
 
 namespace oncollide {
 

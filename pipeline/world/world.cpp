@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/rigid.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/pipeline/world/query_worker.hpp> // for the destructor of WorldImpl
 #include <oncollide/pipeline/world/world_access.hpp>

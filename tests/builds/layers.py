@@ -1,5 +1,5 @@
-"""Reads the includes of all sources, and fails where a folder includes a folder that LAYERS does not permit, or where the
-includes of folders form a circle.
+"""Reads the includes of all sources, and fails where a module includes one that is not below it (BELOW), where a folder
+includes a folder that LAYERS does not permit, or where the includes of folders form a circle.
 
 layers.py PROJECT
 """
@@ -12,8 +12,20 @@ MODULES = ["base", "scenes", "samples", "broadphase", "narrowphase", "pipeline",
 # Both are include folders of each other's files; the first one, which users install, must not include the second.
 TOOLS = ["tools/command", "tools/lab"]
 
-# The folders that each folder may include, within its module; CMake's include trees keep modules apart. Folders that are
-# not listed may include any folder, as long as that makes no circle.
+# The modules that each module may include. scenes/ holds three: geometry, scenes and files.
+BELOW = {
+    "base": [],
+    "geometry": ["base"],
+    "broadphase": ["geometry", "base"],
+    "narrowphase": ["broadphase", "geometry", "base"],
+    "pipeline": ["narrowphase", "broadphase", "geometry", "base"],
+    "scenes": ["geometry", "base"],
+    "files": ["scenes", "geometry", "base"],
+}
+GEOMETRY = re.compile(r"scenes/(model/|cooked/|geometry\.|rigid_motion\.)")
+
+# The folders that each folder may include, within its top folder. Folders that are not listed may include any folder, as
+# long as that makes no circle.
 LAYERS = {
     "base": [],
     "broadphase": [],
@@ -51,9 +63,16 @@ LAYERS = {
 }
 
 
+def module_of(path):
+    if GEOMETRY.match(path):
+        return "geometry"
+    return "files" if path.startswith("scenes/files/") else path.split("/")[0]
+
+
 def includes(project):
-    """{(folder, included folder): the first such include}, within modules, and within tools/."""
-    found = {}
+    """{(folder, included folder): the first such include}, within top folders and within tools/, and the includes that BELOW
+    forbids."""
+    found, upward = {}, []
     for module in MODULES + TOOLS:
         roots = TOOLS if module in TOOLS else [module]
         for source in sorted((project / module).rglob("*.[ch]pp")):
@@ -61,10 +80,14 @@ def includes(project):
             for name in re.findall(r'^ *#include [<"](?:oncollide/)?([\w/]+\.hpp)[>"]', source.read_text(), re.MULTILINE):
                 candidates = [name, *(f"{root}/{name}" for root in roots), f"{folder}/{name}"]
                 path = next((c for c in candidates if (project / c).is_file()), None)
+                line = f"{source.relative_to(project)} includes {name}"
+                own = module_of(source.relative_to(project).as_posix())
+                if path and (other := module_of(path)) != own and other not in BELOW.get(own, [other]):
+                    upward.append(f"{line}: {own} may not see {other}")
                 within = path and any(path.startswith(f"{root}/") for root in roots)
                 if within and (to := path.rpartition("/")[0]) != folder:
-                    found.setdefault((folder, to), f"{source.relative_to(project)} includes {name}")
-    return found
+                    found.setdefault((folder, to), line)
+    return found, upward
 
 
 def circle(arrows):
@@ -91,9 +114,9 @@ def circle(arrows):
 
 
 def main():
-    found = includes(pathlib.Path(sys.argv[1]))
-    faults = [f"{line}: not permitted by LAYERS" for (folder, to), line in found.items()
-              if folder in LAYERS and to not in {f"{folder.split('/')[0]}/{name}".rstrip("/") for name in LAYERS[folder]}]
+    found, faults = includes(pathlib.Path(sys.argv[1]))
+    faults += [f"{line}: not permitted by LAYERS" for (folder, to), line in found.items()
+               if folder in LAYERS and to not in {f"{folder.split('/')[0]}/{name}".rstrip("/") for name in LAYERS[folder]}]
     faults += [f"{line}: the command must not include the laboratory" for (folder, to), line in found.items()
                if folder.startswith(TOOLS[0]) and to.startswith(TOOLS[1])]
     if round_trip := circle(set(found)):

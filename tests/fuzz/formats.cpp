@@ -19,6 +19,7 @@
 #include "seeds.hpp"
 #include "tools/run_command.hpp"
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/rigid.hpp>
 #include <oncollide/robots/robot.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>

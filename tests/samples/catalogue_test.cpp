@@ -9,6 +9,7 @@
 #include "scenes/same_scene.hpp"
 #include "scenes/test_files.hpp"
 #include <oncollide/base/numbers/random.hpp>
+#include <oncollide/base/rigid.hpp>
 #include <oncollide/samples/catalogue.hpp>
 
 namespace oncollide {

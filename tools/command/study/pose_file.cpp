@@ -10,7 +10,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
-#include <oncollide/scenes/scene.hpp>
+#include <oncollide/base/rigid.hpp>
 
 namespace oncollide::tools {
 namespace {

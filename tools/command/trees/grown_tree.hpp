@@ -6,6 +6,7 @@
 
 #include "trees/bounding_volume.hpp"
 #include <oncollide/pipeline/models/model_store.hpp>
+#include <oncollide/scenes/scene.hpp>
 
 namespace oncollide::tools {
 

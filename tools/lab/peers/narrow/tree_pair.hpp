@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include <oncollide/pipeline/refine/sphere_refiner.hpp>
+#include <oncollide/scenes/scene.hpp>
 
 namespace oncollide::tools {
 

@@ -1,0 +1,1 @@
+../../../../../scenes/rigid_motion.hpp

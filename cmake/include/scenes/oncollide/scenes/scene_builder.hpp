@@ -1,0 +1,1 @@
+../../../../../scenes/scene_builder.hpp
