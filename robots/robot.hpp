@@ -152,7 +152,7 @@ public:
     /// Throws Error{bad_data} that names the link or the joint for a description that a file could not hold: not a
     /// tree, numbers of links or joints that do not exist, two of one name, an axis that is not unit, limits, mimics or
     /// states that make no sense, geometry that check_geometry() refuses; for poses that are not rigid; and as
-    /// World::add_body() for a mesh that is not closed. Excluded pairs may come in any order.
+    /// Bodies::add() for a mesh that is not closed. Excluded pairs may come in any order.
     Robot(World& world, RobotDescription description, const Eigen::Isometry3d& base = Eigen::Isometry3d::Identity());
     ~Robot();
     Robot(Robot&&) noexcept;

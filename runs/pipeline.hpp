@@ -29,7 +29,7 @@ public:
     /// copy, one comparison per body.
     FrameView step(const Scene& scene);
 
-    /// From now on, step() moves bodies from their poses to the new ones by World::set_motion(), so contacts on the way
+    /// From now on, step() moves bodies from their poses to the new ones by Bodies::set_motion(), so contacts on the way
     /// are reported: straight, but through the keys between the times of the last step and this one (Scene::time).
     /// Default: off.
     void set_continuous(bool continuous) { continuous_ = continuous; }

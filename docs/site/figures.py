@@ -504,7 +504,7 @@ def planner():
 
 
 def continuous():
-    titles = {"oncollide": "oncollide, `World::sweep`", "fcl-advancement": "FCL, conservative advancement, linear motion",
+    titles = {"oncollide": "oncollide, `Pairs::sweep`", "fcl-advancement": "FCL, conservative advancement, linear motion",
               "fcl-sampled": "FCL, its default: ten poses of a translation"}
     rows = rows_of("continuous/continuous")
     ours = float(rows[0]["median_us"])

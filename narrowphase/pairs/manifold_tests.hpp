@@ -7,7 +7,7 @@ namespace oncollide {
 /// In the order and the frame of the task; decides nothing about swapping.
 void manifold_of_solids(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold);
 
-/// World::manifold() for every two kinds except two half-spaces.
+/// Pairs::manifold() for every two kinds except two half-spaces.
 void manifold_of(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold);
 
 /// Keeps at most this many points: regions share them in turn, the deepest first, and lose their last points.
@@ -15,7 +15,7 @@ void limit_points(Manifold& manifold, std::size_t most);
 /// The same for the points of all: pairs share them in turn, the deepest first.
 void limit_points(std::span<Manifold> manifolds, std::size_t most);
 
-/// World::near_features() for two bodies with triangles or heights.
+/// Pairs::near_features() for two bodies with triangles or heights.
 void near_features_of(PairWorker& worker, const PairTask& task, double dhat, std::vector<NearFeatures>& found);
 
 } // namespace oncollide

@@ -28,7 +28,7 @@ struct PairTests {
     /// bounding boxes show it.
     Finding (*near)(PairWorker&, const PairTask&, double clearance, double tolerance, PairMemory* memory);
 
-    /// As World::distance(). Exception: for a box or a hull that encloses a map's cells or a part of a mesh, it may be
+    /// As Pairs::distance(). Exception: for a box or a hull that encloses a map's cells or a part of a mesh, it may be
     /// the distance to its surface. Beyond `farthest`, the upper bound is infinite.
     /// @param solid  the inside of a closed mesh belongs to the mesh
     Distance (*distance)(PairWorker&, const PairTask&, double tolerance, double farthest, bool solid);
@@ -42,15 +42,15 @@ struct PairTests {
     /// exact level, plus half a microsecond to two per contact.
     void (*contacts)(PairWorker&, const PairTask&, std::vector<Contact>&);
 
-    /// As World::penetration(). Null: unsupported.
+    /// As Pairs::penetration(). Null: unsupported.
     Penetration (*penetration)(PairWorker&, const PairTask&);
 
     /// When the two first meet during their motions.
     SweepResult (*advance)(PairWorker&, const SweepTask&);
-    /// As World::manifold(). Null: unsupported.
+    /// As Pairs::manifold(). Null: unsupported.
     void (*manifold)(PairWorker&, const PairTask&, const ManifoldOptions&, Manifold&);
 
-    /// Appends, as World::near_features(). Null: unsupported.
+    /// Appends, as Pairs::near_features(). Null: unsupported.
     void (*near_features)(PairWorker&, const PairTask&, double dhat, std::vector<NearFeatures>&);
 };
 

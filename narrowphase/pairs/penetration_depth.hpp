@@ -9,7 +9,7 @@
 
 namespace oncollide {
 
-/// Measures the penetration of two bodies with triangles: World::penetration(). One thread's working memory; other
+/// Measures the penetration of two bodies with triangles: Pairs::penetration(). One thread's working memory; other
 /// threads may traverse the same trees.
 class PenetrationDepth {
 public:

@@ -1,4 +1,4 @@
-// World::cast, compared with World::query and with casts against one body at a time.
+// Space::cast, compared with Space::overlaps and with casts against one body at a time.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// World::query of segments, compared with the tests of pairs for a triangle of the same shape.
+// Space::overlaps of segments, compared with the tests of pairs for a triangle of the same shape.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -33,7 +33,7 @@ struct SweepTallies : std::map<std::pair<std::string, std::string>, SweepTally> 
     std::string first_fault{};     ///< empty: none
 };
 
-/// The sweep of the two bodies as World::sweep() finds it.
+/// The sweep of the two bodies as Pairs::sweep() finds it.
 /// @param swapped  of b and a
 SweepResult sweep_of(const DrawnSweep& drawn, bool swapped = false);
 
