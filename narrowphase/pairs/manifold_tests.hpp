@@ -4,9 +4,6 @@
 
 namespace oncollide {
 
-/// In the order and the frame of the task; decides nothing about swapping.
-void manifold_of_solids(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold);
-
 /// Pairs::manifold() for every two kinds except two half-spaces.
 void manifold_of(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold);
 

@@ -5,18 +5,27 @@
 
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/pairs/manifold_tests.hpp>
-#include <oncollide/narrowphase/pairs/manifolds/near_pairs.hpp>
-#include <oncollide/narrowphase/pairs/manifolds/region_draft.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/crossing_regions.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/near_regions.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/points/point_hull.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/round_solids.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/touching_regions.hpp>
+#include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
 
 namespace oncollide {
 
 using Eigen::Vector3d;
 
-double rounding_of(const PlacedSurface& a, const PlacedSurface& b)
-{
-    return 0x1p-48 * (a.reach() + b.reach()); // 16 roundings of the largest coordinate; a placed vertex needs 4
-}
+/// One thread's working memory, kept from pair to pair.
+struct ManifoldMemory {
+    std::vector<TrianglePair> meeting; ///< all pairs of triangles that meet
+    OverlapPatches overlap;
+    CrossingRegions crossing;
+    TouchingRegions touching;
+    NearRegions near;
+    RegionMaker maker;
+};
 
 namespace {
 
@@ -29,12 +38,6 @@ bool takes_b_first(const PairTask& task)
     return !decides_b_first(task.swapped()) && task.b->number() < task.a->number();
 }
 
-ManifoldMemory& memory_of(PairWorker& worker)
-{
-    if (!worker.manifold_memory) worker.manifold_memory = std::make_shared<ManifoldMemory>();
-    return *worker.manifold_memory;
-}
-
 /// True if a part of the inner body is inside the outer one.
 bool is_held(const PlacedSurface& inner, const PlacedSurface& outer, PointLocator& locator)
 {
@@ -44,9 +47,10 @@ bool is_held(const PlacedSurface& inner, const PlacedSurface& outer, PointLocato
 }
 
 /// The body inside moves out through the nearest surface.
-void add_enclosed_region(PairWorker& worker, const PlacedSurface& a, const PlacedSurface& b, bool inner_is_a,
-                         const RelativePose& b_to_a, Manifold& manifold)
+void add_enclosed_region(PairWorker& worker, const ManifoldJob& job, bool inner_is_a, const RelativePose& b_to_a)
 {
+    const PlacedSurface &a = job.a, &b = job.b;
+    Manifold& manifold = job.manifold;
     const PlacedSurface &inner = inner_is_a ? a : b, &outer = inner_is_a ? b : a;
     double gap = 0;
     Vector3d way = Vector3d::Zero(); // of the inner body
@@ -57,16 +61,16 @@ void add_enclosed_region(PairWorker& worker, const PlacedSurface& a, const Place
             gap = std::max(found.lower, 0.0);
             const TrianglePoints of_a = a.points(found.nearest->a), of_b = b.points(found.nearest->b);
             const TrianglePoints& wall = inner_is_a ? of_b : of_a;
-            const NearestPoints points = nearest_points(of_a, of_b, 0x1p-20 * gap + rounding_of(a, b));
+            const NearestPoints points = nearest_points(of_a, of_b, 0x1p-20 * gap + job.rounding);
             way = inner_is_a ? Vector3d(points.b - points.a) : Vector3d(points.a - points.b);
-            if (gap == 0 || way.norm() <= rounding_of(a, b)) way = (wall[1] - wall[0]).cross(wall[2] - wall[0]);
+            if (gap == 0 || way.norm() <= job.rounding) way = (wall[1] - wall[0]).cross(wall[2] - wall[0]);
         });
     });
     way = way.norm() > 0 ? Vector3d(way.normalized()) : Vector3d::UnitZ();
     ManifoldRegion region{};
     region.kind = RegionKind::enclosed;
     region.normal = inner_is_a ? Vector3d(-way) : way;
-    const double rounding = rounding_of(a, b) + a.error() + b.error();
+    const double rounding = job.rounding + a.error() + b.error();
     region.normal_error = gap > rounding ? std::min(std::numbers::pi, 0x1p-20 + rounding / gap) : 0x1p-20;
     region.open = !inner.solid();
     const Vector3d last = inner.farthest(-way), first = outer.farthest(way);
@@ -86,45 +90,6 @@ void add_enclosed_region(PairWorker& worker, const PlacedSurface& a, const Place
     manifold.regions.push_back(region);
 }
 
-/// Pairs that meet elsewhere than at lumps that have regions: without pairs of a lump's triangles, or of neighbours of
-/// these, near the lump's curve.
-std::vector<TrianglePair> other_pairs(ManifoldMemory& memory, const PlacedSurface& a, const PlacedSurface& b)
-{
-    const OverlapPatches& overlap = memory.overlap;
-    std::vector<TrianglePair> rest;
-    for (std::size_t i = 0; i < memory.meeting.size(); ++i)
-        if (const std::uint32_t patch = overlap.crossing[i];
-            patch == OverlapPatches::none || !memory.done[overlap.patches[0][patch].lump])
-            rest.push_back(memory.meeting[i]);
-    if (rest.empty() || std::ranges::find(memory.done, true) == memory.done.end()) return rest;
-    const double rounding = 16 * rounding_of(a, b);
-    const auto drop = [&](int side) {
-        const PlacedSurface& surface = side == 0 ? a : b;
-        memory.vertices.clear();
-        std::vector<std::uint32_t>& lump_of = memory.lump_of; // by number of a vertex
-        lump_of.clear();
-        for (const Patch& p : overlap.patches[side])
-            for (const std::uint32_t v : p.corners) {
-                bool is_new;
-                if (memory.done[p.lump])
-                    memory.vertices.add(v, is_new), lump_of.resize(memory.vertices.count(), p.lump);
-            }
-        std::erase_if(rest, [&](const TrianglePair& pair) {
-            Aabb of_a, of_b;
-            for (const Vector3d& p : a.points(pair.a)) of_a.add(p);
-            for (const Vector3d& p : b.points(pair.b)) of_b.add(p);
-            const Aabb common{of_a.min.cwiseMax(of_b.min).array() - rounding,
-                              of_a.max.cwiseMin(of_b.max).array() + rounding};
-            return std::ranges::any_of(surface.corners(side == 0 ? pair.a : pair.b), [&](std::uint32_t v) {
-                const std::uint32_t number = memory.vertices.find(v);
-                return number != KeyNumbers::none && overlap.lumps[lump_of[number]].box.overlaps(common);
-            });
-        });
-    };
-    drop(0), drop(1);
-    return rest;
-}
-
 /// Drops a point that an earlier region has, too, with nearly the same normal: a solver would get the same equation
 /// twice. A region keeps at least one point.
 void drop_repeated(Manifold& manifold)
@@ -134,22 +99,17 @@ void drop_repeated(Manifold& manifold)
     for (ManifoldRegion& r : manifold.regions) {
         const auto own = std::span<const ManifoldPoint>(manifold.points).subspan(r.first, r.count);
         const std::size_t before = kept.size();
-        const double near = 1e-4 * std::sqrt(r.area);
-        double moved = 0;
+        const double near = manifold_limits::repeated_share * std::sqrt(r.area);
         for (const ManifoldPoint& p : own) {
             std::size_t i = 0;
-            constexpr double least_cosine = 0.99; // 8 degrees
-            while (i < before && !(kept[i].normal.dot(p.normal) > least_cosine &&
+            while (i < before && !(kept[i].normal.dot(p.normal) > manifold_limits::repeated_cosine &&
                                    ((kept[i].feature_a == p.feature_a && kept[i].feature_b == p.feature_b) ||
                                     (middle_of(kept[i]) - middle_of(p)).norm() < std::min(near, same[i]))))
                 ++i;
             if (i == before || (&p == &own.back() && kept.size() == before)) kept.push_back(p), same.push_back(near);
         }
         r.first = static_cast<std::uint32_t>(before), r.count = static_cast<std::uint32_t>(kept.size() - before);
-        if (r.count == own.size()) continue;
-        const PointHull hull(std::span<const ManifoldPoint>(kept).subspan(before));
-        for (const ManifoldPoint& p : own) moved = std::max(moved, hull.distance2(middle_of(p)));
-        r.lost += std::sqrt(moved) * (1 + 0x1p-40);
+        if (r.count < own.size()) r.lost += most_lost(std::span<const ManifoldPoint>(kept).subspan(before), own);
     }
     manifold.points = std::move(kept);
 }
@@ -192,12 +152,14 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
     const PlacedSurface a(*task.a, RelativePose(here, here), box_in(*task.b, *task.pose_b, *task.pose_a), joins);
     const PlacedSurface b(*task.b, b_to_a, box_in(*task.a, *task.pose_a, *task.pose_b), joins);
     if (a.empty() || b.empty()) return;
-    ManifoldMemory& memory = memory_of(worker);
+    if (!worker.manifold_memory) worker.manifold_memory = std::make_shared<ManifoldMemory>();
+    ManifoldMemory& memory = *worker.manifold_memory;
+    const ManifoldJob job{a, b, options, manifold};
     a.with_tree([&](auto& tree_a) {
         b.with_tree([&](auto& tree_b) {
             auto& traversal = worker.traversal(tree_a, tree_b);
             if (options.margin > 0 && !round)
-                traversal.all_near(tree_a, tree_b, b_to_a, options.margin + near_rounding(a, b), memory.near_triangles,
+                traversal.all_near(tree_a, tree_b, b_to_a, options.margin + near_rounding(a, b), memory.near.triangles,
                                    &memory.meeting);
             else
                 traversal.all_meeting(tree_a, tree_b, b_to_a, memory.meeting);
@@ -205,21 +167,21 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
     });
     if (!memory.meeting.empty() && meet) {
         memory.overlap.find(a, b, memory.meeting, worker.locator);
-        add_crossing_regions(memory, a, b, options, manifold);
-        if (!round) add_touching_regions(memory, other_pairs(memory, a, b), a, b, options, manifold);
+        memory.crossing.add(job, memory.overlap, memory.maker);
+        if (!round) memory.touching.add(job, memory.meeting, memory.overlap, memory.maker);
     }
     const auto crosses = [](const ManifoldRegion& r) { return r.kind == RegionKind::crossing; };
     if (std::ranges::none_of(manifold.regions, crosses)) {
         const bool a_in_b = is_held(a, b, worker.locator);
         if (a_in_b || is_held(b, a, worker.locator)) {
             for (ManifoldRegion& r : manifold.regions) r.normal_error = std::numbers::pi; // touches from inside
-            add_enclosed_region(worker, a, b, a_in_b, b_to_a, manifold);
+            add_enclosed_region(worker, job, a_in_b, b_to_a);
         }
     }
     if (options.margin > 0 && round)
-        add_round_near(worker, memory, task, a, b, b_to_a, options, manifold);
+        memory.near.add_round(worker, task, job, b_to_a, memory.maker);
     else if (options.margin > 0)
-        add_near_regions(memory, a, b, options, manifold);
+        memory.near.add(job, !memory.meeting.empty(), memory.maker);
     // A joined face is flat; its first triangles, moved with rounding, may stick out of it by that.
     if (manifold.regions.empty() && (a.joined() || b.joined()))
         if (const Finding found = tests_for(task).decide(worker, task, {}, nullptr); found.verdict != Verdict::separate)

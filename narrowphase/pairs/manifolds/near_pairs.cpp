@@ -11,7 +11,7 @@
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/exact/feature_distance.hpp>
 #include <oncollide/narrowphase/pairs/manifold_tests.hpp>
-#include <oncollide/narrowphase/pairs/manifolds/region_draft.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/points/manifold_limits.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
 
 namespace oncollide {
@@ -47,7 +47,7 @@ void visit_around(const PlacedSurface& surface, std::uint32_t triangle, std::uin
     }
     const std::uint32_t shared = surface.corners(triangle)[std::countr_zero(corners)];
     std::uint32_t t = triangle;
-    for (int steps = 0; steps < 64; ++steps) {
+    for (int steps = 0; steps < manifold_limits::most_around; ++steps) {
         const auto v = surface.corners(t);
         t = surface.across(t, v[0] == shared ? 0 : v[1] == shared ? 1 : 2);
         if (t == PlacedSurface::none || t == triangle || !visit(t)) return;
@@ -60,8 +60,8 @@ bool is_minimum(const PlacedSurface& surface, std::uint32_t triangle, std::uint8
                 const Vector3d& from)
 {
     const Vector3d out = from - at;
-    const double distance = out.norm(), tolerance = 1e-9 * distance;
-    const double least = corners == 7 ? 0 : -0.5 * distance;
+    const double distance = out.norm(), tolerance = manifold_limits::rising * distance;
+    const double least = corners == 7 ? 0 : manifold_limits::behind_share * distance;
     bool in_front = false, falls = false;
     visit_around(surface, triangle, corners, [&](std::uint32_t t) {
         const TrianglePoints p = surface.points(t);

@@ -8,8 +8,6 @@
 
 namespace oncollide {
 
-struct ManifoldMemory;
-
 /// Two near features, in the frame of the pair.
 struct NearPair {
     FeatureBits a, b;
@@ -69,14 +67,5 @@ private:
 
 /// How much distances of near features may err.
 double near_rounding(const PlacedSurface& a, const PlacedSurface& b);
-
-/// Appends regions of the triangles memory.near_triangles, which are at most options.margin + near_rounding() apart.
-void add_near_regions(ManifoldMemory& memory, const PlacedSurface& a, const PlacedSurface& b,
-                      const ManifoldOptions& options, Manifold& manifold);
-/// Appends a region of a round solid and another body that are at most options.margin apart, along the shortest way
-/// between them.
-void add_round_near(PairWorker& worker, ManifoldMemory& memory, const PairTask& task, const PlacedSurface& a,
-                    const PlacedSurface& b, const RelativePose& b_to_a, const ManifoldOptions& options,
-                    Manifold& manifold);
 
 } // namespace oncollide

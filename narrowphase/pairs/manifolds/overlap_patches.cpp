@@ -7,6 +7,7 @@
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/exact/moved_apart.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/common_polygon.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/points/manifold_limits.hpp>
 
 namespace oncollide {
 
@@ -30,6 +31,60 @@ inline void add_fan(Patch& patch, const Vector3d& u, const Vector3d& v, double t
     patch.area += area, patch.moment += area / 3 * (origin + u + v);
 }
 
+/// On which sides of the other triangle's plane the corners of a triangle are, and so where its edges may cross.
+struct EdgeSides {
+    std::array<int, 3> exact; ///< 0 for a corner in the plane
+    std::array<int, 3> moved; ///< after the infinitely small move; 0 only for a plane without area
+
+    EdgeSides(const TrianglePoints& t, const TrianglePoints& plane, bool of_a)
+    {
+        for (int k = 0; k < 3; ++k) {
+            exact[k] = orient3d(plane[0], plane[1], plane[2], t[k]);
+            moved[k] = moved_side(plane, exact[k], of_a);
+        }
+    }
+    bool in_plane() const { return exact[0] == 0 && exact[1] == 0 && exact[2] == 0; }
+    bool on_one_side() const { return moved[0] == moved[1] && moved[0] == moved[2]; }
+    bool cross(int edge) const { return moved[edge] * moved[(edge + 1) % 3] < 0; }
+    /// The point at which an edge crosses the plane.
+    Vector3d crossing(const TrianglePoints& t, const TrianglePoints& plane, int edge) const
+    {
+        const int from = exact[edge], to = exact[(edge + 1) % 3];
+        const Vector3d &p = t[edge], &q = t[(edge + 1) % 3];
+        const double at = from == 0    ? 0
+                          : to == 0    ? 1
+                          : from == to ? 0.5
+                                       : crossing_parameter(plane[0], plane[1], plane[2], p, q);
+        return p + at * (q - p);
+    }
+};
+
+/// How the edges of a turn around the edges of b. Each turn is computed when it is first needed.
+class EdgeTurns {
+public:
+    EdgeTurns(const TrianglePoints& a, const TrianglePoints& b) : a_(a), b_(b) {}
+    /// True if the line of an edge of one goes through the other.
+    bool go_through(bool of_a, int edge)
+    {
+        const auto turn = [&](int other) { return of_a ? at(edge, other) : at(other, edge); };
+        const int first = turn(0);
+        return first != 0 && turn(1) == first && turn(2) == first;
+    }
+
+private:
+    int at(int i, int k)
+    {
+        int& turn = turns_[i][k];
+        if (turn == unknown) turn = moved_turn(a_[i], a_[(i + 1) % 3], b_[k], b_[(k + 1) % 3]);
+        return turn;
+    }
+
+    static constexpr int unknown = 2;
+    const TrianglePoints &a_, &b_;
+    std::array<std::array<int, 3>, 3> turns_{
+        {{unknown, unknown, unknown}, {unknown, unknown, unknown}, {unknown, unknown, unknown}}};
+};
+
 std::uint32_t root_of(std::vector<std::uint32_t>& roots, std::uint32_t i)
 {
     while (roots[i] != i) i = roots[i] = roots[roots[i]];
@@ -43,6 +98,11 @@ void join(std::vector<std::uint32_t>& roots, std::uint32_t i, std::uint32_t k)
 }
 
 } // namespace
+
+bool Lump::has_volume(double of_coordinates) const
+{
+    return open || !(volume <= manifold_limits::touching_roundings * of_coordinates * std::max(pieces_a, pieces_b));
+}
 
 void OverlapPatches::Windings::clear()
 {
@@ -97,48 +157,20 @@ std::uint32_t OverlapPatches::patch(int side, std::uint32_t triangle, const Tria
 void OverlapPatches::cross(std::uint32_t number, TrianglePair pair)
 {
     const std::array<TrianglePoints, 2> t{surfaces_[0]->points(pair.a), surfaces_[1]->points(pair.b)};
-    int exact[2][3], side[2][3]; // of the corners of each, as seen from the other's plane
-    for (const int body : {0, 1}) {
-        const TrianglePoints& plane = t[1 - body];
-        for (int k = 0; k < 3; ++k) {
-            exact[body][k] = orient3d(plane[0], plane[1], plane[2], t[body][k]);
-            side[body][k] = moved_side(plane, exact[body][k], body == 0);
-        }
-    }
-    if (exact[1][0] == 0 && exact[1][1] == 0 && exact[1][2] == 0) in_planes_.push_back(number);
-    for (const auto& s : side)
-        if (s[0] == s[1] && s[0] == s[2]) return;
-    int turn[3][3];
-    bool known[3][3] = {};
-    const auto turned = [&](int i, int k) {
-        if (!known[i][k])
-            turn[i][k] = moved_turn(t[0][i], t[0][(i + 1) % 3], t[1][k], t[1][(k + 1) % 3]), known[i][k] = true;
-        return turn[i][k];
-    };
-    std::array<EdgeCrossing, 6> found;
-    int count = 0;
+    const std::array<EdgeSides, 2> sides{EdgeSides(t[0], t[1], true), EdgeSides(t[1], t[0], false)};
+    if (sides[1].in_plane()) in_planes_.push_back(number);
+    if (sides[0].on_one_side() || sides[1].on_one_side()) return;
+    EdgeTurns turns(t[0], t[1]);
+    std::array<EdgeCrossing, 2> ends; // of the segment, as seen from a
+    std::array<int, 2> found{};
     for (const int body : {0, 1})
-        for (int i = 0; i < 3; ++i) {
-            const int next = (i + 1) % 3, from = side[body][i], to = side[body][next];
-            if (from == to || from == 0 || to == 0) continue;
-            const int first = body == 0 ? turned(i, 0) : turned(0, i), second = body == 0 ? turned(i, 1) : turned(1, i);
-            if (first != second || first == 0) continue;
-            if ((body == 0 ? turned(i, 2) : turned(2, i)) != first) continue;
-            const Vector3d &p = t[body][i], &q = t[body][next];
-            const TrianglePoints& face = t[1 - body];
-            const double at = exact[body][i] == 0      ? 0
-                              : exact[body][next] == 0 ? 1
-                              : exact[body][i] == exact[body][next]
-                                  ? 0.5
-                                  : crossing_parameter(face[0], face[1], face[2], p, q);
-            if (count == 6) return;
-            found[count++] = {body == 0, i, to > 0, p + at * (q - p)};
+        for (int edge = 0; edge < 3; ++edge) {
+            if (!sides[body].cross(edge) || !turns.go_through(body == 0, edge)) continue;
+            const bool outward = sides[body].moved[(edge + 1) % 3] > 0;
+            const int end = outward == (body == 0) ? 0 : 1;
+            ends[end] = {body == 0, edge, outward, sides[body].crossing(t[body], t[1 - body], edge)}, ++found[end];
         }
-    if (count != 2) return;                                                        // a triangle without area
-    const auto starts = [](const EdgeCrossing& c) { return c.outward == c.of_a; }; // the segment, as seen from a
-    if (starts(found[0]) == starts(found[1])) return;
-    if (!starts(found[0])) std::swap(found[0], found[1]);
-    add_segment(pair, t, found[0], found[1]);
+    if (found[0] == 1 && found[1] == 1) add_segment(pair, t, ends[0], ends[1]); // else one has no area
 }
 
 void OverlapPatches::add_segment(TrianglePair pair, const std::array<TrianglePoints, 2>& t, const EdgeCrossing& from,

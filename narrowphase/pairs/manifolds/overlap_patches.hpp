@@ -40,6 +40,10 @@ struct Lump {
     bool open = false;                 ///< the surfaces certainly do not enclose it
     double pieces_a = 0, pieces_b = 0; ///< sums of the lengths of the area vectors of connected pieces
     Aabb box;                          ///< of the curve
+
+    /// False if rounding alone may have made it: the surfaces only touch there.
+    /// @param of_coordinates  the rounding of coordinates, metres
+    bool has_volume(double of_coordinates) const;
 };
 
 /// All overlaps of two surfaces: behind a surface that is not closed counts as inside, near it. Body b counts as moved

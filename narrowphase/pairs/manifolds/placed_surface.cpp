@@ -253,4 +253,9 @@ FeatureBits PlacedSurface::face(std::uint32_t triangle) const
     return face_bits | hash_of(cell, face + 1) >> 2;
 }
 
+double rounding_of(const PlacedSurface& a, const PlacedSurface& b)
+{
+    return 0x1p-48 * (a.reach() + b.reach()); // 16 roundings of the largest coordinate; a placed vertex needs 4
+}
+
 } // namespace oncollide

@@ -105,4 +105,7 @@ private:
     std::vector<std::pair<MapCell, std::uint32_t>> faces_; ///< for each triangle: its cell, and which of its box
 };
 
+/// A bound of the rounding of coordinates of both, metres.
+double rounding_of(const PlacedSurface& a, const PlacedSurface& b);
+
 } // namespace oncollide

@@ -1,10 +1,12 @@
-// Round solids: points of support, and manifolds of two of them.
+#include <oncollide/narrowphase/pairs/manifolds/round_solids.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include <oncollide/narrowphase/pairs/manifold_tests.hpp>
-#include <oncollide/narrowphase/pairs/manifolds/region_draft.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/points/manifold_limits.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/points/support_points.hpp>
+#include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/narrowphase/pairs/part_solid.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
 #include <oncollide/narrowphase/shapes/convex_pair.hpp>
@@ -12,39 +14,6 @@
 namespace oncollide {
 
 using Eigen::Vector3d;
-
-std::vector<Vector3d> support_points(const Convex& c, const Vector3d& d)
-{
-    const Vector3d out = c.radius * d.normalized();
-    const double across = std::hypot(d.x(), d.y());
-    const Vector3d side = across > 1e-9 ? Vector3d(d.x() / across, d.y() / across, 0) : Vector3d::UnitX();
-    const auto disc = [&](double radius, double z, std::vector<Vector3d>& to) {
-        const Vector3d next(-side.y(), side.x(), 0);
-        for (const Vector3d& at : {side, next, Vector3d(-side), Vector3d(-next)})
-            to.emplace_back(radius * at.x(), radius * at.y(), z);
-    };
-    std::vector<Vector3d> points;
-    switch (c.core) {
-    case Convex::Core::box: // a sphere or a capsule
-        points.push_back(c.support(d) + out);
-        if (c.low != c.high) points.push_back(c.low + c.high - c.support(d) + out);
-        break;
-    case Convex::Core::cylinder: {
-        const double z = d.z() < 0 ? -c.high.z() : c.high.z();
-        disc(c.high.x(), z, points);
-        points.emplace_back(c.high.x() * side.x(), c.high.x() * side.y(), -z);
-        break;
-    }
-    case Convex::Core::cone:
-        disc(c.high.x(), -c.high.z(), points);
-        points.emplace_back(0, 0, c.high.z());
-        break;
-    case Convex::Core::points:
-    case Convex::Core::ellipsoid:
-        points.push_back(c.support(d));
-    }
-    return points;
-}
 
 namespace {
 
@@ -54,7 +23,7 @@ std::vector<double> shared(const Vector3d& p, const Vector3d& u, const Vector3d&
     const double length2 = u.squaredNorm();
     const double from = u.dot(q - p) / length2, to = u.dot(q + v - p) / length2;
     const double low = std::clamp(std::min(from, to), 0.0, 1.0), high = std::clamp(std::max(from, to), 0.0, 1.0);
-    if (u.cross(v).norm() > 0.05 * u.norm() * v.norm() || !(high > low)) return {};
+    if (u.cross(v).norm() > manifold_limits::parallel_sine * u.norm() * v.norm() || !(high > low)) return {};
     return {low, high};
 }
 
@@ -87,11 +56,11 @@ Width least_width(const Convex& a, const Convex& b, const RelativePose& into, co
             for (const double sign : {-1.0, 1.0})
                 look(sign * Vector3d::Unit(axis)), look(sign * into.rotation.col(axis).normalized());
     }
-    int moves = 0; // of one step: along the ridge of a cone they would be millions
-    for (double step = 0.25; step > 0x1p-30; step /= 2) {
+    int moves = 0; // of one step
+    for (double step = manifold_limits::first_step; step > manifold_limits::last_step; step /= 2) {
         const Vector3d from = n, u = n.unitOrthogonal(), v = n.cross(u);
         for (const Vector3d& side : {u, v, Vector3d(-u), Vector3d(-v)}) look((from + step * side).normalized());
-        moves = n != from && moves < 64 ? moves + 1 : 0;
+        moves = n != from && moves < manifold_limits::most_moves ? moves + 1 : 0;
         if (moves > 0) step *= 2;
     }
     return {n, least};
@@ -124,7 +93,6 @@ std::vector<std::pair<Vector3d, Vector3d>> points_along(const Vector3d& n, const
 
 } // namespace
 
-/// The direction of the deepest overlap, the point there, and for two parallel lines their ends.
 void manifold_of_solids(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold)
 {
     const PlacedPair placed(*task.pose_a, *task.pose_b);

@@ -1,12 +1,13 @@
-// Regions of surfaces that meet without a common volume.
+#include <oncollide/narrowphase/pairs/manifolds/touching_regions.hpp>
+
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/common_polygon.hpp>
-#include <oncollide/narrowphase/pairs/manifolds/region_draft.hpp>
 
 namespace oncollide {
 
@@ -76,21 +77,22 @@ Meeting meeting_of(TrianglePair pair, const TrianglePoints& a, const TrianglePoi
         m.rank = Rank::face, m.normal = -of_b;
     } else {
         const Vector3d between = of_a - of_b;
-        m.normal = between.norm() > 1e-6 ? Vector3d(between.normalized()) : of_a;
+        m.normal = between.norm() > manifold_limits::least_direction ? Vector3d(between.normalized()) : of_a;
         const auto edge = [](const TrianglePoints& t, unsigned place) -> Vector3d {
             return place == 3 ? t[1] - t[0] : place == 6 ? t[2] - t[1] : t[0] - t[2];
         };
         if (std::popcount(in_a) == 2 && std::popcount(in_b) == 2) {
             const Vector3d u = edge(a, in_a).normalized(), v = edge(b, in_b).normalized(), n = u.cross(v);
-            if (n.norm() > 1e-6) m.rank = Rank::edges, m.normal = (n.dot(between) < 0 ? Vector3d(-n) : n).normalized();
+            if (n.norm() > manifold_limits::least_direction)
+                m.rank = Rank::edges, m.normal = (n.dot(between) < 0 ? Vector3d(-n) : n).normalized();
         }
     }
     return m;
 }
 
 /// Groups of meetings that share triangles or points of a mesh.
-std::vector<std::vector<const Meeting*>> connected(const std::vector<Meeting>& meetings, const PlacedSurface& a,
-                                                   const PlacedSurface& b)
+std::vector<std::vector<const Meeting*>> connected(const std::vector<Meeting>& meetings, const ManifoldJob& job,
+                                                   KeyNumbers& vertices)
 {
     std::vector<std::uint32_t> roots(meetings.size());
     std::iota(roots.begin(), roots.end(), 0u);
@@ -98,36 +100,33 @@ std::vector<std::vector<const Meeting*>> connected(const std::vector<Meeting>& m
         while (roots[i] != i) i = roots[i] = roots[roots[i]];
         return i;
     };
-    KeyNumbers vertices;
     std::vector<std::uint32_t> first; // the first meeting at each vertex
-    const auto join_all = [&](const PlacedSurface& surface, bool of_a) {
+    // On a common plane many faces of both meet; a large face of one does not connect meetings far apart on it.
+    for (const int side : {0, 1}) {
         vertices.clear(), first.clear();
         for (std::uint32_t i = 0; i < meetings.size(); ++i)
-            for (const std::uint32_t v : surface.corners(of_a ? meetings[i].pair.a : meetings[i].pair.b)) {
+            for (const std::uint32_t v :
+                 job.surface(side).corners(side == 0 ? meetings[i].pair.a : meetings[i].pair.b)) {
                 bool is_new;
                 const std::uint32_t number = vertices.add(v, is_new);
                 if (is_new) first.push_back(i);
                 const std::uint32_t x = root_of(i), y = root_of(first[number]);
                 roots[std::max(x, y)] = std::min(x, y);
             }
-    };
-    // On a common plane many faces of both meet; a large face of one does not connect meetings far apart on it.
-    join_all(a, true), join_all(b, false);
+    }
     std::vector<std::vector<const Meeting*>> groups(meetings.size());
     for (std::uint32_t i = 0; i < meetings.size(); ++i) groups[root_of(i)].push_back(&meetings[i]);
     std::erase_if(groups, [](const auto& g) { return g.empty(); });
     return groups;
 }
 
-void add_region(ManifoldMemory& memory, const std::vector<const Meeting*>& meetings,
-                std::span<const Meeting* const> others, const PlacedSurface& a, const PlacedSurface& b,
-                const ManifoldOptions& options, Manifold& manifold)
+void add_region(const ManifoldJob& job, RegionMaker& maker, const std::vector<const Meeting*>& meetings,
+                std::span<const Meeting* const> others)
 {
-    RegionDraft& draft = memory.draft;
-    draft.clear();
-    draft.rounding = rounding_of(a, b);
+    const PlacedSurface &a = job.a, &b = job.b;
+    RegionDraft& draft = maker.draft;
+    draft.begin(RegionKind::touching, !job.solid(), job.rounding);
     ManifoldRegion& region = draft.region;
-    region.kind = RegionKind::touching, region.open = !a.solid() || !b.solid();
     Vector3d sum = Vector3d::Zero(), moment = Vector3d::Zero();
     Aabb box;
     for (const Meeting* m : meetings) {
@@ -141,7 +140,8 @@ void add_region(ManifoldMemory& memory, const std::vector<const Meeting*>& meeti
         }
     }
     for (const Meeting* m : others) draft.contacts.insert(draft.contacts.end(), m->points.begin(), m->points.end());
-    const bool known = sum.norm() > 1e-6 * (region.area > 0 ? region.area : double(meetings.size()));
+    const double weights = region.area > 0 ? region.area : double(meetings.size());
+    const bool known = sum.norm() > manifold_limits::least_direction * weights;
     region.normal = known ? Vector3d(sum.normalized()) : Vector3d::UnitX();
     region.normal_error = known ? 0x1p-40 : std::numbers::pi;
     for (const Meeting* m : meetings)
@@ -149,19 +149,54 @@ void add_region(ManifoldMemory& memory, const std::vector<const Meeting*>& meeti
             region.normal_error = std::max(region.normal_error, angle_between(m->normal, region.normal) + 0x1p-40);
     region.centre = region.area > 0 ? Vector3d(moment / region.area) : box.centre();
     region.depth_upper = 4 * draft.rounding + a.error() + b.error();
-    finish(memory, a, b, options, manifold);
+    maker.finish(job);
 }
 
 } // namespace
 
-void add_touching_regions(ManifoldMemory& memory, std::span<const TrianglePair> pairs, const PlacedSurface& a,
-                          const PlacedSurface& b, const ManifoldOptions& options, Manifold& manifold)
+/// Pairs that meet elsewhere than at lumps with a volume: without pairs of such a lump's triangles, or of neighbours of
+/// these, near the lump's curve.
+std::vector<TrianglePair> TouchingRegions::other_pairs(const ManifoldJob& job, std::span<const TrianglePair> meeting,
+                                                       const OverlapPatches& overlap)
+{
+    std::vector<TrianglePair> rest;
+    const auto has_volume = [&](std::uint32_t lump) { return overlap.lumps[lump].has_volume(job.rounding); };
+    for (std::size_t i = 0; i < meeting.size(); ++i)
+        if (const std::uint32_t patch = overlap.crossing[i];
+            patch == OverlapPatches::none || !has_volume(overlap.patches[0][patch].lump))
+            rest.push_back(meeting[i]);
+    if (rest.empty() || overlap.lumps.empty()) return rest;
+    const double slack = 16 * job.rounding;
+    for (const int side : {0, 1}) {
+        vertices_.clear(), lump_of_.clear();
+        for (const Patch& p : overlap.patches[side])
+            if (has_volume(p.lump))
+                for (const std::uint32_t v : p.corners) {
+                    bool is_new;
+                    vertices_.add(v, is_new), lump_of_.resize(vertices_.count(), p.lump);
+                }
+        if (vertices_.count() == 0) continue;
+        std::erase_if(rest, [&](const TrianglePair& pair) {
+            Aabb of_a, of_b;
+            for (const Vector3d& p : job.a.points(pair.a)) of_a.add(p);
+            for (const Vector3d& p : job.b.points(pair.b)) of_b.add(p);
+            const Aabb common{of_a.min.cwiseMax(of_b.min).array() - slack, of_a.max.cwiseMin(of_b.max).array() + slack};
+            return std::ranges::any_of(job.surface(side).corners(side == 0 ? pair.a : pair.b), [&](std::uint32_t v) {
+                const std::uint32_t number = vertices_.find(v);
+                return number != KeyNumbers::none && overlap.lumps[lump_of_[number]].box.overlaps(common);
+            });
+        });
+    }
+    return rest;
+}
+
+void TouchingRegions::add(const ManifoldJob& job, std::span<const TrianglePair> meeting, const OverlapPatches& overlap,
+                          RegionMaker& maker)
 {
     std::vector<Meeting> meetings;
-    const double rounding = 4 * rounding_of(a, b);
-    for (const TrianglePair& pair : pairs)
-        meetings.push_back(meeting_of(pair, a.points(pair.a), b.points(pair.b), rounding));
-    for (const auto& group : connected(meetings, a, b)) {
+    for (const TrianglePair& pair : other_pairs(job, meeting, overlap))
+        meetings.push_back(meeting_of(pair, job.a.points(pair.a), job.b.points(pair.b), 4 * job.rounding));
+    for (const auto& group : connected(meetings, job, vertices_)) {
         const Rank best = (*std::ranges::max_element(group, {}, [](const Meeting* m) { return m->rank; }))->rank;
         std::vector<std::vector<const Meeting*>> directions;
         std::vector<const Meeting*> others;
@@ -171,18 +206,17 @@ void add_touching_regions(ManifoldMemory& memory, std::span<const TrianglePair> 
                 continue;
             }
             const auto at = std::ranges::find_if(directions, [&](const auto& d) {
-                return best < Rank::face || angle_between(d.front()->normal, m->normal) <= options.normal_spread;
+                return best < Rank::face || angle_between(d.front()->normal, m->normal) <= job.options.normal_spread;
             });
             if (at == directions.end())
                 directions.push_back({m});
             else
                 at->push_back(m);
         }
-        for (const auto& direction : directions)
-            add_region(memory, direction,
-                       &direction == &directions.front() ? std::span<const Meeting* const>(others)
-                                                         : std::span<const Meeting* const>(),
-                       a, b, options, manifold);
+        for (const auto& direction : directions) {
+            add_region(job, maker, direction, others);
+            others.clear(); // they count for the first
+        }
     }
 }
 

@@ -1,10 +1,10 @@
 // Limits of the number of points of a pair, and of many pairs.
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include <oncollide/narrowphase/pairs/manifold_tests.hpp>
-#include <oncollide/narrowphase/pairs/manifolds/region_draft.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/points/candidate.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/points/point_hull.hpp>
 
 namespace oncollide {
 
@@ -36,12 +36,7 @@ void limit_points(Manifold& manifold, std::size_t most)
         ManifoldRegion& r = manifold.regions[i];
         const auto own = std::span<const ManifoldPoint>(manifold.points).subspan(r.first, r.count);
         const auto first = own.first(shares[i]);
-        // The distance from a hull is convex, so the hull of all points is no farther from the hull of the kept points
-        // than the farthest dropped point.
-        double moved = 0;
-        if (const PointHull hull(first); !first.empty())
-            for (const ManifoldPoint& p : own.subspan(shares[i])) moved = std::max(moved, hull.distance2(middle_of(p)));
-        r.lost += std::sqrt(moved) * (1 + 0x1p-40);
+        r.lost += most_lost(first, own.subspan(shares[i]));
         r.first = static_cast<std::uint32_t>(kept.size()), r.count = shares[i];
         kept.insert(kept.end(), first.begin(), first.end());
     }
