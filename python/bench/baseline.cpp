@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include <oncollide/pipeline/two_geometries.hpp>
 #include <oncollide/pipeline/world.hpp>
 
 using namespace oncollide;
@@ -42,28 +41,29 @@ int main(int arguments, char** argument)
     if (arguments > 1) seconds = std::atof(argument[1]);
     const auto ball = std::make_shared<const Geometry>(Geometry{"ball", Shape(Sphere{1}), ""});
     World empty({.exact = ExactLevel::predicates}), world({.exact = ExactLevel::predicates});
-    const ModelId model = world.add(ball);
-    const BodyId a = world.add_body({.model = model}), b = world.add_body({.model = model, .pose = at(3)});
-    const Eigen::Isometry3d pose = at(3), far = at(50);
+    const ModelId model = world.models().add(ball);
+    Bodies& bodies = world.bodies();
+    const BodyId a = bodies.add({.model = model}), b = bodies.add({.model = model, .pose = at(3)});
+    const Eigen::Isometry3d pose = at(3);
+    const PlacedModel far{model, at(50)};
     std::vector<BodyId> many;
     std::vector<Eigen::Isometry3d> places;
     for (int i = 0; i < 10000; ++i)
-        places.push_back(at(100 + 3 * i)), many.push_back(world.add_body({.model = model, .pose = places.back()}));
+        places.push_back(at(100 + 3 * i)), many.push_back(bodies.add({.model = model, .pose = places.back()}));
     volatile double sink = 0;
 
-    time("World.is_static", 1, [&] { sink = sink + world.is_static(b); });
-    time("World.pose", 1, [&] { sink = sink + world.pose(b)(0, 3); });
-    time("World.set_pose", 1, [&] { world.set_pose(b, pose); });
-    time("World.query", 1, [&] { sink = sink + double(world.query(model, far).size()); });
-    time("World.distance", 1, [&] { sink = sink + world.distance(a, b).lower; });
+    time("bodies.is_static", 1, [&] { sink = sink + bodies.is_static(b); });
+    time("bodies.pose", 1, [&] { sink = sink + bodies.pose(b)(0, 3); });
+    time("bodies.set_pose", 1, [&] { bodies.set_pose(b, pose); });
+    time("space.overlaps", 1, [&] { sink = sink + double(world.space().overlaps(far).size()); });
+    time("pairs.distance", 1, [&] { sink = sink + world.pairs().distance(a, b).lower; });
     time("World.step", 1, [&] { sink = sink + double(empty.step().pairs.size()); });
-    time("World.set_poses", 10000, [&] { world.set_poses(many, places); });
+    time("bodies.set_pose of many", 10000, [&] { bodies.set_pose(many, places); });
 
-    MeshQueries queries({ball}, {.exact = ExactLevel::predicates});
     constexpr std::size_t count = 100'000;
-    std::vector<MeshQuery> batch;
-    for (std::size_t i = 0; i < count; ++i) batch.push_back({0, 0, at(0), at(3 + 1e-5 * double(i))});
+    std::vector<PairOfModels> batch;
+    for (std::size_t i = 0; i < count; ++i) batch.push_back({{model, at(0)}, {model, at(3 + 1e-5 * double(i))}});
     std::vector<Finding> results(count);
-    time("Queries.run", count, [&] { queries.run(batch, results); });
+    time("pairs.decide of many", count, [&] { world.pairs().decide(batch, results); });
     return sink > 1e300;
 }

@@ -14,10 +14,10 @@ x, y = np.meshgrid(np.linspace(0, 20, 81), np.linspace(0, 20, 81))
 heights = 1.5 * np.sin(0.6 * x) * np.cos(0.5 * y) + 0.05 * rng.normal(size=x.shape)
 
 world = oncollide.World(max_error=0.01)  # metres
-land = world.add_body(world.add(oncollide.terrain(heights, spacing=0.25, name="hills")), static=True)
+land = world.bodies.add(world.models.add(oncollide.terrain(heights, spacing=0.25, name="hills")), static=True)
 
 # %% [markdown]
-# All rocks share two models, and with them their trees. `add_bodies` takes poses as (N, 4, 4), or as position and
+# All rocks share two models, and with them their trees. `bodies.add` takes many poses as (N, 4, 4), or as position and
 # quaternion, (N, 7).
 
 # %%
@@ -26,8 +26,8 @@ poses = np.zeros((count, 7))
 poses[:, :3] = rng.uniform([1, 1, 4], [19, 19, 30], (count, 3))
 poses[:, 3:] = rng.normal(size=(count, 4))
 poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)
-round_rocks = world.add_bodies(world.add(oncollide.sphere_mesh(0.3, 500)), poses[: count // 2])
-sharp_rocks = world.add_bodies(world.add(oncollide.convex_hull(rng.normal(size=(12, 3)) * 0.25)), poses[count // 2 :])
+round_rocks = world.bodies.add(world.models.add(oncollide.sphere_mesh(0.3, 500)), poses[: count // 2])
+sharp_rocks = world.bodies.add(world.models.add(oncollide.convex_hull(rng.normal(size=(12, 3)) * 0.25)), poses[count // 2 :])
 rocks = np.concatenate([round_rocks, sharp_rocks])
 
 # %% [markdown]
@@ -43,7 +43,7 @@ for frame_number in range(300):
     moving = ~resting
     speed[moving] += 9.81 / 60
     poses[moving, 2] -= speed[moving] / 60
-    world.set_poses(rocks[moving], poses[moving])
+    world.bodies.set_pose(rocks[moving], poses[moving])
     frame = world.step()
     close = frame.pairs[frame.pairs["verdict"] != oncollide.Verdict.SEPARATE]
     bounds.append(close["bound"].max(initial=0))
@@ -62,7 +62,7 @@ print(f"every bound is at most 1 cm: {max(bounds) <= 0.01}")
 
 # %%
 lowest = rocks[np.argmin(poses[:, 2])]
-found = world.distance(lowest, land)
+found = world.pairs.distance(lowest, land)
 print(f"the lowest rock is at most {100 * found['upper']:.1f} cm above the ground")
 
 # %%

@@ -1,7 +1,7 @@
 # %% [markdown]
 # # A map of where a body fits
 #
-# A planner tests many times whether a body collides at a pose. `Queries` tests whole arrays of poses at once. Here a
+# A planner tests many times whether a body collides at a pose. `World.pairs` tests whole arrays of poses at once. Here a
 # T-shaped body is tested at every position and rotation of a grid in a flat with two rooms. Run it as a program, or open
 # it as a notebook: each `# %%` begins a cell. It draws fits.png if matplotlib is installed.
 
@@ -44,20 +44,21 @@ poses[:, 0, 3], poses[:, 1, 3] = x.ravel(), y.ravel()
 poses[:, 2, 2] = poses[:, 3, 3] = 1
 
 # %%
-queries = oncollide.Queries([body, walls], exact="predicates", threads=0)
-verdict, bound = queries.run(0, 1, poses, np.eye(4))
-free = (verdict == oncollide.Verdict.SEPARATE).reshape(a.shape)
-print(f"{verdict.size} poses, {100 * free.mean():.0f} % of them are free")
+world = oncollide.World(exact="predicates", threads=0)
+body, walls = world.models.add(body), world.models.add(walls)
+found = world.pairs.decide((body, poses), (walls, None))
+free = (found["verdict"] == oncollide.Verdict.SEPARATE).reshape(a.shape)
+print(f"{found.size} poses, {100 * free.mean():.0f} % of them are free")
 
 # %% [markdown]
-# In the doorway the body fits at few rotations. `distances` returns the remaining clearance.
+# In the doorway the body fits at few rotations. `distance` returns the remaining clearance.
 
 # %%
 middle = np.argmin(np.abs(grid_x)), np.argmin(np.abs(grid_y))
 turns_that_fit = np.flatnonzero(free[:, middle[1], middle[0]])
 print(f"in the doorway it fits at {len(turns_that_fit)} of {turns} rotations")
 place = poses.reshape(*a.shape, 4, 4)[turns_that_fit, middle[1], middle[0]]
-room = queries.distances(0, 1, np.ascontiguousarray(place), np.eye(4))
+room = world.pairs.distance((body, place), (walls, None))
 print(f"and at the best of them it has {100 * room['upper'].max(initial=0):.0f} cm of room")
 
 # %%

@@ -28,9 +28,9 @@ pathlib.Path("arm.urdf").write_text(f"""<robot name="arm">
 posts = [(1.5, 0.4), (1.2, -0.8), (-0.3, 1.3), (0.7, 1.2)]
 
 world = oncollide.World(threads=0)
-post = world.add(oncollide.cylinder(0.03, 1))
+post = world.models.add(oncollide.cylinder(0.03, 1))
 for x, y in posts:
-    world.add_body(post, [x, y, 0, 0, 0, 0, 1], static=True)
+    world.bodies.add(post, [x, y, 0, 0, 0, 0, 1], static=True)
 robot = oncollide.Robot(world, "arm.urdf")
 
 # %% [markdown]
@@ -55,7 +55,7 @@ def grown(tree, target, reach=0.6):
     way = target - points[near]
     length = np.linalg.norm(way)
     new = target if length <= reach else points[near] + reach / length * way
-    if robot.check_edges(points[near], new, first=False)["verdict"][0] != oncollide.Verdict.SEPARATE:
+    if robot.check_edges(points[near], new, first=False)["verdict"] != oncollide.Verdict.SEPARATE:
         return None
     points.append(new)
     parents.append(near)
@@ -98,7 +98,7 @@ print(f"a plan of {len(edges)} motions; all of them are free: {(edges['verdict']
 frames = 240
 share = np.linspace(0, len(way) - 1, frames)
 configurations = np.stack([np.interp(share, np.arange(len(way)), way[:, joint]) for joint in range(2)], axis=1)
-poses = np.array([robot.link_poses(q) for q in configurations])  # (frames, links, 4, 4)
+poses = robot.link_poses(configurations)  # (frames, links, 4, 4)
 bodies = [{"geometry": "post", "position": [x, y, 0], "static": True} for x, y in posts]
 for link in (1, 2):
     middle = poses[:, link, :3, :3] @ [0.5, 0, 0] + poses[:, link, :3, 3]

@@ -29,14 +29,14 @@ velocity = rng.normal(size=(count, 3)) * 0.02  # metres per frame
 def play(**settings):
     """(milliseconds per frame, pairs of all frames as (frame, a, b))"""
     world = oncollide.World(**settings)
-    models = [world.add(mesh) for mesh in (knot, rock)]
-    bodies = np.concatenate([world.add_bodies(m, start[k::2]) for k, m in enumerate(models)])
+    models = [world.models.add(mesh) for mesh in (knot, rock)]
+    bodies = np.concatenate([world.bodies.add(m, start[k::2]) for k, m in enumerate(models)])
     order = np.concatenate([np.arange(count)[0::2], np.arange(count)[1::2]])
     times, pairs = [], set()
     for number in range(frames):
         poses = start.copy()
         poses[:, :3] += number * velocity
-        world.set_poses(bodies, poses[order])
+        world.bodies.set_pose(bodies, poses[order])
         frame = world.step()
         times.append(frame.ms)
         left = frame.pairs[frame.pairs["verdict"] != Verdict.SEPARATE]

@@ -1,10 +1,11 @@
 """oncollide finds which bodies of a large environment collide, frame by frame, at a certified accuracy.
 
-Geometries are made by mesh(), load(), sphere(), terrain() and others. A World holds bodies and finds the
-pairs that collide; Queries test many pairs at many poses at once. Lengths are metres, angles radians.
+Geometries are made by mesh(), load(), sphere(), terrain() and others. A World holds models and bodies, finds the pairs that
+collide, and has queries of two sides (World.pairs) and of one thing against all bodies (World.space), one or many at once. Lengths are metres, angles radians.
 """
 
 import enum
+import functools
 
 try:
     import numpy as _numpy
@@ -13,78 +14,45 @@ except ModuleNotFoundError as _missing:
         raise
     raise ImportError("oncollide needs NumPy: apt install python3-numpy, or pip install numpy") from None
 
-from ._core import (
-    Error,
-    Frame,
-    Geometry,
-    Model,
-    Queries,
-    Robot,
-    World,
-    box,
-    box_mesh,
-    capsule,
-    cone,
-    convex_hull,
-    cook,
-    cylinder,
-    ellipsoid,
-    half_space,
-    hills,
-    load,
-    load_map,
-    load_mesh,
-    load_terrain,
-    mesh,
-    occupancy_map,
-    sphere,
-    sphere_mesh,
-    terrain,
-    torus_knot_mesh,
-    torus_mesh,
-)
+from . import _core
+from ._core import Bodies, Error, Frame, Geometry, Model, Models, Pairs, Robot, Space
 
 __version__ = "0.1.0"
+
+
+def _by_name(function):
+    """Wraps a function, so that pools of processes can pickle it; they cannot pickle a function of an extension."""
+
+    @functools.wraps(function)
+    def call(*arguments, **options):
+        return function(*arguments, **options)
+
+    call.__module__, call.__qualname__ = __name__, function.__name__
+    return call
+
+
+for _name, _item in list(vars(_core).items()):
+    if not _name.startswith("_") and not isinstance(_item, type):
+        globals()[_name] = _by_name(_item)
+
+
+class World(_core.World):
+    __doc__ = _core.World.__doc__
+    __slots__ = {  # made once, so that a call costs no object more
+        "models": "Geometries that bodies share: Models.",
+        "bodies": "Models at poses: Bodies.",
+        "pairs": "Queries of two sides, or of many pairs: Pairs.",
+        "space": "Queries of one thing against all bodies: Space.",
+    }
+
+    def __init__(self, **settings):
+        super().__init__(**settings)
+        self.models, self.bodies, self.pairs, self.space = Models(self), Bodies(self), Pairs(self), Space(self)
 
 
 def slots(ids):
     """The slots of bodies from their ids, uint32 (N,): small numbers for tables and messages; free slots are reused."""
     return (_numpy.asarray(ids, dtype=_numpy.uint64) & 0xFFFFFFFF).astype(_numpy.uint32)
-
-
-MeshQueries = Queries  # the name in C++
-
-
-def _sides(a, pose_a, b, pose_b):
-    world = World(exact="predicates")
-    return world, (world.add(a), pose_a), (world.add(b), pose_b)
-
-
-def collide(a, pose_a, b, pose_b):
-    """Whether two geometries at two poses collide, exactly; touching counts. Returns a result as World.decide().
-
-    This call and distance(), contacts() and penetration() build their trees anew; a World or Queries keep them.
-    """
-    world, one, other = _sides(a, pose_a, b, pose_b)
-    return world.decide(one, other)
-
-
-def distance(a, pose_a, b, pose_b, tolerance=0.0, cutoff=None):
-    """Certified bounds on the distance of two geometries at two poses, as World.distance()."""
-    world, one, other = _sides(a, pose_a, b, pose_b)
-    return world.distance(one, other, tolerance, cutoff)
-
-
-def contacts(a, pose_a, b, pose_b):
-    """All pairs of parts of two geometries at two poses that meet, as World.contacts()."""
-    world, one, other = _sides(a, pose_a, b, pose_b)
-    return world.contacts(one, other)
-
-
-def penetration(a, pose_a, b, pose_b):
-    """How deep two geometries at two poses penetrate each other, as World.penetration()."""
-    world, one, other = _sides(a, pose_a, b, pose_b)
-    return world.penetration(one, other)
 
 
 class Verdict(enum.IntEnum):
@@ -106,7 +74,17 @@ class ContactKind(enum.IntEnum):
     ENCLOSED = 4  #: a part of one body is inside the other
 
 
-__all__ = [name for name in dir() if not name.startswith("_") and name != "enum"]
-for _item in (Error, Frame, Geometry, Model, Queries, Robot, World):
+class Stage(enum.IntEnum):
+    """The stages of a step, in order; the numbers in `stage` of Frame.pairs: the stage that decided."""
+
+    BOUNDS = 0  #: boxes around the bodies
+    DELIMITATION = 1  #: regions in which no pair can collide
+    BROAD = 2  #: pairs whose boxes overlap
+    REFINE = 3  #: bounding volumes
+    EXACT = 4  #: predicates, or FCL
+
+
+__all__ = [name for name in dir() if not name.startswith("_") and name not in ("enum", "functools")]
+for _item in (Bodies, Error, Frame, Geometry, Model, Models, Pairs, Robot, Space, World):
     _item.__module__ = __name__
-del _item
+del _item, _name

@@ -88,7 +88,7 @@ class CollisionManager:
         the identity.
         """
         key = self._model_key(mesh)
-        body = self._world.add_body(self._models[key][0], transform)
+        body = self._world.bodies.add(self._models[key][0], transform)
         if name in self._bodies:
             self.remove_object(name)
         self._use(key)
@@ -98,13 +98,13 @@ class CollisionManager:
     def remove_object(self, name):
         """Removes an object. Raises ValueError if there is none with that name."""
         body = self._body(name)
-        self._world.remove_body(body)
+        self._world.bodies.remove(body)
         del self._bodies[name], self._names[body]
         self._leave(self._keys.pop(name))
 
     def set_transform(self, name, transform):
         """Moves an object. Raises ValueError if there is none with that name."""
-        self._world.set_pose(self._body(name), transform)
+        self._world.bodies.set_pose(self._body(name), transform)
 
     def in_collision_single(self, mesh, transform=None, return_names=False, return_data=False):
         """Returns whether a mesh collides with any object.
@@ -112,15 +112,12 @@ class CollisionManager:
         return_names adds the set of their names, return_data a list of ContactData: every pair of triangles that meet,
         so none for a mesh that is completely inside another.
         """
-        key = self._model_key(mesh)
-        hits = self._world.query(self._models[key][0], transform)
+        model = self._models[self._model_key(mesh)][0]
+        hits = self._world.space.overlaps(model, transform)
         names = [self._names[int(body)] for body in hits["body"]]
         data = []
         if return_data and names:
-            with self._passing(key, transform) as body:
-                data = self._contacts(
-                    [(hit, body) for hit in hits["body"]], [(name, _EXTERNAL) for name in names], hits["bound"]
-                )
+            data = self._contacts(hits["body"], (model, transform), [(name, _EXTERNAL) for name in names], hits["bound"])
         return _results(bool(names), set(names), data, return_names, return_data)
 
     def in_collision_internal(self, return_names=False, return_data=False):
@@ -133,7 +130,7 @@ class CollisionManager:
         names = [(self._names[int(a)], self._names[int(b)]) for a, b in zip(pairs["a"], pairs["b"])]
         data = []
         if return_data and names:
-            data = self._contacts(list(zip(pairs["a"], pairs["b"])), names, pairs["bound"])
+            data = self._contacts(pairs["a"], pairs["b"], names, pairs["bound"])
         return _results(bool(names), {tuple(sorted(pair)) for pair in names}, data, return_names, return_data)
 
     def in_collision_other(self, other_manager, return_names=False, return_data=False):
@@ -143,13 +140,12 @@ class CollisionManager:
         list of ContactData.
         """
         pairs, data = set(), []
-        for name, (key, pose) in self._objects_of(other_manager):
-            hits = self._world.query(self._models[key][0], pose)
+        for name, (model, pose) in self._objects_of(other_manager):
+            hits = self._world.space.overlaps(model, pose)
             found = [(self._names[int(body)], name) for body in hits["body"]]
             pairs.update(found)
             if return_data and found:
-                with self._passing(key, pose) as body:
-                    data += self._contacts([(hit, body) for hit in hits["body"]], found, hits["bound"])
+                data += self._contacts(hits["body"], (model, pose), found, hits["bound"])
         return _results(bool(pairs), pairs, data, return_names, return_data)
 
     def min_distance_single(self, mesh, transform=None, return_name=False, return_data=False):
@@ -158,9 +154,9 @@ class CollisionManager:
         In metres; 0 if they meet, inf without objects. return_name adds the object's name, return_data a DistanceData.
         """
         nearest = _Nearest()
-        with self._passing(self._model_key(mesh), transform) as body:
-            for name, other in self._bodies.items():
-                nearest.look(self._world, other, body, (name, _EXTERNAL))
+        placed = self._models[self._model_key(mesh)][0], transform
+        for name, other in self._bodies.items():
+            nearest.look(self._world, other, placed, (name, _EXTERNAL))
         name = nearest.names[0] if nearest.names else None
         return _results(nearest.distance, name, nearest.data(), return_name, return_data)
 
@@ -185,10 +181,9 @@ class CollisionManager:
         a DistanceData.
         """
         nearest = _Nearest()
-        for name, (key, pose) in self._objects_of(other_manager):
-            with self._passing(key, pose) as body:
-                for mine, other in self._bodies.items():
-                    nearest.look(self._world, other, body, (mine, name))
+        for name, placed in self._objects_of(other_manager):
+            for mine, other in self._bodies.items():
+                nearest.look(self._world, other, placed, (mine, name))
         return _results(nearest.distance, nearest.names, nearest.data(), return_names, return_data)
 
     # --- Models: objects with equal geometry share one.
@@ -211,7 +206,7 @@ class CollisionManager:
             key, make = digest.digest(), lambda: _mesh(vertices, faces)
         if key not in self._models:
             geometry = make()
-            self._models[key] = [self._world.add(geometry), geometry, 0]
+            self._models[key] = [self._world.models.add(geometry), geometry, 0]
             self._idle[key] = None
             self._drop_oldest()
         elif key in self._idle:
@@ -231,7 +226,7 @@ class CollisionManager:
     def _drop_oldest(self):
         while len(self._idle) > self._KEPT:
             key, _ = self._idle.popitem(last=False)
-            self._world.remove(self._models.pop(key)[0])
+            self._world.models.remove(self._models.pop(key)[0])
 
     # --- Objects.
 
@@ -240,38 +235,19 @@ class CollisionManager:
             raise ValueError(f"{name} not in collision manager!")
         return self._bodies[name]
 
-    def _passing(self, key, pose):
-        return _Passing(self, key, pose)
-
     def _objects_of(self, other):
-        """For each object of another manager: its name, the key of its model here, and its pose."""
+        """For each object of another manager: its name, and its model here with its pose."""
         for name, body in other._bodies.items():
-            yield name, (self._model_key(other._models[other._keys[name]][1]), other._world.pose(body))
+            key = self._model_key(other._models[other._keys[name]][1])
+            yield name, (self._models[key][0], other._world.bodies.pose(body))
 
-    def _contacts(self, bodies, names, bounds):
-        contacts, offsets = self._world.contacts_batch([a for a, _ in bodies], [b for _, b in bodies])
+    def _contacts(self, a, b, names, bounds):
+        contacts, offsets = self._world.pairs.contacts(a, b)
         return [
             ContactData(pair, contact, float(bound))
             for i, (pair, bound) in enumerate(zip(names, bounds))
             for contact in contacts[offsets[i] : offsets[i + 1]]
         ]
-
-
-class _Passing:
-    """A body that is in a manager's World during one call."""
-
-    def __init__(self, manager, key, pose):
-        self._manager, self._key, self._pose = manager, key, pose
-
-    def __enter__(self):
-        manager = self._manager
-        self._body = manager._world.add_body(manager._models[self._key][0], self._pose)
-        manager._use(self._key)
-        return self._body
-
-    def __exit__(self, *_):
-        self._manager._world.remove_body(self._body)
-        self._manager._leave(self._key)
 
 
 class _Nearest:
@@ -283,7 +259,7 @@ class _Nearest:
     def look(self, world, a, b, names):
         if self.distance == 0:
             return
-        found = world.distance(a, b, farthest=self.distance)
+        found = world.pairs.distance(a, b, cutoff=self.distance)
         if found["upper"] < self.distance:
             self.distance, self.names, self._found = float(found["upper"]), names, found
 

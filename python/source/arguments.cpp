@@ -1,5 +1,6 @@
 #include "arguments.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -194,28 +195,36 @@ std::vector<Eigen::Vector3d> points(py::handle value, const Place& place)
     return made;
 }
 
-Eigen::Isometry3d pose(py::handle value, const Place& place)
+Points::Points(py::handle value, const Place& place)
+    : array_(doubles(value, place)), at_(static_cast<const double*>(array_.data())),
+      size_(static_cast<std::size_t>(array_.size()) / 3), one_(array_.ndim() == 1)
 {
-    if (value.is_none()) return Eigen::Isometry3d::Identity();
-    const py::array array = doubles(value, place);
-    const auto* at = static_cast<const double*>(array.data());
-    if (has_shape(array, {4, 4})) return of_rows(at);
-    if (!has_shape(array, {7}))
-        refuse_value(place, "expected shape (4, 4), or (7,) with x y z qx qy qz qw, got " + shape_of(array));
-    double rows[16];
-    write_rows(at, rows, place);
-    return of_rows(rows);
+    if (!has_shape(array_, {3}) && !has_shape(array_, {-1, 3}))
+        refuse_value(place, "expected shape (3,) or (N, 3), got " + shape_of(array_));
 }
 
-Poses::Poses(py::handle value, const Place& place) : array_(doubles(value, place))
+Eigen::Isometry3d pose(py::handle value, const Place& place)
 {
-    const bool matrices = has_shape(array_, {4, 4}) || has_shape(array_, {-1, 4, 4});
-    if (!matrices && !has_shape(array_, {7}) && !has_shape(array_, {-1, 7}))
-        refuse_value(place, "expected shape (N, 4, 4), or (N, 7) with x y z qx qy qz qw, or one pose for all, got " +
-                                shape_of(array_));
-    one_ = array_.ndim() == (matrices ? 2 : 1);
-    const auto* at = static_cast<const double*>(array_.data());
-    const auto size = static_cast<std::size_t>(array_.size());
+    return Poses(value, place, false)[0];
+}
+
+Poses::Poses(py::handle value, const Place& place, bool may_be_many)
+{
+    if (value.is_none()) {
+        made_ = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+        rows_ = made_;
+        return;
+    }
+    const py::array array = doubles(value, place);
+    kept_ = array;
+    const bool matrices = has_shape(array, {4, 4}) || (may_be_many && has_shape(array, {-1, 4, 4}));
+    if (!matrices && !has_shape(array, {7}) && !(may_be_many && has_shape(array, {-1, 7})))
+        refuse_value(place, fmt::format("expected shape {}, or {} with x y z qx qy qz qw{}, got {}",
+                                        may_be_many ? "(N, 4, 4)" : "(4, 4)", may_be_many ? "(N, 7)" : "(7,)",
+                                        may_be_many ? ", or one pose for all" : "", shape_of(array)));
+    one_ = array.ndim() == (matrices ? 2 : 1);
+    const auto* at = static_cast<const double*>(array.data());
+    const auto size = static_cast<std::size_t>(array.size());
     if (matrices) {
         rows_ = {at, size};
         return;
@@ -244,36 +253,49 @@ BodyId body(py::handle value, const Place& place)
     return id_of(whole(value, place, ~std::uint64_t{0}));
 }
 
-std::vector<BodyId> bodies(py::handle value, const Place& place)
+bool is_many(py::handle value)
 {
-    if (py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value)) { // NumPy makes floats of int and uint64
+    if (py::isinstance<py::array>(value)) return py::reinterpret_borrow<py::array>(value).ndim() > 0;
+    if (PyIndex_Check(value.ptr()) || PyUnicode_Check(value.ptr())) return false;
+    return PySequence_Check(value.ptr()) || py::hasattr(value, "__array__");
+}
+
+Ids::Ids(py::handle value, const Place& place) : one_(PyLong_CheckExact(value.ptr()) || !is_many(value))
+{
+    if (one_) {
+        single_ = body(value, place);
+        ids_ = {&single_, 1};
+        return;
+    }
+    if (!py::isinstance<py::array>(value)) { // NumPy makes floats of int and uint64
         const auto items = py::reinterpret_borrow<py::sequence>(value);
-        std::vector<BodyId> made;
-        bool integers = true;
-        for (py::handle item : items) integers &= PyIndex_Check(item.ptr()) && !PyBool_Check(item.ptr());
-        if (integers) {
-            for (py::handle item : items) {
-                const auto number = py::reinterpret_steal<py::object>(PyNumber_Index(item.ptr()));
-                const int negative = PyObject_RichCompareBool(number.ptr(), py::int_(0).ptr(), Py_LT);
-                made.push_back(negative ? id_of(~std::uint64_t{0}) : body(number, place));
-            }
-            return made;
+        const auto is_whole = [](py::handle item) { return PyIndex_Check(item.ptr()) && !PyBool_Check(item.ptr()); };
+        if (PySequence_Check(value.ptr()) && std::all_of(items.begin(), items.end(), is_whole)) {
+            for (py::handle item : items) made_.push_back(body(item, place));
+            ids_ = made_;
+            return;
         }
     }
     const py::array array = whole_numbers(value, place);
     if (array.ndim() != 1) refuse_value(place, "expected shape (N,), got " + shape_of(array));
-    const auto* at = static_cast<const std::uint64_t*>(array.data()); // a negative number becomes an id that no body
-                                                                      // has
-    std::vector<BodyId> made(static_cast<std::size_t>(array.shape(0)));
-    for (std::size_t i = 0; i < made.size(); ++i) made[i] = id_of(at[i]);
-    return made;
+    static_assert(sizeof(BodyId) == 8); // a negative number becomes an id that no body has
+    ids_ = {static_cast<const BodyId*>(array.data()), static_cast<std::size_t>(array.shape(0))};
+    kept_ = array;
 }
 
 py::array ids_of(std::span<const BodyId> bodies)
 {
-    py::array_t<std::uint64_t> made(static_cast<py::ssize_t>(bodies.size()));
-    for (std::size_t i = 0; i < bodies.size(); ++i) made.mutable_at(i) = number_of(bodies[i]);
-    return made;
+    return py::array(py::dtype("u8"), static_cast<py::ssize_t>(bodies.size()), bodies.data());
+}
+
+void Lengths::add(const char* argument, bool one, std::size_t entries)
+{
+    if (one) return;
+    if (!one_ && entries != size_)
+        refuse_value({call_, argument}, fmt::format("{} entries, but an earlier argument has {}; must be as many, or "
+                                                    "one for all",
+                                                    entries, size_));
+    one_ = false, size_ = entries;
 }
 
 py::array offsets_of(std::span<const std::size_t> offsets)

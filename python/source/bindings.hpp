@@ -1,7 +1,10 @@
 #pragma once
+#include <cstring>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include <fmt/format.h>
@@ -13,7 +16,7 @@
 
 namespace oncollide::python {
 
-/// Shared by Python and by all Worlds and Queries that use it. Immutable.
+/// Shared by Python and by all Worlds that use it. Immutable.
 using GeometryHandle = std::shared_ptr<const Geometry>;
 
 GeometryHandle geometry(py::handle value, const Place& place);
@@ -48,8 +51,9 @@ void refuse_pickles(Class& bound, const char* name, const char* text)
     });
 }
 
-/// Settings from keyword arguments.
+/// Settings from keyword arguments, and back.
 Settings settings_of(const py::kwargs& arguments, const char* call);
+py::dict dict_of(const Settings& settings);
 std::string settings_text(); ///< one line per setting, for docstrings
 
 // Each adds its part to the module. These functions are long because they are lists: a name, its arguments and its
@@ -57,9 +61,30 @@ std::string settings_text(); ///< one line per setting, for docstrings
 void bind_geometry(py::module_& module);
 void bind_shapes(py::module_& module);
 void bind_grids(py::module_& module);
+void bind_two_geometries(py::module_& module);
 void bind_world(py::module_& module);
-void bind_queries(py::module_& module);
 void bind_robot(py::module_& module);
+
+/// The signature of a function, as inspect.signature() reads it from the begin of a docstring.
+template <class... Arguments>
+std::string signature(const char* name, bool has_self, const Arguments&... arguments)
+{
+    std::string list = has_self ? "self" : "";
+    [[maybe_unused]] const auto add = [&](const auto& argument) {
+        list += (list.empty() ? "" : ", ") + std::string(argument.name);
+        if constexpr (requires { argument.value; }) list += "=" + std::string(py::repr(argument.value));
+    };
+    (add(arguments), ...);
+    return fmt::format("{}({})\n--\n\n", name, list);
+}
+
+/// Adds a function to a module, or a method to a class. Its docstring begins with the signature.
+template <class Scope, class Function, class... Arguments>
+void define(Scope& scope, const char* name, Function function, const char* text, const Arguments&... arguments)
+{
+    const std::string doc = signature(name, !std::is_same_v<Scope, py::module_>, arguments...) + text;
+    scope.def(name, function, arguments..., doc.c_str());
+}
 
 /// A NumPy type with the layout of one of the library's results.
 struct ResultType {
@@ -74,29 +99,17 @@ struct ResultType {
     void clear_gaps(void* results, std::size_t count) const;
 };
 
-/// NumPy types with the layout of the library's results.
-struct ResultTypes {
-    ResultType pair;           ///< PairResult
-    ResultType bodies;         ///< PairOfBodies
-    ResultType hit;            ///< QueryHit
-    ResultType cast;           ///< CastHit
-    ResultType contact;        ///< Contact
-    ResultType distance;       ///< Distance
-    ResultType finding;        ///< Finding
-    ResultType penetration;    ///< Penetration
-    ResultType sweep;          ///< SweepResult
-    ResultType sweep_hit;      ///< SweepHit
-    ResultType pair_sweep;     ///< PairSweep
-    ResultType robot;          ///< RobotFinding
-    ResultType robot_edge;     ///< RobotEdgeFinding
-    ResultType region;         ///< ManifoldRegion
-    ResultType manifold_point; ///< ManifoldPoint
-    ResultType near_features;  ///< NearFeatures
-};
 /// Called at import, before threads can wait for each other: making the types runs Python code, which may hand the
 /// interpreter's lock to a thread that needs them.
 void make_result_types();
-const ResultTypes& result_types();
+/// Never freed: the interpreter may end before static objects are destroyed.
+template <class Result>
+inline const ResultType* kept_type = nullptr;
+template <class Result>
+const ResultType& result_type()
+{
+    return *kept_type<Result>;
+}
 
 /// An array that takes ownership of the vector.
 template <class T>
@@ -107,11 +120,29 @@ py::array array_of(const py::dtype& type, std::vector<T> items)
     const py::capsule owner(kept, [](void* vector) { delete static_cast<std::vector<T>*>(vector); });
     return py::array(type, {static_cast<py::ssize_t>(kept->size())}, {}, kept->data(), owner);
 }
-template <class T>
-py::array array_of(const ResultType& type, std::vector<T> items)
+/// A structured array.
+template <class Result>
+py::array array_of(std::vector<Result> results)
 {
-    type.clear_gaps(items.data(), items.size());
-    return array_of(type.type, std::move(items));
+    const ResultType& type = result_type<Result>();
+    type.clear_gaps(results.data(), results.size());
+    return array_of(type.type, std::move(results));
+}
+/// A structured scalar.
+template <class Result>
+py::object scalar(const Result& result)
+{
+    const ResultType& type = result_type<Result>();
+    py::array made(type.type, py::ssize_t{1});
+    std::memcpy(made.mutable_data(), static_cast<const void*>(&result), sizeof result);
+    type.clear_gaps(made.mutable_data(), 1);
+    return made[py::int_(0)];
+}
+/// (items, offsets): list i is items[offsets[i]:offsets[i + 1]].
+template <class Result>
+py::tuple lists_of(Lists<Result> lists)
+{
+    return py::make_tuple(array_of(std::move(lists.items)), offsets_of(lists.offsets));
 }
 
 /// A class of the module.

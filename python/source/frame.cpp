@@ -28,17 +28,18 @@ struct FrameResult {
           sweeps(view.sweeps.begin(), view.sweeps.end()), stages(view.stages.begin(), view.stages.end()),
           trees(view.trees)
     {
-        result_types().pair.clear_gaps(pairs.data(), pairs.size());
-        result_types().pair_sweep.clear_gaps(sweeps.data(), sweeps.size());
+        result_type<PairResult>().clear_gaps(pairs.data(), pairs.size());
+        result_type<PairSweep>().clear_gaps(sweeps.data(), sweeps.size());
     }
 };
 
 /// A view of an array of the frame; it keeps the frame alive.
-template <auto member, auto type>
+template <auto member>
 py::array column(py::object self)
 {
     const auto& items = self.cast<const FrameResult&>().*member;
-    return py::array((result_types().*type).type, {static_cast<py::ssize_t>(items.size())}, {}, items.data(), self);
+    using Result = typename std::remove_cvref_t<decltype(items)>::value_type;
+    return py::array(result_type<Result>().type, {static_cast<py::ssize_t>(items.size())}, {}, items.data(), self);
 }
 
 py::dict stage_dict(const StageStats& s)
@@ -47,13 +48,6 @@ py::dict stage_dict(const StageStats& s)
     return py::dict("stage"_a = s.stage, "unit"_a = s.unit, "frames"_a = s.frames, "in"_a = s.in, "out"_a = s.out,
                     "culled"_a = s.culled, "undecided"_a = s.undecided, "cpu_ms"_a = s.cpu_ms, "gpu_ms"_a = s.gpu_ms,
                     "wait_ms"_a = s.wait_ms, "skipped"_a = s.skipped, "note"_a = s.note);
-}
-
-py::list stage_list(std::span<const StageStats> stages)
-{
-    py::list made;
-    for (const StageStats& stage : stages) made.append(stage_dict(stage));
-    return made;
 }
 
 /// A frame as a tuple, for pickles, and back.
@@ -109,6 +103,13 @@ std::unique_ptr<FrameResult> step(HeldWorld& held)
 
 } // namespace
 
+py::list stage_list(std::span<const StageStats> stages)
+{
+    py::list made;
+    for (const StageStats& stage : stages) made.append(stage_dict(stage));
+    return made;
+}
+
 void bind_frames(py::module_& m, WorldClass& world)
 {
     using namespace py::literals;
@@ -118,22 +119,23 @@ void bind_frames(py::module_& m, WorldClass& world)
         .def_readonly("ms", &FrameResult::ms, "Duration of the step, milliseconds (float).")
         .def_readonly("hash", &FrameResult::hash,
                       "Hash of the pairs that are not separate; equal input gives an equal hash (int).")
-        .def_property_readonly("pairs", &column<&FrameResult::pairs, &ResultTypes::pair>,
+        .def_property_readonly("pairs", &column<&FrameResult::pairs>,
                                R"(Every pair whose AABBs overlap, including separate pairs, sorted by slots.
 
-Structured (N,): a, b (uint64, ids of bodies), verdict (uint8, a Verdict), stage (uint8, index into World.stages), kind
+Structured (N,): a, b (uint64, ids of bodies), verdict (uint8, a Verdict), stage (uint8, a Stage), kind
 (uint8, a ContactKind), bound (float64, metres; separate: certified lower bound on the distance; within and undecided:
 certified upper bound; colliding: 0).)")
         .def_property_readonly(
-            "began", &column<&FrameResult::began, &ResultTypes::bodies>,
+            "began", &column<&FrameResult::began>,
             "Pairs that are not separate now, but were separate or absent in the step before: structured (N,), a, b "
             "(uint64).")
-        .def_property_readonly("ended", &column<&FrameResult::ended, &ResultTypes::bodies>,
+        .def_property_readonly("ended", &column<&FrameResult::ended>,
                                "The reverse, including pairs of removed bodies: structured (N,), a, b (uint64).")
-        .def_property_readonly("sweeps", &column<&FrameResult::sweeps, &ResultTypes::pair_sweep>,
-                               R"(When the pairs in which a body moved by set_motions() first met, ascending by pair.
+        .def_property_readonly(
+            "sweeps", &column<&FrameResult::sweeps>,
+            R"(When the pairs in which a body moved by bodies.set_motion() first met, ascending by pair.
 
-Structured (N,): pair (uint32, index into pairs), and the fields of World.pairs().sweep().)")
+Structured (N,): pair (uint32, index into pairs), and the fields of World.pairs.sweep().)")
         .def_property_readonly(
             "stages", [](const FrameResult& f) { return stage_list(f.stages); },
             "Counts of each stage: dicts with stage, unit, in, out, culled, undecided, cpu_ms and others.")
@@ -154,26 +156,10 @@ Structured (N,): pair (uint32, index into pairs), and the fields of World.pairs(
              })
         .def(py::pickle(&state_of_frame, &frame_from));
 
-    world.def("step", &step, R"(step(self)
---
-
-Finds all pairs at the bodies' present poses, and returns a Frame. Other Python threads can run meanwhile.
+    define(world, "step", &step,
+           R"(Finds all pairs at the bodies' present poses, and returns a Frame. Other Python threads can run meanwhile.
 
 Ctrl-C ends it soon, between two pairs, with KeyboardInterrupt; the World stays valid, and the next step is complete.)");
-
-    world.def_property_readonly("stages",
-                                look("World.stages",
-                                     [](const World& w) {
-                                         py::list names;
-                                         for (const std::string_view name : w.stages()) names.append(name);
-                                         return py::tuple(names);
-                                     }),
-                                "Names of the stages in order (tuple of str).");
-    world.def_property_readonly("totals",
-                                look("World.totals", [](const World& w) { return stage_list(w.inspect().totals); }),
-                                "Sums over all frames so far, as Frame.stages.");
-    world.def_property_readonly("hash", look("World.hash", [](const World& w) { return w.hash(); }),
-                                "Hash of all frames so far; equal input gives an equal hash (int).");
 }
 
 } // namespace oncollide::python

@@ -138,9 +138,8 @@ void bind_geometry(py::module_& m)
     py::class_<Geometry, std::shared_ptr<Geometry>>(m, "Geometry", R"(The geometry of a body, in its own frame, metres.
 
 Made by mesh(), load_mesh(), sphere(), terrain(), load_map() and others. It never changes, copies the arrays that it is
-made from, and is shared, not copied, by every World and Queries that uses it. It can be pickled, for processes that work
-on one scene: a mesh, a shape, a map or a terrain by its data, a
-geometry in a cooked file by the file's path.)")
+made from, and is shared, not copied, by every World that uses it. It can be pickled, for processes that work on one
+scene: a mesh, a shape, a map or a terrain by its data, a geometry in a cooked file by the file's path.)")
         .def_property_readonly(
             "name",
             [](const Geometry& g) { // a path may contain bytes that are not UTF-8
@@ -204,67 +203,56 @@ geometry in a cooked file by the file's path.)")
             py::pickle([](const Geometry& geometry) { return state_of(geometry); },
                        [](const py::tuple& state) { return std::const_pointer_cast<Geometry>(geometry_from(state)); }));
 
-    m.def("mesh", &mesh, "vertices"_a, "faces"_a, unnamed, R"(mesh(vertices, faces, name="")
---
-
-A triangle mesh from arrays, which are copied.
+    define(m, "mesh", &mesh, R"(A triangle mesh from arrays, which are copied.
 
 vertices: (V, 3) numbers, metres, finite and at most 1e15. faces: (F, 3) whole numbers, rows of `vertices`, F >= 1.
 name: used in messages. Raises TypeError or ValueError for arrays of another type or shape, Error for an index out of
-range or a vertex that is not finite. Cost: 10 ns per triangle.)");
-    m.def("load", &any_file, "path"_a, R"(load(path)
---
-
-A mesh, a map or a terrain from a file of any format, by its extension. A cooked file is read on demand. load_mesh,
+range or a vertex that is not finite. Cost: 10 ns per triangle.)",
+           "vertices"_a, "faces"_a, unnamed);
+    define(
+        m, "load", &any_file,
+        R"(A mesh, a map or a terrain from a file of any format, by its extension. A cooked file is read on demand. load_mesh,
 load_map and load_terrain have options. Raises Error for a file that is missing or not valid. A UserWarning names each
-thing that the reader leaves out, such as the skin of a glTF mesh.)");
-    m.def("load_mesh", &mesh_file, "path"_a, "scale"_a = 1.0, "fit_diagonal"_a = 0.0, "centre"_a = false,
-          "on_demand"_a = false, R"(load_mesh(path, scale=1.0, fit_diagonal=0.0, centre=False, on_demand=False)
---
-
-A mesh from an OBJ, STL, PLY, OFF, glTF, GLB, COLLADA or 3MF file, or from a cooked file.
+thing that the reader leaves out, such as the skin of a glTF mesh.)",
+        "path"_a);
+    define(m, "load_mesh", &mesh_file,
+           R"(A mesh from an OBJ, STL, PLY, OFF, glTF, GLB, COLLADA or 3MF file, or from a cooked file.
 
 scale: metres per unit of the file. fit_diagonal: if above 0, scales again so that the diagonal of its AABB has this
 length, metres. centre: moves the centre of the AABB to the origin. on_demand: leaves a cooked mesh in its file; a World
-reads the parts that other bodies come near. Raises Error for a file that is missing or not valid.)");
-    m.def("cook", &cook, "geometry"_a, "path"_a, R"(cook(geometry, path)
---
-
-Writes a mesh, a map or a terrain as a cooked file, NAME.cooked, which load_mesh(path, on_demand=True), load_map and
+reads the parts that other bodies come near. Raises Error for a file that is missing or not valid.)",
+           "path"_a, "scale"_a = 1.0, "fit_diagonal"_a = 0.0, "centre"_a = false, "on_demand"_a = false);
+    define(
+        m, "cook", &cook,
+        R"(Writes a mesh, a map or a terrain as a cooked file, NAME.cooked, which load_mesh(path, on_demand=True), load_map and
 load_terrain open without reading all of it. Results are the same as for `geometry`. Raises Error if the file cannot be
-written.)");
-    m.def(
-        "box_mesh",
+written.)",
+        "geometry"_a, "path"_a);
+    define(
+        m, "box_mesh",
         [](py::handle half) {
             return share("box", make_box_mesh(vector3(half, {"box_mesh", "half_extents"})));
         },
-        "half_extents"_a, R"(box_mesh(half_extents)
---
-
-A closed mesh of 12 triangles. half_extents: (3,) metres.)");
-    m.def(
-        "sphere_mesh",
+        "A closed mesh of 12 triangles. half_extents: (3,) metres.", "half_extents"_a);
+    define(
+        m, "sphere_mesh",
         [](py::handle radius, py::handle triangles) {
             return share("sphere", make_sphere_mesh(number(radius, {"sphere_mesh", "radius"}),
                                                     count(triangles, "sphere_mesh", "triangles")));
         },
-        "radius"_a, "triangles"_a, R"(sphere_mesh(radius, triangles)
---
-
-A closed mesh with corners on a sphere. radius: metres. triangles: their number; one less if it is odd.)");
-    m.def(
-        "torus_mesh",
+        "A closed mesh with corners on a sphere. radius: metres. triangles: their number; one less if it is odd.",
+        "radius"_a, "triangles"_a);
+    define(
+        m, "torus_mesh",
         [](py::handle major, py::handle minor, py::handle triangles) {
             const char* const call = "torus_mesh";
             return share("torus", make_torus_mesh(number(major, {call, "major"}), number(minor, {call, "minor"}),
                                                   count(triangles, call, "triangles")));
         },
-        "major"_a, "minor"_a, "triangles"_a, R"(torus_mesh(major, minor, triangles)
---
-
-A closed ring around z. major, minor: radii of the ring and of its tube, metres. triangles: at least 18.)");
-    m.def(
-        "torus_knot_mesh",
+        "A closed ring around z. major, minor: radii of the ring and of its tube, metres. triangles: at least 18.",
+        "major"_a, "minor"_a, "triangles"_a);
+    define(
+        m, "torus_knot_mesh",
         [](py::handle p, py::handle q, py::handle major, py::handle minor, py::handle tube, py::handle triangles) {
             const char* const call = "torus_knot_mesh";
             return share("torus knot",
@@ -272,11 +260,9 @@ A closed ring around z. major, minor: radii of the ring and of its tube, metres.
                                               number(minor, {call, "minor"}), number(tube, {call, "tube"}),
                                               count(triangles, call, "triangles")));
         },
-        "p"_a, "q"_a, "major"_a, "minor"_a, "tube"_a, "triangles"_a,
-        R"(torus_knot_mesh(p, q, major, minor, tube, triangles)
---
-
-A closed tube along a (p, q) torus knot; p and q coprime. major, minor, tube: radii, metres. triangles: at least 18.)");
+        "A closed tube along a (p, q) torus knot; p and q coprime. major, minor, tube: radii, metres. triangles: at "
+        "least 18.",
+        "p"_a, "q"_a, "major"_a, "minor"_a, "tube"_a, "triangles"_a);
 }
 
 } // namespace oncollide::python

@@ -103,47 +103,35 @@ void bind_grids(py::module_& m)
 {
     using namespace py::literals;
     const auto unnamed = py::arg("name") = py::str("");
-    m.def(
-        "terrain", &terrain, "heights"_a, "spacing"_a = 1.0, "origin"_a = py::make_tuple(0.0, 0.0, 0.0),
-        "no_data"_a = py::none(), "error"_a = 0.0, "bytes"_a = 0, "falling"_a = py::none(), unnamed,
-        R"(terrain(heights, spacing=1.0, origin=(0.0, 0.0, 0.0), no_data=None, error=0.0, bytes=0, falling=None, name="")
---
-
-A surface over a grid of heights, two triangles per cell; it has no inside.
+    define(m, "terrain", &terrain, R"(A surface over a grid of heights, two triangles per cell; it has no inside.
 
 heights: (rows, columns) metres, at least two of each; heights[r, c] is at origin + (c spacing, r spacing, height).
 spacing: metres, one number or (columns', rows'). no_data: heights of this value are holes; may be nan. error: bound on
 the error of the heights, metres. bytes: 1, 2, 4 or 8 per height; 0: the smallest size that is exact. falling: bool
-(rows - 1, columns - 1), True for a cell that is cut along its other diagonal. Raises Error for an invalid grid.)");
-    m.def("load_terrain", &terrain_file, "path"_a, "spacing"_a = py::none(), "origin"_a = py::make_tuple(0.0, 0.0, 0.0),
-          "vertical_scale"_a = 1.0, "no_data"_a = py::none(), "centre"_a = false,
-          R"(load_terrain(path, spacing=None, origin=(0.0, 0.0, 0.0), vertical_scale=1.0, no_data=None, centre=False)
---
-
-A terrain from a file: PGM, PNG, .npy, and GeoTIFF or DEM if the build has GDAL.
+(rows - 1, columns - 1), True for a cell that is cut along its other diagonal. Raises Error for an invalid grid.)",
+           "heights"_a, "spacing"_a = 1.0, "origin"_a = py::make_tuple(0.0, 0.0, 0.0), "no_data"_a = py::none(),
+           "error"_a = 0.0, "bytes"_a = 0, "falling"_a = py::none(), unnamed);
+    define(m, "load_terrain", &terrain_file,
+           R"(A terrain from a file: PGM, PNG, .npy, and GeoTIFF or DEM if the build has GDAL.
 
 spacing: metres; None: from the file, else 1. vertical_scale: metres per unit of the file's heights. no_data: in the
-file's units. centre: moves the centre of its AABB to the origin. Raises Error for a file that is missing or not valid.)");
-    m.def("occupancy_map", &occupancy_map, "cells"_a, "resolution"_a, unnamed,
-          R"(occupancy_map(cells, resolution, name="")
---
-
-A map of solid cells; the others are unknown.
+file's units. centre: moves the centre of its AABB to the origin. Raises Error for a file that is missing or not valid.)",
+           "path"_a, "spacing"_a = py::none(), "origin"_a = py::make_tuple(0.0, 0.0, 0.0), "vertical_scale"_a = 1.0,
+           "no_data"_a = py::none(), "centre"_a = false);
+    define(m, "occupancy_map", &occupancy_map, R"(A map of solid cells; the others are unknown.
 
 cells: (N, 3) whole numbers from -32768 to 32767; cell (i, j, k) is the box from (i, j, k) to (i + 1, j + 1, k + 1)
 resolutions. np.argwhere(grid) returns the cells of a dense grid of bools. resolution: metres. Raises Error if no cell
-is occupied. Cost: 200 ns per cell.)");
-    m.def("load_map", &map_file, "path"_a, "unknown_is_occupied"_a = false, "occupancy_threshold"_a = py::none(),
-          R"(load_map(path, unknown_is_occupied=False, occupancy_threshold=None)
---
-
-An occupancy map from an OctoMap file (.bt or .ot).
+is occupied. Cost: 200 ns per cell.)",
+           "cells"_a, "resolution"_a, unnamed);
+    define(m, "load_map", &map_file, R"(An occupancy map from an OctoMap file (.bt or .ot).
 
 unknown_is_occupied: unknown cells within the box around the known cells count as occupied. occupancy_threshold: for .ot
-files, the least probability of an occupied cell; None: 0.5. Raises Error for a file that is missing or not valid.)");
+files, the least probability of an occupied cell; None: 0.5. Raises Error for a file that is missing or not valid.)",
+           "path"_a, "unknown_is_occupied"_a = false, "occupancy_threshold"_a = py::none());
 
-    m.def(
-        "hills",
+    define(
+        m, "hills",
         [](py::handle cells_x, py::handle cells_y, py::handle spacing, py::handle height, py::handle seed) {
             const char* const call = "hills";
             return share("hills", make_hills(static_cast<std::uint32_t>(count(cells_x, call, "cells_x")),
@@ -151,11 +139,9 @@ files, the least probability of an occupied cell; None: 0.5. Raises Error for a 
                                              number(spacing, {call, "spacing"}), number(height, {call, "height"}),
                                              whole(seed, {call, "seed"}, ~std::uint64_t{0})));
         },
-        "cells_x"_a, "cells_y"_a, "spacing"_a, "height"_a, "seed"_a,
-        R"(hills(cells_x, cells_y, spacing, height, seed)
---
-
-A terrain over [0, cells_x spacing] x [0, cells_y spacing], metres, at most `height` high; the same for equal arguments.)");
+        "A terrain over [0, cells_x spacing] x [0, cells_y spacing], metres, at most `height` high; the same for equal "
+        "arguments.",
+        "cells_x"_a, "cells_y"_a, "spacing"_a, "height"_a, "seed"_a);
 }
 
 } // namespace oncollide::python

@@ -58,8 +58,8 @@ PYBIND11_MODULE(_core, m)
     bind_geometry(m);
     bind_shapes(m);
     bind_grids(m);
+    bind_two_geometries(m);
     bind_world(m);
-    bind_queries(m);
     bind_robot(m);
     interpreter_begins();
     py::module_::import("atexit").attr("register")(py::cpp_function(&interpreter_ends));

@@ -21,15 +21,18 @@ std::atomic<unsigned long> main_thread = 0; ///< Python's main thread, the only 
 
 bool Interrupts::requested()
 {
-    if (raised_.load(std::memory_order_relaxed)) return true;
-    if (std::this_thread::get_id() != caller_) return false;
+    if (cuts_.load(std::memory_order_relaxed) % 2 == 1) return true;
+    if (std::this_thread::get_id() != caller_.load(std::memory_order_relaxed)) return false;
     const auto now = std::chrono::steady_clock::now();
     if (now - last_look_ < std::chrono::milliseconds(20)) return false;
     last_look_ = now;
     PyEval_RestoreThread(*state_);
-    if (PyErr_CheckSignals() != 0) raised_ = true;
+    handling_ = true;
+    const bool raised = PyErr_CheckSignals() != 0;
+    handling_ = false;
+    if (raised) cuts_.fetch_add(1);
     *state_ = PyEval_SaveThread();
-    return raised_;
+    return raised;
 }
 
 void Interrupts::rethrow()
@@ -48,7 +51,11 @@ Released::Released(Interrupts* interrupts)
 
 Released::~Released()
 {
-    if (interrupts_) interrupts_->caught_ = interrupts_->raised_.exchange(false), interrupts_->caller_ = {};
+    if (interrupts_) {
+        interrupts_->caught_ = interrupts_->cuts_ % 2 == 1;
+        if (interrupts_->caught_) interrupts_->cuts_.fetch_add(1);
+        interrupts_->caller_ = std::thread::id();
+    }
     coming_back.fetch_add(1);
     if (interpreter_is_ending.load() && !pthread_equal(ending_thread.load(), pthread_self())) {
         coming_back.fetch_sub(1);

@@ -8,19 +8,28 @@
 namespace oncollide::python {
 
 /// Ctrl-C in a long call: if Python's main thread made the call, it regularly checks whether Python has a signal to
-/// handle, and the call ends early if the handler raises. Settings::stop calls it; one per object, for calls that have
-/// exclusive use of the object.
+/// handle, and the call ends early if the handler raises. Settings::stop calls requested(); one per World.
 class Interrupts {
 public:
     bool requested();
     /// Call it after the call: throws the exception that a handler raised meanwhile.
     void rethrow();
 
+    /// A call on another thread may have been cut short, too, if cuts() was odd before it, or is another number after
+    /// it: repeat it.
+    unsigned cuts() const { return cuts_.load(std::memory_order_acquire); }
+    /// True in a handler that runs in the middle of a call.
+    bool in_handler() const
+    {
+        return handling_.load(std::memory_order_relaxed) && caller_.load() == std::this_thread::get_id();
+    }
+
 private:
     friend class Released;
-    std::atomic<bool> raised_ = false; ///< in the current call; the exception is then the thread's current exception
-    bool caught_ = false;              ///< in the last call
-    std::thread::id caller_;           ///< of the current call
+    std::atomic<unsigned> cuts_ = 0; ///< odd: a handler raised in the current call; the exception is then the thread's
+    std::atomic<bool> handling_ = false;
+    bool caught_ = false;                   ///< in the last call
+    std::atomic<std::thread::id> caller_{}; ///< of the current call
     PyThreadState** state_ = nullptr;
     std::chrono::steady_clock::time_point last_look_;
 };
@@ -37,6 +46,7 @@ public:
     ~Released();
     Released(const Released&) = delete;
     Released& operator=(const Released&) = delete;
+    bool interruptible() const { return interrupts_; }
 
 private:
     PyThreadState* state_;

@@ -12,7 +12,7 @@ namespace {
 
 struct HeldRobot {
     using InModule = void;
-    HeldWorld* held; ///< kept alive by pybind11
+    std::shared_ptr<HeldWorld> held;
     std::unique_ptr<Robot> robot;
 };
 
@@ -32,7 +32,7 @@ std::unique_ptr<HeldRobot> make(HeldWorld& held, py::handle urdf, py::handle srd
     emit_file_warnings();
     const Inside inside(held, call);
     return std::make_unique<HeldRobot>(
-        HeldRobot{&held, std::make_unique<Robot>(held.world, std::move(description), at)});
+        HeldRobot{held.shared_from_this(), std::make_unique<Robot>(held.world, std::move(description), at)});
 }
 
 /// Rows of a configuration's width, or one.
@@ -50,7 +50,15 @@ std::span<const double> span_of(const py::array& array)
     return {static_cast<const double*>(array.data()), static_cast<std::size_t>(array.size())};
 }
 
-py::array check(HeldRobot& robot, py::handle configurations, py::handle self, py::handle environment)
+/// One result for one row, or an array.
+template <class Result>
+py::object results_of(const py::array& rows, std::vector<Result> found)
+{
+    if (rows.ndim() == 1) return scalar(found.front());
+    return array_of(std::move(found));
+}
+
+py::object check(HeldRobot& robot, py::handle configurations, py::handle self, py::handle environment)
 {
     const char* const call = "Robot.check";
     const py::array rows = rows_of(robot, configurations, {call, "configurations"});
@@ -62,11 +70,11 @@ py::array check(HeldRobot& robot, py::handle configurations, py::handle self, py
         const Released released;
         robot.robot->check(robot.held->world, span_of(rows), found, what);
     }
-    return array_of(result_types().robot, std::move(found));
+    return results_of(rows, std::move(found));
 }
 
-py::array check_edges(HeldRobot& robot, py::handle from, py::handle to, py::handle tolerance, py::handle first,
-                      py::handle self, py::handle environment)
+py::object check_edges(HeldRobot& robot, py::handle from, py::handle to, py::handle tolerance, py::handle first,
+                       py::handle self, py::handle environment)
 {
     const char* const call = "Robot.check_edges";
     const py::array starts = rows_of(robot, from, {call, "start"}), ends = rows_of(robot, to, {call, "end"});
@@ -82,7 +90,7 @@ py::array check_edges(HeldRobot& robot, py::handle from, py::handle to, py::hand
         const Released released;
         robot.robot->check_edges(robot.held->world, span_of(starts), span_of(ends), found, what);
     }
-    return array_of(result_types().robot_edge, std::move(found));
+    return results_of(starts, std::move(found));
 }
 
 py::array array_of_numbers(const std::vector<double>& numbers)
@@ -98,18 +106,24 @@ py::array state(HeldRobot& robot, py::handle name, py::handle group)
     return array_of_numbers(numbers);
 }
 
-py::array link_poses(HeldRobot& robot, py::handle configuration)
+py::array link_poses(HeldRobot& robot, py::handle configurations)
 {
-    const Place place{"Robot.link_poses", "configuration"};
-    const py::array row = rows_of(robot, configuration, place);
-    if (row.ndim() != 1) refuse_value(place, "expected one configuration, got " + shape_of(row));
-    std::vector<Eigen::Isometry3d> poses(robot.robot->description().links.size());
-    robot.robot->link_poses(span_of(row), poses);
-    py::array_t<double> out({static_cast<py::ssize_t>(poses.size()), py::ssize_t{4}, py::ssize_t{4}});
-    for (std::size_t i = 0; i < poses.size(); ++i)
-        for (int r = 0; r < 4; ++r)
-            for (int c = 0; c < 4; ++c) out.mutable_at(static_cast<py::ssize_t>(i), r, c) = poses[i].matrix()(r, c);
-    return out;
+    const py::array rows = rows_of(robot, configurations, {"Robot.link_poses", "configuration"});
+    const std::size_t width = robot.robot->width(), links = robot.robot->description().links.size();
+    const std::size_t count = rows.ndim() == 1 ? 1 : static_cast<std::size_t>(rows.shape(0));
+    std::vector<Eigen::Isometry3d> poses(links);
+    std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(links), 4, 4};
+    if (rows.ndim() == 2) shape.insert(shape.begin(), rows.shape(0));
+    py::array_t<double> made(shape);
+    double* at = made.mutable_data();
+    for (std::size_t i = 0; i < count; ++i) {
+        robot.robot->link_poses(span_of(rows).subspan(i * width, width), poses);
+        for (const Eigen::Isometry3d& pose : poses) {
+            Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> matrix(at);
+            matrix = pose.matrix(), at += 16;
+        }
+    }
+    return made;
 }
 
 } // namespace
@@ -129,61 +143,52 @@ A robot from a URDF file, whose links become models of the World; an SRDF file g
 packages: folders by name, for meshes named package://NAME/...; by default they are found beside the file or above it.
 base: pose of the root link. Raises Error that names the file and the line.)");
     refuse_pickles(robot, "Robot", "make it in each process, of its file, in a World there");
-    robot
-        .def(py::init(&make), "world"_a, "urdf"_a, "srdf"_a = py::none(), "packages"_a = py::none(),
-             "base"_a = py::none(), py::keep_alive<1, 2>())
-        .def("check", &check, "configurations"_a, "self_collision"_a = true, "environment"_a = true,
-             R"(check(self, configurations, self_collision=True, environment=True)
---
+    robot.def(py::init(&make), "world"_a, "urdf"_a, "srdf"_a = py::none(), "packages"_a = py::none(),
+              "base"_a = py::none());
+    define(robot, "check", &check,
+           R"(Tests a configuration, float64 (width,), or many, (N, width), with the World's accuracy and threads.
 
-Tests configurations, float64 (N, width) or (width,), with the World's accuracy and threads.
-
-Returns a structured array (N,): verdict (a Verdict), bound (metres), link, other (indices of `links`; -1: none) and body
+Structured: verdict (a Verdict), bound (metres), link, other (indices of `links`; -1: none) and body
 (an id, if other is -1). The pair is the first that collides, or the one with the least bound. Not copied if
 C-contiguous and float64. Other Python threads can run meanwhile. Raises ValueError for other shapes, Error naming the
-configuration that is not finite.)")
-        .def("check_edges", &check_edges, "start"_a, "end"_a, "tolerance"_a = 1e-4, "first"_a = true,
-             "self_collision"_a = true, "environment"_a = true,
-             R"(check_edges(self, start, end, tolerance=1e-4, first=True, self_collision=True, environment=True)
---
-
-Tests whole motions between configurations, float64 (N, width) or (width,) each: all joints move at constant speed, and
+configuration that is not finite.)",
+           "configurations"_a, "self_collision"_a = true, "environment"_a = true);
+    define(
+        robot, "check_edges", &check_edges,
+        R"(Tests a whole motion between two configurations, float64 (width,), or many, (N, width): all joints move at constant speed, and
 no contact between samples is missed.
 
-Returns a structured array (N,): clear_until (certified: the share of the motion, 0 to 1, before which there is no
+Structured: clear_until (certified: the share of the motion, 0 to 1, before which there is no
 contact), contact_by (a share at which there certainly is one; inf: none found), verdict (a Verdict), and link, other and
 body as in check(). The first contact is found to `tolerance`, a share of the motion; first=False stops at any contact,
-which is faster. Raises as check().)")
-        .def("state", &state, "name"_a, "group"_a = py::none(), R"(state(self, name, group=None)
---
-
-A configuration, float64 (width,): the numbers of a state of the SRDF file; other joints are as in neutral().)")
-        .def(
-            "neutral", [](const HeldRobot& held) { return array_of_numbers(held.robot->neutral()); },
-            R"(neutral(self)
---
-
-The configuration with all numbers 0, or the nearest limit; float64 (width,).)")
-        .def("link_poses", &link_poses, "configuration"_a, R"(link_poses(self, configuration)
---
-
-The poses of all links in the world, float64 (links, 4, 4).)")
-        .def_property_readonly(
-            "joints",
-            [](const HeldRobot& held) {
-                py::list names;
-                for (const std::string& name : held.robot->names()) names.append(name);
-                return names;
-            },
-            "The name of each number of a configuration (list of str).")
-        .def_property_readonly(
-            "links",
-            [](const HeldRobot& held) {
-                py::list names;
-                for (const RobotLink& link : held.robot->description().links) names.append(link.name);
-                return names;
-            },
-            "The names of the links (list of str).");
+which is faster. Raises as check().)",
+        "start"_a, "end"_a, "tolerance"_a = 1e-4, "first"_a = true, "self_collision"_a = true, "environment"_a = true);
+    define(
+        robot, "state", &state,
+        "A configuration, float64 (width,): the numbers of a state of the SRDF file; other joints are as in neutral().",
+        "name"_a, "group"_a = py::none());
+    define(
+        robot, "neutral", [](const HeldRobot& held) { return array_of_numbers(held.robot->neutral()); },
+        "The configuration with all numbers 0, or the nearest limit; float64 (width,).");
+    define(robot, "link_poses", &link_poses,
+           "The poses of all links in the world, float64 (links, 4, 4); for many configurations (N, links, 4, 4).",
+           "configuration"_a);
+    robot.def_property_readonly(
+        "joints",
+        [](const HeldRobot& held) {
+            py::list names;
+            for (const std::string& name : held.robot->names()) names.append(name);
+            return names;
+        },
+        "The name of each number of a configuration (list of str).");
+    robot.def_property_readonly(
+        "links",
+        [](const HeldRobot& held) {
+            py::list names;
+            for (const RobotLink& link : held.robot->description().links) names.append(link.name);
+            return names;
+        },
+        "The names of the links (list of str).");
 }
 
 } // namespace oncollide::python

@@ -1,4 +1,4 @@
-// Keyword arguments of World and Queries.
+// Settings as keyword arguments.
 #include <fmt/format.h>
 
 #include "bindings.hpp"
@@ -64,6 +64,19 @@ Settings settings_of(const py::kwargs& arguments, const char* call)
             throw py::type_error(fmt::format("{}: no setting '{}'; valid: {}", call, printable(name), names));
         }
         if (!value.is_none()) set(made, *row, value, {call, row->member.data()}); // None: the default
+    }
+    return made;
+}
+
+py::dict dict_of(const Settings& settings)
+{
+    const py::object read = py::module_::import("json").attr("loads");
+    py::dict made;
+    for (const SettingRow& row : settings_table()) {
+        py::object value = read(row.get(settings));
+        if (row.form == SettingForm::length && !value.is_none()) value = py::float_(value);
+        if (row.form == SettingForm::whole && value.equal(py::int_(-1))) value = py::none(); // the default
+        made[py::str(std::string(row.member))] = value;
     }
     return made;
 }

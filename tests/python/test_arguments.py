@@ -7,7 +7,7 @@ import pytest
 
 import oncollide
 from conftest import Cube, at
-from oncollide import Error, Queries, World
+from oncollide import Error, World
 
 CUBE = Cube()
 MESH = oncollide.box_mesh([1, 1, 1])
@@ -15,8 +15,16 @@ MESH = oncollide.box_mesh([1, 1, 1])
 
 def world():
     made = World()
-    made.add_bodies(made.add(MESH), [at(0), at(5)])
+    made.bodies.add(made.models.add(MESH), [at(0), at(5)])
     return made
+
+
+def pair():
+    return world().pairs
+
+
+def model():
+    return world().models.at(0)
 
 
 class Broken:
@@ -49,7 +57,7 @@ CASES = [
     (lambda: oncollide.mesh(CUBE.vertices, CUBE.faces, name=3), TypeError, "mesh: name: expected a str; got int"),
     (lambda: oncollide.mesh(CUBE.vertices, CUBE.faces, "\udc80"), ValueError, "mesh: name: holds a lone surrogate"),
     (lambda: World(**{"\udc80": 1}), ValueError, "World: the name of a setting: holds a lone surrogate"),
-    (lambda: (w := World(), w.replace_cells(w.add(oncollide.occupancy_map([[0, 0, 0]], 1)), [0] * 3, [1] * 3, MESH)), ValueError, "World.replace_cells: by: expected a map"),
+    (lambda: (w := World(), w.models.replace_cells(w.models.add(oncollide.occupancy_map([[0, 0, 0]], 1)), [0] * 3, [1] * 3, MESH)), ValueError, "models.replace_cells: by: expected a map"),
     (lambda: oncollide.sphere("1"), TypeError, "sphere: radius: expected a number; got str"),
     (lambda: oncollide.sphere(True), TypeError, "sphere: radius: expected a number; got bool"),
     (lambda: oncollide.sphere(np.nan), Error, "sphere: the radius is nan"),
@@ -83,62 +91,66 @@ CASES = [
     (lambda: World(coherence=1), TypeError, "World: coherence: expected True or False; got int"),
     (lambda: World(skip="ocst"), TypeError, "World: skip: expected a list of names of stages; got str"),
     (lambda: World(skip=["octs"]), ValueError, "World: skip: no 'octs'; valid: bounds"),
-    (lambda: Queries([MESH], mode="solid"), Error, "MeshQueries:"),
-    (lambda: Queries(MESH), TypeError, "Queries: geometries: expected a sequence of Geometry; got Geometry"),
-    (lambda: Queries([CUBE]), TypeError, "Queries: geometries: expected a Geometry, as oncollide.mesh()"),
     # bodies and poses
-    (lambda: world().add(CUBE), TypeError, "World.add: geometry: expected a Geometry, as oncollide.mesh()"),
-    (lambda: world().add_body(MESH), TypeError, "World.add_body: model: expected a Model, as World.add() returns it; got Geometry"),
-    (lambda: world().add_body(world().add(MESH)), ValueError, "World.add_body: model: this model is of another World"),
-    (lambda: (w := world()).set_pose(w.body_at(0), np.eye(3)), ValueError, "World.set_pose: pose: expected shape (4, 4), or (7,) with x y z qx qy qz qw, got (3, 3)"),
-    (lambda: (w := world()).set_pose(w.body_at(0), np.eye(4)[None]), ValueError, "World.set_pose: pose: expected shape (4, 4)"),
-    (lambda: (w := world()).set_pose(w.body_at(0), NAN), Error, "body 0: the pose is not finite"),
-    (lambda: (w := world()).set_pose(w.body_at(0), MIRROR), Error, "body 0: the pose is not rigid: it mirrors"),
-    (lambda: (w := world()).set_pose(w.body_at(0), LEAN), Error, "body 0: the pose is not rigid: R^T R differs from the identity"),
-    (lambda: (w := world()).set_pose(w.body_at(0), at(1).T), Error, "body 0: the pose's last row is not (0, 0, 0, 1)"),
-    (lambda: (w := world()).set_pose(w.body_at(0), at(1e16)), Error, "beyond 1e15 m"),
-    (lambda: (w := world()).set_pose(w.body_at(0), [0, 0, 0, 0, 0, 0, 0]), ValueError, "World.set_pose: pose: the quaternion (0, 0, 0, 0) has length 0; it must be near 1"),
-    (lambda: (w := world()).set_pose(w.body_at(0), [0, 0, 0, np.nan, 0, 0, 1]), ValueError, "has length nan"),
-    (lambda: (w := world()).set_pose(w.body_at(0), "pose"), TypeError, "World.set_pose: pose: expected an array of numbers"),
-    (lambda: world().set_pose(-1, np.eye(4)), ValueError, "World.set_pose: body: -1 is out of range"),
-    (lambda: world().set_pose(2**64, np.eye(4)), ValueError, "World.set_pose: body: 18446744073709551616 is out of range"),
-    (lambda: world().set_pose(0.0, np.eye(4)), TypeError, "World.set_pose: body: expected a whole number; got float"),
-    (lambda: world().set_pose(True, np.eye(4)), TypeError, "World.set_pose: body: expected a whole number; got bool"),
-    (lambda: world().set_pose(9, np.eye(4)), Error, "body: the id is null; add_body() returns ids"),
-    (lambda: world().set_poses([0, 1], np.tile(np.eye(4), (3, 1, 1))), ValueError, "World.set_poses: poses: 3 poses for 2 bodies; must be as many, or one for all"),
-    (lambda: world().set_poses([[0, 1]], np.eye(4)), ValueError, "World.set_poses: bodies: expected shape (N,), got (1, 2)"),
-    (lambda: world().set_poses([0.0, 1.0], np.eye(4)), TypeError, "World.set_poses: bodies: expected an array of whole numbers"),
-    (lambda: world().set_poses([-1], np.eye(4)), Error, "the id is of another World"),
-    (lambda: world().add_bodies(world().add(MESH), np.eye(4)), ValueError, "of another World"),
-    (lambda: (w := world()).set_layers(w.body_at(0), 2**32, 1), ValueError, "World.set_layers: layer: 4294967296 is out of range; must be from 0 to 4294967295"),
-    (lambda: (w := world()).remove_bodies([w.body_at(0)] * 2), Error, "body 0 is listed twice"),
-    (lambda: (w := world()).exclude(w.body_at(0), w.body_at(0)), Error, "cannot be excluded from itself"),
-    (lambda: "x" in world(), TypeError, "World.__contains__: body: expected a whole number; got str"),
+    (lambda: world().models.add(CUBE), TypeError, "models.add: geometry: expected a Geometry, as oncollide.mesh()"),
+    (lambda: world().bodies.add(MESH), TypeError, "bodies.add: model: expected a Model, as models.add() returns it; got Geometry"),
+    (lambda: world().bodies.add(world().models.add(MESH)), Error, "the id is of another World"),
+    (lambda: (w := world()).bodies.set_pose(w.bodies.at(0), np.eye(3)), ValueError, "bodies.set_pose: pose: expected shape (4, 4), or (7,) with x y z qx qy qz qw, got (3, 3)"),
+    (lambda: (w := world()).bodies.set_pose(w.bodies.at(0), np.eye(4)[None]), ValueError, "bodies.set_pose: pose: expected shape (4, 4)"),
+    (lambda: (w := world()).bodies.set_pose(w.bodies.at(0), NAN), Error, "body 0: the pose is not finite"),
+    (lambda: (w := world()).bodies.set_pose(w.bodies.at(0), MIRROR), Error, "body 0: the pose is not rigid: it mirrors"),
+    (lambda: (w := world()).bodies.set_pose(w.bodies.at(0), LEAN), Error, "body 0: the pose is not rigid: R^T R differs from the identity"),
+    (lambda: (w := world()).bodies.set_pose(w.bodies.at(0), at(1).T), Error, "body 0: the pose's last row is not (0, 0, 0, 1)"),
+    (lambda: (w := world()).bodies.set_pose(w.bodies.at(0), at(1e16)), Error, "beyond 1e15 m"),
+    (lambda: (w := world()).bodies.set_pose(w.bodies.at(0), [0, 0, 0, 0, 0, 0, 0]), ValueError, "bodies.set_pose: pose: the quaternion (0, 0, 0, 0) has length 0; it must be near 1"),
+    (lambda: (w := world()).bodies.set_pose(w.bodies.at(0), [0, 0, 0, np.nan, 0, 0, 1]), ValueError, "has length nan"),
+    (lambda: (w := world()).bodies.set_pose(w.bodies.at(0), "pose"), TypeError, "bodies.set_pose: pose: expected an array of numbers"),
+    (lambda: world().bodies.set_pose(-1, np.eye(4)), ValueError, "bodies.set_pose: body: -1 is out of range"),
+    (lambda: world().bodies.set_pose(2**64, np.eye(4)), ValueError, "bodies.set_pose: body: 18446744073709551616 is out of range"),
+    (lambda: world().bodies.set_pose(0.0, np.eye(4)), TypeError, "bodies.set_pose: body: expected a whole number; got float"),
+    (lambda: world().bodies.set_pose(True, np.eye(4)), TypeError, "bodies.set_pose: body: expected a whole number; got bool"),
+    (lambda: world().bodies.set_pose(9, np.eye(4)), Error, "body: the id is null; Bodies::add() returns ids"),
+    (lambda: world().bodies.set_pose([0, 1], np.tile(np.eye(4), (3, 1, 1))), ValueError, "bodies.set_pose: pose: 3 entries, but an earlier argument has 2; must be as many, or one for all"),
+    (lambda: world().bodies.set_pose([[0, 1]], np.eye(4)), ValueError, "bodies.set_pose: body: expected shape (N,), got (1, 2)"),
+    (lambda: world().bodies.set_pose([0.0, 1.0], np.eye(4)), TypeError, "bodies.set_pose: body: expected an array of whole numbers"),
+    (lambda: world().bodies.set_pose([-1], np.eye(4)), ValueError, "bodies.set_pose: body: -1 is out of range"),
+    (lambda: world().bodies.add(world().models.add(MESH), np.eye(4)), Error, "of another World"),
+    (lambda: (w := world()).bodies.set_filter(w.bodies.at(0), 2**32, 1), ValueError, "bodies.set_filter: layer: 4294967296 is out of range; must be from 0 to 4294967295"),
+    (lambda: (w := world()).bodies.remove([w.bodies.at(0)] * 2), Error, "body 0 is listed twice"),
+    (lambda: (w := world()).bodies.exclude(w.bodies.at(0), w.bodies.at(0)), Error, "cannot be excluded from itself"),
+    (lambda: "x" in world().bodies, TypeError, "bodies.__contains__: body: expected a whole number; got str"),
     # queries
-    (lambda: world().query_segment([0, 0], [1, 1, 1]), ValueError, "World.query_segment: start: expected shape (3,), got (2,)"),
-    (lambda: world().query_segment([0, 0, 0], [1, np.inf, 1]), Error, "segment"),
-    (lambda: world().query_segments([[0, 0, 0]], [[1, 1, 1], [2, 2, 2]]), ValueError, "World.query_segments: ends: expected as many"),
-    (lambda: world().cast([[0, 0, 0]], [[1, 1, 1], [2, 2, 2]]), ValueError, "World.cast: ends: expected as many"),
-    (lambda: world().cast_all([0, 0, 0], [0, 0, 0]), Error, "the segment has no length"),
-    (lambda: world().query_box([1, 1, 1], [0, 0, 0]), Error, "the box is empty"),
-    (lambda: world().query_box([np.nan] * 3, [1, 1, 1]), Error, "box"),
-    (lambda: (w := world()).distance(w.body_at(0), w.body_at(1), tolerance=-1), Error, "tolerance"),
-    (lambda: (w := world()).distance(w.body_at(0), w.body_at(1), farthest=np.nan), Error, ""),
-    (lambda: world().contacts_batch([0], [0, 1]), ValueError, "World.contacts_batch: b: 2 bodies for 1 of a; must be as many"),
-    (lambda: (w := world()).contacts(w.body_at(0), 7), Error, "body: the id is null"),
-    (lambda: (w := World(), w.set_cells(w.add(MESH), [[0, 0, 0]], "free")), Error, "is not an occupancy map"),
-    (lambda: (w := World(), w.set_cells(w.add(MESH), [[0, 0, 0]], "gone")), ValueError, "World.set_cells: state: no 'gone'; valid: unknown, free, occupied"),
-    (lambda: Queries([MESH]).run(0, 1, np.eye(4), np.eye(4)), ValueError, "Queries.run: b: there is no geometry 1; these Queries have 1, numbered from 0"),
-    (lambda: Queries([MESH]).run(-1, 0, np.eye(4), np.eye(4)), ValueError, "Queries.run: a: there is no geometry -1"),
-    (lambda: Queries([MESH]).run(2**70, 0, np.eye(4), np.eye(4)), ValueError, "Queries.run: a: there is no geometry"),
-    (lambda: Queries([MESH]).run(np.array([0, 2**32], np.uint64), 0, np.eye(4), np.eye(4)), ValueError, "Queries.run: a: there is no geometry 4294967296"),
-    (lambda: Queries([MESH]).run(np.array([0, 9], np.uint32), 0, np.eye(4), np.eye(4)), ValueError, "Queries.run: a: there is no geometry 9"),
-    (lambda: Queries([MESH]).run("0", 0, np.eye(4), np.eye(4)), TypeError, "Queries.run: a: expected an array of whole numbers"),
-    (lambda: Queries([MESH]).run(0, 0, np.zeros((5, 4, 5)), np.eye(4)), ValueError, "Queries.run: poses_a: expected shape (N, 4, 4), or (N, 7) with x y z qx qy qz qw, or one pose for all, got (5, 4, 5)"),
-    (lambda: Queries([MESH]).run([0, 0], 0, np.eye(4), np.tile(np.eye(4), (3, 1, 1))), ValueError, "Queries.run: poses_b: 3 entries, but an earlier argument has 2; must be as many, or one for all"),
-    (lambda: Queries([MESH]).run(0, 0, None, np.eye(4)), TypeError, "Queries.run: poses_a: expected an array of numbers"),
-    (lambda: Queries([MESH]).run(0, 0, MIRROR, np.eye(4)), Error, "pair 0: a: the pose is not rigid: it mirrors"),
-    (lambda: Queries([MESH]).distances(0, 0, np.eye(4), np.eye(4), tolerance=-1), Error, "tolerance"),
+    (lambda: world().space.overlaps_segment([0, 0], [1, 1, 1]), ValueError, "space.overlaps_segment: start: expected shape (3,) or (N, 3), got (2,)"),
+    (lambda: world().space.overlaps_segment([0, 0, 0], [1, np.inf, 1]), Error, "segment"),
+    (lambda: world().space.overlaps_segment([[0, 0, 0]], [[1, 1, 1], [2, 2, 2]]), ValueError, "space.overlaps_segment: end: 2 entries, but an earlier argument has 1"),
+    (lambda: world().space.cast([[0, 0, 0]], [[1, 1, 1], [2, 2, 2]]), ValueError, "space.cast: end: 2 entries, but an earlier argument has 1"),
+    (lambda: world().space.cast_all([0, 0, 0], [0, 0, 0]), Error, "the segment has no length"),
+    (lambda: world().space.overlaps_box([1, 1, 1], [0, 0, 0]), Error, "the box is empty"),
+    (lambda: world().space.overlaps_box([np.nan] * 3, [1, 1, 1]), Error, "box"),
+    (lambda: (w := world()).pairs.distance(w.bodies.at(0), w.bodies.at(1), tolerance=-1), Error, "tolerance"),
+    (lambda: (w := world()).pairs.distance(w.bodies.at(0), w.bodies.at(1), cutoff=np.nan), Error, ""),
+    (lambda: world().pairs.contacts([0], [0, 1]), ValueError, "pairs.contacts: b: 2 entries, but an earlier argument has 1; must be as many, or one for all"),
+    (lambda: (w := world()).pairs.contacts(w.bodies.at(0), 7), Error, "body: the id is null"),
+    (lambda: (w := World(), w.models.set_cells(w.models.add(MESH), [[0, 0, 0]], "free")), Error, "is not an occupancy map"),
+    (lambda: (w := World(), w.models.set_cells(w.models.add(MESH), [[0, 0, 0]], "gone")), ValueError, "models.set_cells: state: no 'gone'; valid: unknown, free, occupied"),
+    (lambda: pair().decide(CUBE, 1), TypeError, "pairs.decide: a: expected a whole number; got Cube"),
+    (lambda: pair().decide((MESH, None), 1), TypeError, "pairs.decide: a: expected a Model, as models.add() returns it, or many; got Geometry"),
+    (lambda: pair().decide(([MESH], None), 1), TypeError, "pairs.decide: a: expected a Model, as models.add() returns it; got Geometry"),
+    (lambda: pair().decide(1, (np.zeros(2), None)), TypeError, "pairs.decide: b: expected a Model"),
+    (lambda: pair().decide(1, (np.zeros((2, 2), np.uint64), None)), ValueError, "pairs.decide: b: expected shape (N,) of models, got (2, 2)"),
+    (lambda: pair().decide(1, ("model", None)), TypeError, "pairs.decide: b: expected a Model"),
+    (lambda: pair().decide(1, (1, 2, 3)), ValueError, "pairs.decide: b: expected the id of a body, or a tuple (model, pose)"),
+    (lambda: pair().sweep(1, (1,)), ValueError, "pairs.sweep: b: expected the id of a body, or a tuple (model, pose) or (model, start, end)"),
+    (lambda: pair().decide((model(), np.zeros((5, 4, 5))), 1), ValueError, "pairs.decide: a: expected shape (N, 4, 4), or (N, 7) with x y z qx qy qz qw, or one pose for all, got (5, 4, 5)"),
+    (lambda: pair().decide((model(), np.zeros((2, 4, 4))), [1, 2, 3]), ValueError, "pairs.decide: b: 3 entries, but an earlier argument has 2; must be as many, or one for all"),
+    (lambda: pair().decide(([model()] * 2, np.zeros((3, 4, 4))), 1), ValueError, "pairs.decide: a: 3 entries, but an earlier argument has 2"),
+    (lambda: pair().decide((model(), None), (model(), None)), Error, "the id is of another World"),
+    (lambda: (w := world()).pairs.decide((w.bodies.model(w.bodies.at(0)), MIRROR), w.bodies.at(1)), Error, "the pose is not rigid: it mirrors"),
+    (lambda: (w := world()).pairs.max_error([w.bodies.at(0)], w.bodies.at(1)), ValueError, "pairs.max_error: a: expected one pair"),
+    (lambda: (w := world()).space.distances(w.models.at(0), None, np.inf), Error, "the cutoff to all bodies must be finite"),
+    (lambda: oncollide.distance(MESH, None, MESH, None, tolerance=-1), Error, "tolerance"),
+    (lambda: oncollide.collide(MESH, NAN, MESH, None), Error, "pose a: the pose is not finite"),
+    (lambda: oncollide.collide(MESH, None, CUBE, None), TypeError, "collide: b: expected a Geometry"),
 ]  # fmt: skip
 
 
@@ -154,20 +166,20 @@ def test_bad_input_is_refused_by_name(number):
 
 def test_what_was_refused_changed_nothing():
     made = world()
-    before = [made.pose(made.body_at(i)) for i in (0, 1)]
+    before = [made.bodies.pose(made.bodies.at(i)) for i in (0, 1)]
     poses = np.stack([at(1), NAN])
     with pytest.raises(Error, match="body 1"):
-        made.set_poses([made.body_at(0), made.body_at(1)], poses)
+        made.bodies.set_pose([made.bodies.at(0), made.bodies.at(1)], poses)
     with pytest.raises(Error):
-        made.remove_bodies([made.body_at(0), 7])
+        made.bodies.remove([made.bodies.at(0), 7])
     with pytest.raises(Error):
-        made.add_bodies(made.model(made.body_at(0)), poses)
-    assert len(made) == 2 and np.array_equal([made.pose(made.body_at(i)) for i in (0, 1)], before)
+        made.bodies.add(made.bodies.model(made.bodies.at(0)), poses)
+    assert len(made.bodies) == 2 and np.array_equal([made.bodies.pose(made.bodies.at(i)) for i in (0, 1)], before)
 
 
 def test_a_body_that_is_forgotten_in_a_broken_array_leaves_no_exception_behind():
     made = world()
     for _ in range(3):
         with pytest.raises(TypeError):
-            made.set_pose(made.body_at(0), Broken())
+            made.bodies.set_pose(made.bodies.at(0), Broken())
         made.step()

@@ -63,19 +63,19 @@ def test_shapes_have_their_sizes_and_meet_what_is_there(kind):
     assert shape.kind == kind and shape.closed
     assert np.allclose(shape.bounds, [np.negative(half), half])
     world = oncollide.World()
-    model = world.add(shape)
-    ball = world.add_body(world.add(oncollide.sphere(0.5)), at(0, 0, half[2] + 1))
-    distance = world.distance(world.add_body(model), ball)
+    model = world.models.add(shape)
+    ball = world.bodies.add(world.models.add(oncollide.sphere(0.5)), at(0, 0, half[2] + 1))
+    distance = world.pairs.distance(world.bodies.add(model), ball)
     assert distance["lower"] <= 0.5 <= distance["upper"] + 1e-9
-    world.set_pose(ball, at(0, 0, half[2]))
-    assert oncollide.slots(world.query(model)["body"]).tolist() == [0, 1]
+    world.bodies.set_pose(ball, at(0, 0, half[2]))
+    assert oncollide.slots(world.space.overlaps(model)["body"]).tolist() == [0, 1]
 
 
 def test_a_half_space_is_a_floor_without_end():
     world = oncollide.World()
-    floor = world.add_body(world.add(oncollide.half_space("floor")), fixed=True)
-    ball = world.add_body(world.add(oncollide.sphere(1.0)), at(1e6, 0, 3))
-    assert world.distance(floor, ball)["lower"] == pytest.approx(2)
+    floor = world.bodies.add(world.models.add(oncollide.half_space("floor")), static=True)
+    ball = world.bodies.add(world.models.add(oncollide.sphere(1.0)), at(1e6, 0, 3))
+    assert world.pairs.distance(floor, ball)["lower"] == pytest.approx(2)
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64, np.int16])
@@ -85,11 +85,11 @@ def test_a_terrain_is_the_surface_over_its_heights(dtype):
     terrain = oncollide.terrain(heights, spacing=(2.0, 3.0), origin=(10, 20, 0), name="hill")
     assert np.array_equal(terrain.bounds, [[10, 20, 0], [20, 29, 5]])
     world = oncollide.World(exact="predicates")
-    land = world.add_body(world.add(terrain), static=True)
-    peak = world.add_body(world.add(oncollide.sphere_mesh(0.1, 100)), at(16, 26, 5.2))
-    assert world.distance(land, peak)["upper"] < 0.11
+    land = world.bodies.add(world.models.add(terrain), static=True)
+    peak = world.bodies.add(world.models.add(oncollide.sphere_mesh(0.1, 100)), at(16, 26, 5.2))
+    assert world.pairs.distance(land, peak)["upper"] < 0.11
     assert oncollide.Verdict.COLLIDING not in world.step().pairs["verdict"]
-    world.set_pose(peak, at(16, 26, 5))
+    world.bodies.set_pose(peak, at(16, 26, 5))
     assert world.step().pairs["verdict"].tolist() == [oncollide.Verdict.COLLIDING]
 
 
@@ -98,18 +98,18 @@ def test_a_terrain_has_holes_and_diagonals():
     heights[0, 0] = np.nan
     holes = oncollide.terrain(heights, no_data=np.nan)
     world = oncollide.World(exact="predicates")
-    land = world.add_body(world.add(holes))
-    pin = world.add_body(world.add(oncollide.sphere_mesh(0.05, 100)), at(0.3, 0.3))
-    assert world.distance(land, pin)["lower"] > 0.5
+    land = world.bodies.add(world.models.add(holes))
+    pin = world.bodies.add(world.models.add(oncollide.sphere_mesh(0.05, 100)), at(0.3, 0.3))
+    assert world.pairs.distance(land, pin)["lower"] > 0.5
     falling = np.zeros((2, 2), bool)
     falling[0, 0] = True
     bowl = np.array([[0, 1, 1], [1, 0, 1], [1, 1, 1]], float)  # the diagonals of cell 0 are 1 m apart at its centre
     for name, terrain in [("rising", oncollide.terrain(bowl)), ("falling", oncollide.terrain(bowl, falling=falling))]:
         world = oncollide.World(exact="predicates")
-        world.add_body(world.add(terrain))
-        ball = world.add(oncollide.sphere(0.01))
-        assert len(world.query(ball, at(0.5, 0.5, 1))) == (name == "falling")
-        assert len(world.query(ball, at(0.5, 0.5, 0))) == (name == "rising")
+        world.bodies.add(world.models.add(terrain))
+        ball = world.models.add(oncollide.sphere(0.01))
+        assert len(world.space.overlaps(ball, at(0.5, 0.5, 1))) == (name == "falling")
+        assert len(world.space.overlaps(ball, at(0.5, 0.5, 0))) == (name == "rising")
 
 
 def test_a_map_is_its_cells():
@@ -119,19 +119,19 @@ def test_a_map_is_its_cells():
     assert cells.kind == "map"
     assert np.allclose(cells.bounds, [[0.5, 1, 2], [1.5, 1.5, 2.5]])
     world = oncollide.World()
-    model = world.add(cells)
-    world.add_body(model)
-    ball = world.add(oncollide.sphere(0.1))
-    assert len(world.query(ball, at(1.25, 1.25, 2.25))) == 1
-    assert len(world.query(ball, at(2.5, 1.25, 2.25))) == 0
-    world.set_cells(model, [[2.6, 1.1, 2.1]], "occupied")
-    assert len(world.query(ball, at(2.5, 1.25, 2.25))) == 1
-    world.set_cells_in_box(model, [1, 0, 0], [9, 9, 9], "free")
-    assert len(world.query(ball, at(1.25, 1.25, 2.25))) == 0 and len(world.query(ball, at(0.75, 1.25, 2.25))) == 1
-    world.insert_scan(model, [[4.1, 1.1, -3.1]], [0.1, 1.1, -3.1])
-    assert len(world.query(ball, at(4.25, 1.25, -3.25))) == 1
-    world.replace_cells(model, [-9, -9, -9], [9, 9, 9], oncollide.occupancy_map([[20, 20, 20], [6, 0, 0]], 0.5))
-    assert len(world.query(ball, at(3.25, 0.25, 0.25))) == 1 and len(world.query(ball, at(4.25, 1.25, -3.25))) == 0
+    model = world.models.add(cells)
+    world.bodies.add(model)
+    ball = world.models.add(oncollide.sphere(0.1))
+    assert len(world.space.overlaps(ball, at(1.25, 1.25, 2.25))) == 1
+    assert len(world.space.overlaps(ball, at(2.5, 1.25, 2.25))) == 0
+    world.models.set_cells(model, [[2.6, 1.1, 2.1]], "occupied")
+    assert len(world.space.overlaps(ball, at(2.5, 1.25, 2.25))) == 1
+    world.models.set_cells_in_box(model, [1, 0, 0], [9, 9, 9], "free")
+    assert len(world.space.overlaps(ball, at(1.25, 1.25, 2.25))) == 0 and len(world.space.overlaps(ball, at(0.75, 1.25, 2.25))) == 1
+    world.models.insert_scan(model, [[4.1, 1.1, -3.1]], [0.1, 1.1, -3.1])
+    assert len(world.space.overlaps(ball, at(4.25, 1.25, -3.25))) == 1
+    world.models.replace_cells(model, [-9, -9, -9], [9, 9, 9], oncollide.occupancy_map([[20, 20, 20], [6, 0, 0]], 0.5))
+    assert len(world.space.overlaps(ball, at(3.25, 0.25, 0.25))) == 1 and len(world.space.overlaps(ball, at(4.25, 1.25, -3.25))) == 0
     assert np.allclose(cells.bounds[1], [1.5, 1.5, 2.5]), "the geometry itself never changes"
 
 
@@ -170,11 +170,11 @@ def test_cooked_files_stay_where_they_are_and_give_the_same_results(tmp_path):
 
     def play(geometry, **settings):
         world = oncollide.World(exact="predicates", **settings)
-        world.add_body(world.add(geometry), static=True)
-        world.add_bodies(world.add(oncollide.torus_mesh(1.5, 0.4, 200)), np.stack([at(3 * i + 2, 2 * i + 2, 1) for i in range(6)]))
+        world.bodies.add(world.models.add(geometry), static=True)
+        world.bodies.add(world.models.add(oncollide.torus_mesh(1.5, 0.4, 200)), np.stack([at(3 * i + 2, 2 * i + 2, 1) for i in range(6)]))
         pairs = world.step().pairs
         pairs["a"], pairs["b"] = oncollide.slots(pairs["a"]), oncollide.slots(pairs["b"])  # ids differ from World to World
-        return [sorted(p.tolist() for p in pairs), world.hash, world.file_faults]
+        return [sorted(p.tolist() for p in pairs), world.hash, world.inspect()["file_faults"]]
 
     load = {"mesh": lambda p: oncollide.load_mesh(p, on_demand=True), "terrain": oncollide.load_terrain, "map": oncollide.load_map}
     for source in (mesh, land, city):

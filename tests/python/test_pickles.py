@@ -11,7 +11,8 @@ import oncollide
 from conftest import Cube, at, random_poses
 from test_robot import ARM
 
-CLASSES = [oncollide.Frame, oncollide.Geometry, oncollide.Model, oncollide.Queries, oncollide.Robot, oncollide.World]
+CLASSES = [oncollide.Frame, oncollide.Geometry, oncollide.Model, oncollide.Robot, oncollide.World, oncollide.Models, oncollide.Bodies,
+           oncollide.Pairs, oncollide.Space]  # fmt: skip
 
 
 def geometries():
@@ -43,9 +44,10 @@ def test_a_geometry_is_the_same_after_a_pickle(name):
     poses = np.r_[random_poses(40, 0.5, 4), random_poses(20, 2.0, 5)]
 
     def results(geometry):
-        queries = oncollide.Queries([geometry, oncollide.box([0.05, 0.3, 0.1])])
-        verdict, bound = queries.run(0, 1, np.eye(4), poses)
-        return verdict, bound, queries.distances(0, 1, np.eye(4), poses[:10])["lower"]
+        world = oncollide.World()
+        one, box = world.models.add(geometry), world.models.add(oncollide.box([0.05, 0.3, 0.1]))
+        found = world.pairs.decide((one, None), (box, poses))
+        return found["verdict"], found["bound"], world.pairs.distance((one, None), (box, poses[:10]))["lower"]
 
     for protocol in range(2, pickle.HIGHEST_PROTOCOL + 1):
         again = pickle.loads(pickle.dumps(made, protocol))
@@ -80,18 +82,18 @@ def test_what_stays_in_its_file_is_pickled_as_its_path(name, tmp_path, monkeypat
 
 def test_a_map_keeps_its_free_cells_and_its_unknown_ones(tmp_path):
     world = oncollide.World()
-    model = world.add(oncollide.occupancy_map([[0, 0, 0], [3, 0, 0]], 1.0))
+    model = world.models.add(oncollide.occupancy_map([[0, 0, 0], [3, 0, 0]], 1.0))
     again = pickle.loads(pickle.dumps(oncollide.occupancy_map([[0, 0, 0], [3, 0, 0]], 1.0)))
     ball = oncollide.sphere(0.2)
     for x, verdict in ((0.5, oncollide.Verdict.COLLIDING), (1.5, oncollide.Verdict.SEPARATE)):
         assert oncollide.collide(again, None, ball, at(x, 0.5, 0.5))["verdict"] == verdict
-        assert world.decide((model, None), (world.add(ball), at(x, 0.5, 0.5)))["verdict"] == verdict
+        assert world.pairs.decide((model, None), (world.models.add(ball), at(x, 0.5, 0.5)))["verdict"] == verdict
 
 
 def step_of_many():
     world = oncollide.World(exact="predicates")
-    bodies = world.add_bodies(world.add(oncollide.torus_knot_mesh(2, 3, 0.6, 0.2, 0.1, 300)), random_poses(12, 0.8, 6))
-    world.set_motions(bodies[:3], random_poses(3, 0.8, 7))
+    bodies = world.bodies.add(world.models.add(oncollide.torus_knot_mesh(2, 3, 0.6, 0.2, 0.1, 300)), random_poses(12, 0.8, 6))
+    world.bodies.set_motion(bodies[:3], random_poses(3, 0.8, 7))
     return world.step()
 
 
@@ -122,7 +124,7 @@ def test_a_damaged_pickle_is_an_error(text):
 def test_worlds_and_what_belongs_to_them_say_why_they_cannot_be_pickled(tmp_path):
     (tmp_path / "arm.urdf").write_text(ARM)
     world = oncollide.World()
-    for made in (world, world.add(oncollide.sphere(1.0)), oncollide.Queries([oncollide.sphere(1.0)]),
+    for made in (world, world.models.add(oncollide.sphere(1.0)), world.models, world.bodies, world.pairs, world.space,
                  oncollide.Robot(world, tmp_path / "arm.urdf")):  # fmt: skip
         name = type(made).__name__
         for call in (pickle.dumps, copy.copy, copy.deepcopy):
@@ -139,6 +141,7 @@ if __name__ == "__main__":
     tasks = [(knot, None, ball, pose) for pose in poses]
     with multiprocessing.get_context("spawn").Pool(2) as pool:
         found = pool.starmap(oncollide.distance, tasks)
+        assert [ball.kind for ball in pool.map(oncollide.sphere, [1.0, 2.0])] == ["sphere"] * 2
         try: pool.map(len, [oncollide.World()])
         except TypeError as error: print(error)
     assert [f.tobytes() for f in found] == [oncollide.distance(*task).tobytes() for task in tasks]
@@ -159,6 +162,10 @@ def test_an_object_that_was_never_made_is_refused_by_every_member(of):
         if member is None or getattr(object, name, None) is member:
             continue
         empty = of.__new__(of)
+        if inspect.ismemberdescriptor(member):
+            with pytest.raises(AttributeError, match=name):
+                getattr(empty, name)
+            continue
         with pytest.raises(TypeError, match=r"__init__\(\) of this object was not called"):
             if isinstance(member, property):
                 getattr(empty, name)
@@ -179,38 +186,39 @@ def test_an_object_that_was_never_made_is_refused_as_an_argument(tmp_path):
     (tmp_path / "arm.urdf").write_text(ARM)
     geometry, model = oncollide.Geometry.__new__(oncollide.Geometry), oncollide.Model.__new__(oncollide.Model)
     world = oncollide.World()
-    body = world.add_body(world.add(oncollide.sphere(1.0)))
+    body = world.bodies.add(world.models.add(oncollide.sphere(1.0)))
     never = oncollide.World.__new__(oncollide.World)
-    for call in (lambda: world.add(geometry), lambda: oncollide.Queries([geometry]), lambda: world.add_body(model),
-                 lambda: world.decide(body, (model, None)), lambda: oncollide.cook(geometry, tmp_path / "a.cooked"),
-                 lambda: oncollide.Robot(never, tmp_path / "arm.urdf"), lambda: model in world):  # fmt: skip
+    for call in (lambda: world.models.add(geometry), lambda: world.bodies.add(model),
+                 lambda: world.pairs.decide(body, (model, None)), lambda: oncollide.cook(geometry, tmp_path / "a.cooked"),
+                 lambda: oncollide.Robot(never, tmp_path / "arm.urdf"), lambda: model in world.models):  # fmt: skip
         with pytest.raises(TypeError, match="was not called"):
             call()
-    assert len(world) == 1
+    assert len(world.bodies) == 1
 
 
 def arrays():
     """An array of each kind of result."""
     world = oncollide.World(exact="predicates")
-    knot = world.add(oncollide.torus_knot_mesh(2, 3, 0.6, 0.2, 0.1, 300))
-    bodies = world.add_bodies(knot, random_poses(8, 0.6, 8))
-    far = world.add_body(knot, at(50))
-    box = world.add_body(world.add(oncollide.box_mesh([0.4, 0.4, 0.4])))
-    world.set_motions(bodies[:2], random_poses(2, 0.8, 9))
+    knot = world.models.add(oncollide.torus_knot_mesh(2, 3, 0.6, 0.2, 0.1, 300))
+    bodies = world.bodies.add(knot, random_poses(8, 0.6, 8))
+    far = world.bodies.add(knot, at(50))
+    box = world.bodies.add(world.models.add(oncollide.box_mesh([0.4, 0.4, 0.4])))
+    world.bodies.set_motion(bodies[:2], random_poses(2, 0.8, 9))
     frame = world.step()
     yield from (frame.pairs, frame.began, frame.sweeps)
     a, b = bodies[:4], bodies[4:]
-    yield from (world.query(knot), world.query_batch(knot, random_poses(3, 1, 2))[0], world.decide_batch(a, b))
-    yield world.cast([[-3, 0, 0], [9, 9, 9]], [[3, 0.1, 0], [9, 9, 8]])
-    yield from (world.cast_all([-3, 0, 0], [3, 0, 0]), world.contacts(bodies[0], bodies[1]), world.contacts_batch(a, b)[0])
+    yield from (world.space.overlaps(knot), world.space.overlaps(knot, random_poses(3, 1, 2))[0], world.pairs.decide(a, b))
+    yield world.space.cast([[-3, 0, 0], [9, 9, 9]], [[3, 0.1, 0], [9, 9, 8]])
+    yield from (world.space.cast_all([-3, 0, 0], [3, 0, 0]), world.pairs.contacts(bodies[0], bodies[1]), world.pairs.contacts(a, b)[0])
     both = np.array([*a, far], np.uint64), np.array([*b, box], np.uint64)
-    yield from (world.distance_batch(*both, cutoff=1.0), world.penetration_batch(a, b))
-    yield from (world.decide(far, box), world.distance(far, box), world.penetration(far, box))
+    yield from (world.pairs.distance(*both, cutoff=1.0), world.pairs.penetration(a, b))
+    yield from (world.pairs.decide(far, box), world.pairs.distance(far, box), world.pairs.penetration(far, box))
     away = random_poses(2, 0.1, 1) + np.array([20, 0, 0, 0, 0, 0, 0])
-    yield world.sweep(knot, np.r_[away[:1], away[:1]], np.r_[away[1:], random_poses(1, 0.1, 3)], knot, np.eye(4), np.eye(4))
-    yield world.cast_model(knot, np.r_[away, away], np.r_[away[::-1], random_poses(2, 0.1, 3)])
-    regions, points, offsets, complete = world.manifolds(a, b, margin=0.01)
-    yield from (regions, points, complete, world.near_features([bodies[0]], [box], 0.01)[0])
+    yield world.pairs.sweep((knot, np.r_[away[:1], away[:1]], np.r_[away[1:], random_poses(1, 0.1, 3)]), (knot, None))
+    yield world.space.cast_model(knot, np.r_[away, away], np.r_[away[::-1], random_poses(2, 0.1, 3)])
+    regions, points, offsets, complete = world.pairs.manifold(a, b, margin=0.01)
+    yield world.space.distances(knot, None, 1)
+    yield from (regions, points, complete, world.pairs.near_features([bodies[0]], [box], 0.01)[0])
 
 
 def without_worlds(array):
@@ -238,7 +246,7 @@ def test_equal_results_are_equal_byte_for_byte():
 def test_a_robots_results_are_equal_byte_for_byte(tmp_path):
     (tmp_path / "arm.urdf").write_text(ARM)
     world = oncollide.World()
-    world.add_body(world.add(oncollide.sphere(0.3)), at(0.4, 0, 0.8))
+    world.bodies.add(world.models.add(oncollide.sphere(0.3)), at(0.4, 0, 0.8))
     robot = oncollide.Robot(world, tmp_path / "arm.urdf")
     rows = np.random.default_rng(2).uniform(-2, 2, (50, 2))
     first = robot.check(rows).tobytes(), robot.check_edges(rows[:-1], rows[1:]).tobytes()

@@ -36,7 +36,7 @@ def rotation(axis, angle):
 
 def test_a_batch_finds_what_pairs_find(files):
     world = oncollide.World()
-    wall = world.add_body(world.add(oncollide.box((0.01, 1, 1))), at(0.4, 0, 1), static=True)
+    wall = world.bodies.add(world.models.add(oncollide.box((0.01, 1, 1))), at(0.4, 0, 1), static=True)
     robot = oncollide.Robot(world, files / "arm.urdf", srdf=files / "arm.srdf")
     assert robot.joints == ["turn", "elbow"] and robot.links == ["base", "upper", "lower"]
     samples = np.random.default_rng(1).uniform((-3, -3), (3, 3), (400, 2))
@@ -54,9 +54,10 @@ def test_a_batch_finds_what_pairs_find(files):
             assert result["link"] in (0, 2) and (result["other"] >= 0 or result["body"] == wall)
         else:
             assert result["link"] == -1
+    assert np.array_equal(robot.link_poses(samples[:3]), [robot.link_poses(q) for q in samples[:3]])
     assert 20 < colliding < 380
     assert np.count_nonzero(robot.check(samples, environment=False)["verdict"]) < colliding
-    assert robot.check(samples[0]).shape == (1,)
+    assert robot.check(samples[0]) == found[0]
 
 
 def test_states_and_errors(files):
@@ -77,7 +78,7 @@ def test_states_and_errors(files):
 
 def test_motions_are_checked_without_gaps(files):
     world = oncollide.World()
-    wire = world.add_body(world.add(oncollide.box((1e-6, 1, 1e-6))), at(0.2, 0, 0.9), static=True)
+    wire = world.bodies.add(world.models.add(oncollide.box((1e-6, 1, 1e-6))), at(0.2, 0, 0.9), static=True)
     robot = oncollide.Robot(world, files / "arm.urdf", srdf=files / "arm.srdf")
     up, down, away = (0, 0), (0, 1.5), (0, -1.5)
     found = robot.check_edges([up, up, down], [down, away, down], tolerance=1e-6)

@@ -52,7 +52,7 @@ def test_other_returns_pairs_in_order(manager):
     assert hit and names == {("c", "x")} and data and all(d.names == {"c", "x"} for d in data)
     assert manager.in_collision_other(other) is True
     assert other.in_collision_other(manager, return_names=True) == (True, {("x", "c")})
-    assert len(manager._world) == 3, "nothing stays behind"
+    assert len(manager._world.bodies) == 3, "nothing stays behind"
 
 
 def test_distances_are_of_the_nearest_and_have_bounds(manager):
@@ -103,7 +103,7 @@ def test_equal_meshes_share_a_model_and_changed_ones_do_not():
     assert manager.in_collision_internal(return_names=True)[1] == {("ball", "ball 2")}
     for name in list(manager._bodies):
         manager.remove_object(name)
-    assert len(manager._models) <= CollisionManager._KEPT and len(manager._world) == 0
+    assert len(manager._models) <= CollisionManager._KEPT and len(manager._world.bodies) == 0
 
 
 def test_what_lies_inside_a_closed_mesh_collides():
@@ -145,11 +145,10 @@ def test_answers_are_those_of_every_pair_alone():
     manager = CollisionManager()
     for i, pose in enumerate(poses):
         manager.add_object(i, knot, pose)
-    queries = oncollide.Queries([knot], exact="predicates")
     expected = {
         (i, j)
         for i, j in itertools.combinations(range(14), 2)
-        if queries.run(0, 0, poses[i], poses[j])[0][0] == oncollide.Verdict.COLLIDING
+        if oncollide.collide(knot, poses[i], knot, poses[j])["verdict"] == oncollide.Verdict.COLLIDING
     }
     assert 5 < len(expected) < 60
     assert manager.in_collision_internal(return_names=True) == (True, expected)
@@ -157,7 +156,7 @@ def test_answers_are_those_of_every_pair_alone():
     other = CollisionManager()
     for i, pose in enumerate(far):
         other.add_object(i, knot, pose)
-    nearest = min(queries.distances(0, 0, a, b)["upper"][0] for a in poses for b in far)
+    nearest = min(oncollide.distance(knot, a, knot, b)["upper"] for a in poses for b in far)
     assert manager.min_distance_other(other) == pytest.approx(nearest, abs=1e-9)
 
 
