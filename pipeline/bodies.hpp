@@ -24,7 +24,8 @@ struct BodySpec {
     std::uint64_t user = 0;           ///< yours: the World stores it and does not read it
 };
 
-/// What a body forms pairs with, as in BodySpec. Limits a query to the bodies that would form a pair with such a body.
+/// The part of a BodySpec that decides which bodies form pairs. Limits a query to the bodies that would form a pair
+/// with such a body.
 struct CollisionFilter {
     std::uint32_t layer = 1, mask = 0xffffffffu, group = 0;
     friend bool operator==(const CollisionFilter&, const CollisionFilter&) = default;

@@ -31,9 +31,9 @@ public:
     /// the World).
     void replace(ModelId model, GeometryData geometry);
     void replace(ModelId model, std::shared_ptr<const Geometry> geometry);
-    /// Lets `change` set cells of a map, for all bodies of the model; what it has set before it throws stays. Cost: of
-    /// the change; the first change also copies the map, 8 bytes per inner node. Sphere-trees of the map grow anew.
-    /// Throws Error{usage} for a model that is not a map.
+    /// Lets `change` set cells of a map, for all bodies of the model; cells that are set before it throws stay set.
+    /// Cost: of the change; the first change also copies the map, 8 bytes per inner node. Sphere-trees of the map grow
+    /// anew. Throws Error{usage} for a model that is not a map.
     ///
     ///     world.models().edit(map, [&](OccupancyMap& cells) { cells.insert_scan(points, origin); });
     void edit(ModelId map, const std::function<void(OccupancyMap&)>& change);

@@ -78,7 +78,7 @@ public:
     World(World&&) noexcept;
     World& operator=(World&&) noexcept;
 
-    // What the World holds. References stay valid when the World is moved.
+    // The models and bodies that the World holds. References stay valid when the World is moved.
     Models& models();
     const Models& models() const;
     Bodies& bodies();

@@ -29,8 +29,8 @@ public:
     /// copy, one comparison per body.
     FrameView step(const Scene& scene);
 
-    /// From now on, step() moves bodies from their poses to the new ones by Bodies::set_motion(), so contacts on the way
-    /// are reported: straight, but through the keys between the times of the last step and this one (Scene::time).
+    /// From now on, step() moves bodies from their poses to the new ones by Bodies::set_motion(), so contacts on the
+    /// way are reported: straight, but through the keys between the times of the last step and this one (Scene::time).
     /// Default: off.
     void set_continuous(bool continuous) { continuous_ = continuous; }
     bool continuous() const { return continuous_; }

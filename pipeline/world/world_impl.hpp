@@ -18,9 +18,9 @@ struct PairTasks {
     const PairTask& operator[](std::size_t i) const { return tasks[i]; }
 };
 
-/// The data of a World, which its views share. Implemented in the files of those who call it: world.cpp (checks of
-/// arguments), world_models.cpp, world_bodies.cpp, world_step.cpp (frames), world_pairs.cpp and world_sweeps.cpp
-/// (pairs), world_space.cpp and world_casts.cpp (space).
+/// The data of a World, which its views share. Implemented in world.cpp (checks of arguments), world_models.cpp,
+/// world_bodies.cpp, world_step.cpp (frames), world_pairs.cpp, world_sweeps.cpp and world_manifolds.cpp (Pairs),
+/// world_space.cpp and world_casts.cpp (Space).
 struct ONCOLLIDE_LOCAL WorldImpl {
     Models models_view{*this};
     Bodies bodies_view{*this};

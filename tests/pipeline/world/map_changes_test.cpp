@@ -206,7 +206,7 @@ TEST(MapChanges, ThatMakeNoSenseChangeNothing)
                                          throw std::runtime_error("of the caller");
                                      }),
                  std::runtime_error);
-    EXPECT_GT(map_of(world, map).count(), small_map().count()) << "what was set stays";
+    EXPECT_GT(map_of(world, map).count(), small_map().count()) << "the cells stay set";
     world.models().edit(map, [](OccupancyMap& m) { m.set(Aabb{{0, 0, 4}, {1, 1, 5}}, CellState::free); });
     refuses([&] { world.models().edit(ball, [&](OccupancyMap& m) { m.set(near, CellState::free); }); },
             "is not an occupancy map");
