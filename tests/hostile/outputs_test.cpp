@@ -76,7 +76,7 @@ TEST_F(HostileOutputs, TemporaryFilesOfOtherRunsBlockNobody)
 /// After the run, when interrupted() is no longer checked, and slow results are partly written.
 TEST_F(HostileOutputs, AnInterruptWhileResultsAreWrittenLeavesNoTemporaryFile)
 {
-    const std::string program = ONCOLLIDE_LAB;
+    const std::string program = ONCOLLIDE_COMMAND;
     Surroundings around{.folder = folder_.path()};
     around.environment.emplace_back("ONCOLLIDE_DATA", "");
     around.meanwhile = [&](pid_t child) {

@@ -43,10 +43,12 @@ TEST_F(Laboratory, HasTheExitCodesOfTheCommand)
         std::string& input = *std::ranges::find_if(words, [](const std::string& w) { return w.starts_with("IN."); });
         const std::string extension = input.substr(2);
         folder_.write("x" + extension, "{ nothing of the kind");
-        input = "missing" + extension;
-        expect_error(66, words, {"missing."});
-        input = "x" + extension;
-        expect_error(65, words, {"x."});
+        for (const auto& [code, name] : {std::pair(66, "missing"), std::pair(65, "x")}) {
+            input = name + extension;
+            const Outcome outcome = run(words);
+            EXPECT_EQ(outcome.code, code) << fmt::format("{}: {}", fmt::join(words, " "), outcome.err);
+            EXPECT_NE(outcome.err.find(input), std::string::npos) << outcome.err;
+        }
     }
     for (Words words : {Words{"hard", "--csv"},
                         {"study", "s.json", "--html"},
