@@ -1,6 +1,7 @@
 #pragma once
 #include <concepts>
 #include <memory>
+#include <variant>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -15,19 +16,23 @@ namespace oncollide {
 class GeometryArgument {
 public:
     GeometryArgument(const Mesh& mesh) : mesh_(&mesh) {}
-    GeometryArgument(std::shared_ptr<const Geometry> geometry) : geometry_(std::move(geometry)) {}
+    template <std::convertible_to<std::shared_ptr<const Geometry>> Pointer> // as load_geometry() returns it
+    GeometryArgument(const Pointer& geometry)
+        : geometry_(geometry), mesh_(geometry_ ? std::get_if<Mesh>(&geometry_->data) : nullptr)
+    {
+    }
     template <class Data> // a Shape (Sphere, Box, ...), an OccupancyMap, a Terrain
     requires(std::constructible_from<GeometryData, Data> && !std::same_as<Data, Mesh>)
         GeometryArgument(const Data& data)
-        : geometry_(std::make_shared<const Geometry>(Geometry{{}, data, {}}))
+        : GeometryArgument(std::make_shared<const Geometry>(Geometry{{}, data, {}}))
     {
     }
     const Mesh* mesh() const { return mesh_; } ///< null: another kind, see geometry()
     const std::shared_ptr<const Geometry>& geometry() const { return geometry_; }
 
 private:
-    const Mesh* mesh_ = nullptr;
     std::shared_ptr<const Geometry> geometry_;
+    const Mesh* mesh_ = nullptr;
 };
 
 // --- Two geometries at two poses, in one line. Poses are rigid: body frame to world, metres.

@@ -2,14 +2,17 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/pairs/triangle_pairs.hpp>
 #include <oncollide/pipeline/world/query_worker.hpp>
-#include <oncollide/pipeline/world/world_access.hpp>
 
 namespace oncollide {
 
 namespace {
+
+void check_pose(const char* which, const Eigen::Isometry3d& pose)
+{
+    WorldImpl::check_pose(fmt::format("pose {}: ", which).c_str(), pose);
+}
 
 /// Checks two meshes and their poses, then makes the meshes' OBB trees: meshes need no World.
 struct TwoTrees {
@@ -17,8 +20,7 @@ struct TwoTrees {
 
     static const Mesh& checked(const char* which, const Mesh& mesh, const Eigen::Isometry3d& pose)
     {
-        if (const std::string why = WorldAccess::why_refused(pose); !why.empty())
-            throw Error(ErrorKind::bad_data, fmt::format("pose {}: {}", which, why));
+        check_pose(which, pose);
         check_mesh(fmt::format("mesh {}", which), mesh);
         return mesh;
     }
@@ -35,8 +37,7 @@ struct TwoModels {
 
     static ModelId add(World& world, const char* which, const GeometryArgument& geometry, const Eigen::Isometry3d& pose)
     {
-        if (const std::string why = WorldAccess::why_refused(pose); !why.empty())
-            throw Error(ErrorKind::bad_data, fmt::format("pose {}: {}", which, why));
+        check_pose(which, pose);
         if (geometry.mesh()) return world.models().add(*geometry.mesh(), fmt::format("mesh {}", which));
         return world.models().add(geometry.geometry());
     }

@@ -1,8 +1,7 @@
 // Two geometries at two poses, without a World.
 #include <oncollide/pipeline/two_geometries.hpp>
 
-#include "bindings.hpp"
-#include "release.hpp"
+#include "held_world.hpp"
 
 namespace oncollide::python {
 
@@ -15,12 +14,8 @@ auto of_two(const char* call, py::handle a, py::handle pose_a, py::handle b, py:
 {
     const GeometryHandle first = geometry(a, {call, "a"}), second = geometry(b, {call, "b"});
     const Eigen::Isometry3d at_a = pose(pose_a, {call, "pose_a"}), at_b = pose(pose_b, {call, "pose_b"});
-    const auto argument = [](const GeometryHandle& of) {
-        const auto* mesh = std::get_if<Mesh>(&of->data);
-        return mesh ? GeometryArgument(*mesh) : GeometryArgument(of);
-    };
     const Released released;
-    return query(argument(first), at_a, argument(second), at_b, options...);
+    return query(first, at_a, second, at_b, options...);
 }
 
 } // namespace
@@ -41,11 +36,9 @@ This call and distance(), contacts() and penetration() build their trees anew; a
     define(
         m, "distance",
         [](py::handle a, py::handle pose_a, py::handle b, py::handle pose_b, py::handle tolerance, py::handle cutoff) {
-            const DistanceOptions options{.tolerance = number(tolerance, {"distance", "tolerance"}),
-                                          .cutoff = limit_of(cutoff, {"distance", "cutoff"})};
             return scalar(of_two(
                 "distance", a, pose_a, b, pose_b, [](const auto&... of) { return oncollide::distance(of...); },
-                options));
+                distance_options(tolerance, cutoff, "distance")));
         },
         "Certified bounds on the distance of two geometries at two poses, as pairs.distance().", "a"_a, "pose_a"_a,
         "b"_a, "pose_b"_a, "tolerance"_a = 0.0, "cutoff"_a = py::none());

@@ -1,4 +1,5 @@
 // Queries of a World give the results of frames.
+#include <array>
 #include <map>
 #include <thread>
 
@@ -7,6 +8,7 @@
 #include <oncollide/pipeline/two_geometries.hpp>
 #include <oncollide/pipeline/world.hpp>
 
+#include "every_kind.hpp"
 #include "pipeline/knots.hpp"
 #include "random_pose.hpp"
 
@@ -103,6 +105,24 @@ TEST(World, BoundsDistancesOfMeshesAndShapes)
     EXPECT_LT(inside.upper, 0.02);
     EXPECT_TRUE(world.pairs().contacts(a, b).empty());
     EXPECT_THROW(world.pairs().distance(a, b, {.tolerance = -1}), Error);
+}
+
+TEST(TwoGeometries, OfEveryTwoKindsAnswerAsAWorldDoes)
+{
+    for (std::size_t kind = 0; kind < kinds * kinds; ++kind) {
+        const std::array<std::shared_ptr<Geometry>, 2> two{
+            std::make_shared<Geometry>(Geometry{"a", draw_geometry(kind % kinds, 7), {}}),
+            std::make_shared<Geometry>(Geometry{"b", draw_geometry(kind / kinds, 8), {}})};
+        const Eigen::Isometry3d pose_a = random_pose(kind, 20), pose_b = pose_a * random_pose(kind + 900, 1.5);
+        World world;
+        const PlacedModel a{world.models().add(two[0]), pose_a}, b{world.models().add(two[1]), pose_b};
+        EXPECT_EQ(collide(two[0], pose_a, two[1], pose_b).verdict, world.pairs().decide(a, b).verdict) << kind;
+        const Distance found = distance(two[0], pose_a, two[1], pose_b), same = world.pairs().distance(a, b);
+        EXPECT_EQ(std::pair(found.lower, found.upper), std::pair(same.lower, same.upper)) << kind;
+        EXPECT_EQ(contacts(two[0], pose_a, two[1], pose_b).size(), world.pairs().contacts(a, b).size()) << kind;
+        EXPECT_EQ(penetration(two[0], pose_a, two[1], pose_b).depth, world.pairs().penetration(a, b).depth) << kind;
+    }
+    EXPECT_EQ(collide(Sphere{1}, at(0), make_box_mesh({1, 1, 1}), at(1.5)).verdict, Verdict::colliding);
 }
 
 TEST(Meshes, AreTestedInOneLine)
