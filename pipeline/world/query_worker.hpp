@@ -110,7 +110,7 @@ void WorldImpl::gather(std::size_t items, std::size_t chunk, Lists<Found>& lists
     auto& [found, offsets] = lists;
     found.clear(), offsets.assign(1, 0);
     const ExecutorScope scope(settings.executor);
-    if (frame.context.threads == 1) { // without copies
+    if (frame.context.threads == 1 || items <= chunk) { // without copies
         Lease worker(*this);
         for (std::size_t i = 0; i < items; ++i) {
             work(*worker, i, found);
