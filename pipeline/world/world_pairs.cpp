@@ -22,7 +22,7 @@ const Number* entry(std::span<const Number> column, std::size_t width, std::size
     return column.data() + (column.size() > width ? width * i : 0);
 }
 
-/// The number of pairs in columns: the longest column's, to which the others must fit.
+/// The number of pairs in columns: the entries of each column, except of columns whose one entry serves all pairs.
 std::size_t count_of(const char* call, const PairOfColumns& pairs)
 {
     const struct {

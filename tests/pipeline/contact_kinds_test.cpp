@@ -7,7 +7,7 @@
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/narrowphase/exact/relative_pose.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
-#include <oncollide/pipeline/two_geometries.hpp>
+#include <oncollide/pipeline/world.hpp>
 #include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/motion.hpp>

@@ -1,6 +1,6 @@
 // Meshes in cooked files, compared with the meshes that they were cooked from.
 #include <oncollide/broadphase/bounds/pose_bounds.hpp>
-#include <oncollide/pipeline/two_geometries.hpp>
+#include <oncollide/pipeline/world.hpp>
 
 #include "pipeline/models/cooked_scenes.hpp"
 #include "random_pose.hpp"

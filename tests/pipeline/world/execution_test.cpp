@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/base/executor.hpp>
-#include <oncollide/pipeline/two_geometries.hpp>
 #include <oncollide/pipeline/world.hpp>
 
 #include "allocations.hpp"

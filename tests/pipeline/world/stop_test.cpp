@@ -3,7 +3,6 @@
 
 #include <atomic>
 
-#include <oncollide/pipeline/two_geometries.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/generators.hpp>
 

@@ -14,7 +14,7 @@
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/base/threads/parallel.hpp>
-#include <oncollide/pipeline/two_geometries.hpp>
+#include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/motion.hpp>

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/pipeline/two_geometries.hpp>
+#include <oncollide/pipeline/world.hpp>
 #include <oncollide/runs/pipeline.hpp>
 
 #include "truth/judge.hpp"
