@@ -21,7 +21,7 @@ enum class ErrorKind : int {
 
 /// The only exception type of the library. The message names the location, the problem and the valid values. It fits on
 /// one line and is safe to print: characters from names in files are escaped (printable()).
-/// Thrown at load or creation only, never half-way through a frame.
+/// A call that throws has changed nothing, unless its comment says otherwise; a frame never ends half-way.
 class ONCOLLIDE_API Error : public std::runtime_error {
 public:
     Error(ErrorKind kind, const std::string& message);

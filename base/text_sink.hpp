@@ -1,9 +1,7 @@
 #pragma once
 #include <cstddef>
-#include <iterator>
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -18,8 +16,7 @@ public:
     template <class... Args>
     void print(fmt::format_string<Args...> format, Args&&... args)
     {
-        fmt::format_to(std::back_inserter(buffer_), format, std::forward<Args>(args)...);
-        if (buffer_.size() > most_) flush();
+        print_as(format, fmt::make_format_args(args...));
     }
     /// Writes bytes unchanged.
     void write(std::string_view bytes)
@@ -37,6 +34,9 @@ protected:
     fmt::memory_buffer buffer_;
 
 private:
+    // Not inline: fmt's formatter is a large template, which would be compiled for every unit that prints.
+    void print_as(fmt::string_view format, fmt::format_args args);
+
     std::size_t most_;
 };
 

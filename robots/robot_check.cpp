@@ -4,9 +4,10 @@
 #include <oncollide/robots/surroundings.hpp>
 
 #include <algorithm>
-#include <mutex>
 
 #include <fmt/format.h>
+
+#include <oncollide/base/threads/idle_objects.hpp>
 
 namespace oncollide {
 
@@ -252,31 +253,20 @@ private:
 };
 
 /// Checkers of earlier calls, with their memory.
-struct Robot::Impl::IdleCheckers {
+struct Robot::Impl::IdleCheckers : IdleObjects<Checker, LockRank::robot_checkers> {
     struct GiveBack {
         IdleCheckers* to = nullptr;
-        void operator()(Checker* checker) const
-        {
-            const std::lock_guard lock(to->guard);
-            to->checkers.emplace_back(checker);
-        }
+        void operator()(Checker* checker) const { to->give_back(std::unique_ptr<Checker>(checker)); }
     };
     using Lease = std::unique_ptr<Checker, GiveBack>;
 
     Lease lease(const Impl& robot, const World& world, const RobotCheck& what)
     {
-        std::unique_ptr<Checker> checker;
-        {
-            const std::lock_guard lock(guard);
-            if (!checkers.empty()) checker = std::move(checkers.back()), checkers.pop_back();
-        }
+        std::unique_ptr<Checker> checker = take();
         if (!checker || !checker->is_for(world)) checker = std::make_unique<Checker>(robot, world);
         checker->begin(world, what);
         return Lease(checker.release(), GiveBack{this});
     }
-
-    std::mutex guard;
-    std::vector<std::unique_ptr<Checker>> checkers;
 };
 
 std::shared_ptr<Robot::Impl::IdleCheckers> Robot::Impl::no_checkers()

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include <oncollide/base/threads/lock_order.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/robots/cover.hpp>
 #include <oncollide/robots/kinematics.hpp>
@@ -109,7 +110,7 @@ struct Robot::Impl {
     /// A World accepts the poses of all parts in every configuration: they are rigid and not too far away.
     bool has_sound_poses = false;
     std::shared_ptr<IdleCheckers> idle; ///< of check(), for the parts as they are
-    mutable std::mutex cells_mutex;
+    mutable OrderedMutex<LockRank::joint_cells> cells_mutex;
     mutable std::shared_ptr<JointCells> cells; ///< of check_edges(), for the parts as they are; null: none yet
     std::vector<PartPair> pairs;
     std::vector<GroupPair> group_pairs; ///< those most often near each other first

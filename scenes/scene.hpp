@@ -36,7 +36,7 @@ struct BodyInit {
     GeometryId geometry{};
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     Motion motion = Still{};
-    bool is_static = false;           ///< the body never moves; static-static pairs are never formed
+    bool is_static = false;           ///< two static bodies never form a pair; its motion must be Still
     std::uint32_t layer = 1;          ///< bits: the layers that the body is on
     std::uint32_t mask = 0xffffffffu; ///< bits: the layers that the body collides with
     std::uint32_t group = 0;          ///< bodies of one group never collide with each other; 0: in no group

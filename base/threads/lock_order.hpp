@@ -13,21 +13,23 @@ namespace oncollide {
 ///
 /// Source: PhysicsLock of Jolt Physics asserts such an order.
 enum class LockRank : std::uint8_t {
-    world,         ///< World: the trees of its models, beside queries
-    query_workers, ///< World: its idle workers
-    chunks_in_use, ///< ChunkResidency: no chunk is dropped while a traversal holds it
-    obb_trees,     ///< PreparedTrees, ObbResidency: which OBB trees of cooked meshes there are
-    prefetcher,    ///< Prefetcher: the waiting parts
-    obb_tree,      ///< ObbTree: growing
-    terrain_tree,  ///< TerrainTree: making a part
-    chunks,        ///< chunks of a mesh, map or terrain: reading
-    fault_log,     ///< FaultLog
-    cooked_mesh,   ///< CookedMesh: opening its file
-    cooked_file,   ///< CookedFile: the faults
-    rank_failures, ///< ranks that are threads of one process: the first failure
-    ranks,         ///< the same: their messages
-    pool_making,   ///< the thread pool: making it
-    pool,          ///< the thread pool: its tasks
+    joint_cells,    ///< Robot: the cells of check_edges()
+    robot_checkers, ///< Robot: its idle checkers
+    world,          ///< World: the trees of its models, beside queries
+    query_workers,  ///< World: its idle workers
+    chunks_in_use,  ///< ChunkResidency: no chunk is dropped while a traversal holds it
+    obb_trees,      ///< PreparedTrees, ObbResidency: which OBB trees of cooked meshes there are
+    prefetcher,     ///< Prefetcher: the waiting parts
+    obb_tree,       ///< ObbTree: growing
+    terrain_tree,   ///< TerrainTree: making a part
+    chunks,         ///< chunks of a mesh, map or terrain: reading
+    fault_log,      ///< FaultLog
+    cooked_mesh,    ///< CookedMesh: opening its file
+    cooked_file,    ///< CookedFile: the faults
+    rank_failures,  ///< ranks that are threads of one process: the first failure
+    ranks,          ///< the same: their messages
+    pool_making,    ///< the thread pool: making it
+    pool,           ///< the thread pool: its tasks
 };
 
 #ifdef ONCOLLIDE_ASSERTIONS

@@ -1,4 +1,5 @@
 #include <oncollide/pipeline/models/obb_residency.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 
 #include <algorithm>
 #include <limits>

@@ -1,3 +1,4 @@
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/pipeline/world/placed_tests.hpp>
 
 #include <oncollide/pipeline/world/query_worker.hpp>

@@ -34,19 +34,12 @@ class WorldImpl::Lease {
 public:
     explicit Lease(WorldImpl& impl) : impl_(impl)
     {
-        {
-            const std::lock_guard lock(impl.idle_guard);
-            if (!impl.idle_workers.empty()) worker_ = std::move(impl.idle_workers.back()), impl.idle_workers.pop_back();
-        }
+        worker_ = impl.idle_workers.take();
         if (!worker_) worker_ = std::make_unique<QueryWorker>(impl, impl.settings);
         worker_->context.frame = impl.frame.number;
         worker_->context.trees = {}, worker_->context.rounds.clear();
     }
-    ~Lease()
-    {
-        const std::lock_guard lock(impl_.idle_guard);
-        impl_.idle_workers.push_back(std::move(worker_));
-    }
+    ~Lease() { impl_.idle_workers.give_back(std::move(worker_)); }
     Lease(const Lease&) = delete;
     Lease& operator=(const Lease&) = delete;
     QueryWorker* operator->() { return worker_.get(); }

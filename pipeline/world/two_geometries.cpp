@@ -73,7 +73,7 @@ Distance distance(const GeometryArgument& a, const Eigen::Isometry3d& pose_a, co
     }
     TwoTrees trees(*a.mesh(), pose_a, *b.mesh(), pose_b);
     Traversal walk;
-    return triangle_distance(walk, trees.a, pose_a, trees.b, pose_b, options.tolerance, options.cutoff);
+    return triangle_distance(walk, trees.a, pose_a, trees.b, pose_b, options);
 }
 
 std::vector<Contact> contacts(const GeometryArgument& a, const Eigen::Isometry3d& pose_a, const GeometryArgument& b,

@@ -1,4 +1,5 @@
 // World: construction, checks of arguments, settings.
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/pipeline/world/world_impl.hpp>
 
 #include <atomic>
@@ -169,6 +170,7 @@ const Settings& World::settings() const
 }
 std::string WorldImpl::note_on_backend() const
 {
+    if (!certified(settings)) return "gl-query is not certified: collisions may be missed; for comparison only";
     const std::string& lost = models.lost();
     if (!lost.empty()) return "the CPU took over when the GPU was lost: " + lost;
     if (backend_note.empty() && wants_obbs(settings) && models.backend().name().starts_with("gl"))

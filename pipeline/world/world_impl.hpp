@@ -1,7 +1,9 @@
 #pragma once
 #include <atomic>
 
+#include <oncollide/base/threads/idle_objects.hpp>
 #include <oncollide/pipeline/refine/narrowing.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/pipeline/world/motion_forecast.hpp>
 #include <oncollide/pipeline/world/stage.hpp>
@@ -42,13 +44,12 @@ struct ONCOLLIDE_LOCAL WorldImpl {
     std::string backend_note;
     std::uint64_t hash = 0, frame_hash = 0; ///< of all frames; of the last frame
 
-    struct QueryWorker;                               // query_worker.hpp
-    WorldMutex guard;                                 ///< for const calls: of the models' trees
-    OrderedMutex<LockRank::query_workers> idle_guard; ///< of idle_workers
-    std::atomic<bool> taken_in{false};                ///< are all changes in the boxes and the broad phase?
+    struct QueryWorker;                // query_worker.hpp
+    WorldMutex guard;                  ///< for const calls: of the models' trees
+    std::atomic<bool> taken_in{false}; ///< are all changes in the boxes and the broad phase?
     /// For const calls: a model with its tree, until bodies or models change or a step ends. Spares a lock.
     std::atomic<const Model*> with_tree{nullptr};
-    std::vector<std::unique_ptr<QueryWorker>> idle_workers;
+    IdleObjects<QueryWorker, LockRank::query_workers> idle_workers;
 
     WorldImpl(const Settings& settings, std::unique_ptr<OcclusionBackend> backend, std::string note);
     ~WorldImpl();

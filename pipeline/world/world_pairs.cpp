@@ -227,10 +227,10 @@ void WorldImpl::need_trees(std::span<const PairTask> tasks)
 Distance WorldImpl::distance(QueryWorker& worker, const PairTask& task, const DistanceOptions& options)
 {
     if (const auto direct = tests_for(task).direct_distance) // needs no tree
-        return direct(task, {.above = options.cutoff, .tolerance = options.tolerance});
+        return direct(task, options);
     const bool solid = settings.mode == Mode::solid;
     return models.with_room([&] {
-        Distance found = tests_for(task).distance(worker.pairs, task, options.tolerance, options.cutoff, solid);
+        Distance found = tests_for(task).distance(worker.pairs, task, options, solid);
         // The distance of a box from triangles is computed in another frame than the exact decision. Where rounding
         // leaves open whether they meet, the decision is the truth.
         if (found.lower == 0 && found.upper > 0 && found.upper <= rounding_of(task) &&
@@ -253,7 +253,7 @@ Distance Pairs::distance(PairSide a, PairSide b, const DistanceOptions& options)
     check_distance(options);
     const PairTask task = p.checked_task(a, b);
     if (const auto direct = tests_for(task).direct_distance) // needs no worker, either
-        return direct(task, {.above = options.cutoff, .tolerance = options.tolerance});
+        return direct(task, options);
     p.need_trees({&task, 1});
     WorldImpl::Lease worker(p);
     return p.distance(*worker, task, options);

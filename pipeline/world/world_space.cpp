@@ -7,6 +7,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/broadphase/aabb_checks.hpp>
 #include <oncollide/broadphase/segment_part.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/pipeline/world/query_worker.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
 

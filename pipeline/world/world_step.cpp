@@ -10,6 +10,7 @@
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/pipeline/world/world_access.hpp>
 #include <oncollide/pipeline/world/world_impl.hpp>
 

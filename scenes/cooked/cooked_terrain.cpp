@@ -2,6 +2,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/scenes/cooked/cooked_writer.hpp>
+#include <oncollide/scenes/model/terrain/terrain_access.hpp>
 
 #include <algorithm>
 #include <bit>
@@ -258,7 +259,7 @@ void CookedTerrainChunks::drop(std::size_t chunk)
 
 CookedTerrainChunks* cooked_chunks(const Terrain& terrain)
 {
-    return static_cast<CookedTerrainChunks*>(terrain.chunks()); // there are no other chunks
+    return static_cast<CookedTerrainChunks*>(TerrainAccess::chunks(terrain)); // there are no other chunks
 }
 
 } // namespace oncollide

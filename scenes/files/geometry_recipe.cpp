@@ -10,6 +10,7 @@
 #include <oncollide/scenes/files/generators.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/model/map/map_access.hpp>
+#include <oncollide/scenes/model/terrain/terrain_access.hpp>
 
 namespace oncollide {
 
@@ -276,7 +277,7 @@ GeometryId add_geometry(SceneInfo& scene, std::string_view given_name, const Nod
     }
     if (source == "terrain") {
         Terrain terrain = read_terrain(node, folder, reading);
-        if (terrain.chunks() && !reading.on_demand) terrain.chunks()->need_all();
+        if (TerrainAccess::chunks(terrain) && !reading.on_demand) TerrainAccess::chunks(terrain)->need_all();
         return at(entry, [&] { return scene.add(name, std::move(terrain), recipe_of(entry, folder)); });
     }
     GeometryData mesh = read_mesh(node, name, folder, reading);
@@ -296,7 +297,7 @@ void Expansion::count(const Geometry& geometry, const Node& entry)
     const Node node = entry[mesh ? "mesh" : terrain ? "terrain" : "octomap"];
     if (node.has("vertices")) return;
     const auto* map = std::get_if<OccupancyMap>(&geometry.data);
-    if ((terrain && terrain->chunks()) || (map && MapAccess::cells(*map).chunks())) return;
+    if ((terrain && TerrainAccess::chunks(*terrain)) || (map && MapAccess::cells(*map).chunks())) return;
     if (node.has("file") && files_.emplace(node["file"].text()).second) return;
     if (mesh)
         triangles_ += mesh->triangles.size();

@@ -61,7 +61,9 @@ public:
     int bytes_per_height() const { return bytes_; }
     std::size_t bytes() const;
 
-    /// NaN: a hole.
+    // Columns and rows are below columns() and rows(), cells below cells_x() and cells_y(); others are undefined.
+
+    /// NaN: a hole. As all access to a terrain in a cooked file, throws Error{bad_data} if a part cannot be read.
     double height(std::uint32_t column, std::uint32_t row) const;
     double x(std::uint32_t column) const;
     double y(std::uint32_t row) const;
@@ -82,10 +84,6 @@ public:
     void read_row(std::uint32_t row, double zero, Number* out) const;
     /// Whether each of the cells_x() cells of row y is present.
     void read_cells(std::uint32_t y, std::vector<bool>& there) const;
-
-    /// The chunks of a terrain in a cooked file, which are read on first use, so that access may throw ChunkFault;
-    /// null: the whole terrain is in memory.
-    TerrainChunks* chunks() const { return chunks_.get(); }
 
 private:
     friend class TerrainBuilder;

@@ -35,6 +35,9 @@ struct TerrainHeights {
 /// Terrain's arithmetic inline, for the library's own loops. The public header has only declarations: a program could
 /// compile inline arithmetic with -ffast-math, and the linker could then give that code to the library.
 struct TerrainAccess {
+    /// The chunks of a terrain in a cooked file, which are read on first use, so that access may throw ChunkFault;
+    /// null: the whole terrain is in memory.
+    static TerrainChunks* chunks(const Terrain& t) { return t.chunks_.get(); }
     static double x(const Terrain& t, std::uint32_t column) { return t.origin_.x() + column * t.spacing_.x(); }
     static double y(const Terrain& t, std::uint32_t row) { return t.origin_.y() + row * t.spacing_.y(); }
     static Eigen::Vector3d point(const Terrain& t, std::uint32_t column, std::uint32_t row)
