@@ -3,6 +3,7 @@
 #include <oncollide/narrowphase/inside/flat_faces.hpp>
 #include <oncollide/narrowphase/inside/mesh_links.hpp>
 #include <oncollide/scenes/cooked/cooked_map.hpp>
+#include <oncollide/scenes/model/terrain/terrain_access.hpp>
 
 namespace oncollide {
 
@@ -43,7 +44,7 @@ void Model::read_all() const
     if (cooked())
         mesh();
     else if (terrain())
-        terrain()->chunks()->need_all();
+        TerrainAccess::chunks(*terrain())->need_all();
     else
         MapAccess::cells(*map()).chunks()->need_all();
 }
@@ -90,15 +91,15 @@ bool Model::prepare_solids(bool near)
 {
     // Building takes as long as this many traversals per four vertices. The inner spheres save less, and must not delay
     // the first results.
-    constexpr std::uint64_t walks_for_hull = 3, walks_for_balls = 32;
+    constexpr std::uint64_t walks_for_hull = 3, walks_for_inner_spheres = 32;
     if (has_solids() || (near && !hull_)) return false;
-    if (4 * ++walks_ <= (hull_ ? walks_for_balls : walks_for_hull) * vertices()) return false;
+    if (4 * ++walks_ <= (hull_ ? walks_for_inner_spheres : walks_for_hull) * vertices()) return false;
     try {
         std::optional<Mesh> whole;
         if (cooked()) whole = cooked()->whole();
         const Mesh& mesh = whole ? *whole : *surface_mesh();
         if (hull_)
-            balls_ = std::make_unique<InnerSpheres>(mesh);
+            inner_spheres_ = std::make_unique<InnerSpheres>(mesh);
         else
             hull_ = std::make_unique<OuterHull>(mesh);
     } catch (const ChunkFault&) { // the file keeps the fault

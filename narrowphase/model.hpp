@@ -132,11 +132,11 @@ public:
     /// @param near  the last traversal did not separate the two meshes, so their hulls would not have either
     bool prepare_solids(bool near);
     /// True if nothing is left to prepare.
-    bool has_solids() const { return (hull_ && (balls_ || !is_mesh())) || no_solids_ || !has_triangles(); }
+    bool has_solids() const { return (hull_ && (inner_spheres_ || !is_mesh())) || no_solids_ || !has_triangles(); }
     /// The convex solid around surface_mesh(); null: not built.
     const OuterHull* hull() const { return hull_.get(); }
     /// The spheres inside a mesh; null: not built.
-    const InnerSpheres* balls() const { return balls_.get(); }
+    const InnerSpheres* inner_spheres() const { return inner_spheres_.get(); }
 
     std::uint32_t number() const { return number_; }
     Ocst* spheres() const { return spheres_.get(); }      ///< the sphere-tree; null until a test reaches it
@@ -193,7 +193,7 @@ private:
     const void* data_;         ///< the data of that kind: the geometry's, or this model's own
     const CookedFile* file_;
     std::unique_ptr<OuterHull> hull_;
-    std::unique_ptr<InnerSpheres> balls_;
+    std::unique_ptr<InnerSpheres> inner_spheres_;
     PoseBounds bounds_;
     std::optional<OccupancyMap> own_map_;
     std::optional<Terrain> own_terrain_;

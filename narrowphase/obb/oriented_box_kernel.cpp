@@ -11,8 +11,8 @@ enum class Kind { near, likely, far };
 
 /// @param line  null unless far
 template <Kind kind>
-inline unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxLine* line, float cutoff,
-                        float (&gaps)[8], float (&nearest)[8])
+inline unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxLine* line,
+                        float gap_limit, float (&gaps)[8], float (&nearest)[8])
 {
     constexpr bool far = kind == Kind::far;
     const Vec d{load(boxes.c[0]) - other.c[0][k], load(boxes.c[1]) - other.c[1][k], load(boxes.c[2]) - other.c[2][k]};
@@ -53,9 +53,9 @@ inline unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned
     }
     const float margin = boxes.margin + other.margin;
     // The cross products of edges hardly ever separate boxes that are smaller than their distance.
-    const float cutoff2 = cutoff * cutoff;
-    const bool small = far && other.size[k] < cutoff2 && !bits(load(boxes.size) >= splat(cutoff2));
-    if (!small && bits(gap <= splat(cutoff + margin))) {
+    const float gap_limit2 = gap_limit * gap_limit;
+    const bool small = far && other.size[k] < gap_limit2 && !bits(load(boxes.size) >= splat(gap_limit2));
+    if (!small && bits(gap <= splat(gap_limit + margin))) {
         // Cross products have length at most 1, so projections onto them are lower bounds of the distance.
 #pragma GCC unroll 3
         for (int i = 0; i < 3; ++i) {
@@ -70,29 +70,29 @@ inline unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned
         }
     }
     gap = gap - margin;
-    const I32x8 near = gap <= splat(cutoff);
+    const I32x8 near = gap <= splat(gap_limit);
     const F32x8 before = load(nearest);
     store(gaps, kind == Kind::likely ? gap + 2 * sqrt(dot(d, d)) : gap);
     store(nearest, near ? before : min(before, gap));
     return bits(near);
 }
 
-unsigned compare_near(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float cutoff, float (&gaps)[8],
+unsigned compare_near(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float gap_limit, float (&gaps)[8],
                       float (&nearest)[8])
 {
-    return compare<Kind::near>(boxes, other, k, nullptr, cutoff, gaps, nearest);
+    return compare<Kind::near>(boxes, other, k, nullptr, gap_limit, gaps, nearest);
 }
 
-unsigned compare_likely(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float cutoff, float (&order)[8],
+unsigned compare_likely(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float gap_limit, float (&order)[8],
                         float (&nearest)[8])
 {
-    return compare<Kind::likely>(boxes, other, k, nullptr, cutoff, order, nearest);
+    return compare<Kind::likely>(boxes, other, k, nullptr, gap_limit, order, nearest);
 }
 
-unsigned compare_far(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxLine& line, float cutoff,
+unsigned compare_far(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxLine& line, float gap_limit,
                      float (&gaps)[8], float (&nearest)[8])
 {
-    return compare<Kind::far>(boxes, other, k, &line, cutoff, gaps, nearest);
+    return compare<Kind::far>(boxes, other, k, &line, gap_limit, gaps, nearest);
 }
 
 float reach(const OpenBoxes& boxes, const float (&direction)[3])

@@ -33,15 +33,15 @@ struct OrientedBoxKernel {
     /// @param row    relative to `from` of the placement
     /// @param lanes  one bit for each box that exists; the others get centres at 1e30
     void (*open_octants)(const OctantBoxes& row, unsigned lanes, const BoxPlacement* placement, OpenBoxes& out);
-    /// Returns one bit for each box that box `k` of `other` may touch: its gap is at most `cutoff`.
+    /// Returns one bit for each box that box `k` of `other` may touch: its gap is at most `gap_limit`.
     /// @param gaps     out: lower bounds of the distances after subtracting the margins; they ignore other rounding. A
     /// gap is the largest separation along an axis: one of the six face normals or the nine cross products of edges.
     /// Negative: overlap
-    /// @param nearest  in and out, by lane: the smallest gap above `cutoff`
+    /// @param nearest  in and out, by lane: the smallest gap above `gap_limit`
     /// Source: Gottschalk, Lin and Manocha, "OBBTree: a hierarchical structure for rapid interference detection",
     /// SIGGRAPH 1996.
-    using Compare = unsigned(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float cutoff, float (&gaps)[8],
-                             float (&nearest)[8]);
+    using Compare = unsigned(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, float gap_limit,
+                             float (&gaps)[8], float (&nearest)[8]);
     Compare* compare;
     /// The same, but `gaps` gets an order instead: the gap plus twice the distance of the centres. The contents of the
     /// box with the least of it are the likeliest to meet the other box's.
@@ -49,7 +49,7 @@ struct OrientedBoxKernel {
     /// The same with two more axes, the line of centres and `line`: for boxes far apart the gaps are then much closer
     /// to the distances, above all along the line that joins the nearest points.
     using CompareFar = unsigned(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxLine& line,
-                                float cutoff, float (&gaps)[8], float (&nearest)[8]);
+                                float gap_limit, float (&gaps)[8], float (&nearest)[8]);
     CompareFar* compare_far;
     /// The largest projection of the boxes onto a direction of length 1 at most.
     float (*reach)(const OpenBoxes& boxes, const float (&direction)[3]);

@@ -52,18 +52,18 @@ inline F32x8 reach(const SolidReach& solid, const Vec& u)
     return sum + sqrt(squares);
 }
 
-inline unsigned cut(F32x8 gap, float cutoff, float (&gaps)[8], float (&nearest)[8])
+inline unsigned cut(F32x8 gap, float gap_limit, float (&gaps)[8], float (&nearest)[8])
 {
     gap = max(gap, splat(-1e30f)); // NaN proves nothing
-    const I32x8 near = gap <= splat(cutoff);
+    const I32x8 near = gap <= splat(gap_limit);
     const F32x8 before = load(nearest);
     store(gaps, gap);
     store(nearest, near ? before : min(before, gap));
     return bits(near);
 }
 
-unsigned of_boxes(const OpenBoxes& boxes, const SolidReach& solid, const BoxLine& line, float cutoff, float (&gaps)[8],
-                  float (&nearest)[8])
+unsigned of_boxes(const OpenBoxes& boxes, const SolidReach& solid, const BoxLine& line, float gap_limit,
+                  float (&gaps)[8], float (&nearest)[8])
 {
     const Vec c{load(boxes.c[0]), load(boxes.c[1]), load(boxes.c[2])};
     const Vec d{c.x - solid.centre[0], c.y - solid.centre[1], c.z - solid.centre[2]};
@@ -80,7 +80,7 @@ unsigned of_boxes(const OpenBoxes& boxes, const SolidReach& solid, const BoxLine
     }
     const F32x8 length = sqrt(length2);
     const F32x8 gap = max(length - reach(solid, scaled(per(length), out)), least - line.other_reach);
-    return cut(gap - boxes.margin, cutoff, gaps, nearest);
+    return cut(gap - boxes.margin, gap_limit, gaps, nearest);
 }
 
 inline F32x8 between(F32x8 low, F32x8 v, F32x8 high)
@@ -112,7 +112,7 @@ inline F32x8 slab_gap(const TerrainBlocks& blocks, const F32x8 (&from)[3], const
     return least - reach(solid, u) - box_margin * steps - blocks.margin;
 }
 
-unsigned of_blocks(const TerrainBlocks& blocks, const SolidReach& solid, const BoxLine& line, float cutoff,
+unsigned of_blocks(const TerrainBlocks& blocks, const SolidReach& solid, const BoxLine& line, float gap_limit,
                    float (&gaps)[8], float (&nearest)[8])
 {
     const float(&x)[5] = blocks.x, (&y)[5] = blocks.y;
@@ -139,8 +139,8 @@ unsigned of_blocks(const TerrainBlocks& blocks, const SolidReach& solid, const B
 
     const I32x8 there = (from[0] < to[0]) & (from[1] < to[1]) & (from[2] <= to[2]);
     const F32x8 near = there ? gap - box_margin * (to[2] - from[2]) - blocks.margin : splat(far_away);
-    if (!bits(near <= splat(cutoff))) return cut(near, cutoff, gaps, nearest);
-    return cut(max(slab_gap(blocks, from, to, solid), near), cutoff, gaps, nearest);
+    if (!bits(near <= splat(gap_limit))) return cut(near, gap_limit, gaps, nearest);
+    return cut(max(slab_gap(blocks, from, to, solid), near), gap_limit, gaps, nearest);
 }
 
 /// The gap of the triangle p, p + u, p + v from the solid, whose centre is the origin: along the direction of the
@@ -177,7 +177,7 @@ inline F32x8 triangle_gap(const Vec& p, const Vec& u, const Vec& v, const SolidR
                lowest(along(d, p), along(d, u), along(d, v)) + (centre - line.other_reach));
 }
 
-unsigned of_cells(const TerrainCells& cells, const SolidReach& solid, const BoxLine& line, float cutoff,
+unsigned of_cells(const TerrainCells& cells, const SolidReach& solid, const BoxLine& line, float gap_limit,
                   float (&gaps)[2][8], float (&nearest)[8], float& apart)
 {
     const float(&x)[5] = cells.x, (&y)[3] = cells.y, (&z)[3][5] = cells.z, (&o)[3] = solid.centre;
@@ -206,8 +206,8 @@ unsigned of_cells(const TerrainCells& cells, const SolidReach& solid, const BoxL
     float least[8];
     store(least, sqrt(there ? min(of_odd, of_even) : splat(far_away)) + margin);
     for (const float d : least) apart = d < apart ? d : apart;
-    const unsigned first = cut(there ? even - margin : splat(far_away), cutoff, gaps[0], nearest);
-    return first | cut(there ? odd - margin : splat(far_away), cutoff, gaps[1], nearest) << 8;
+    const unsigned first = cut(there ? even - margin : splat(far_away), gap_limit, gaps[0], nearest);
+    return first | cut(there ? odd - margin : splat(far_away), gap_limit, gaps[1], nearest) << 8;
 }
 
 } // namespace

@@ -37,18 +37,18 @@ struct TerrainBlocks {
 };
 
 struct SolidGapKernel {
-    /// Returns one bit for each box whose distance from the solid may be at most `cutoff`.
+    /// Returns one bit for each box whose distance from the solid may be at most `gap_limit`.
     /// @param line     another direction to bound the gaps along, away from the solid, and the solid's extent in it
     /// @param gaps     out: lower bounds of the distances after subtracting the margin; they ignore other rounding. The
     /// gap of a box is its distance from the solid's centre, less the solid's extent in that direction
-    /// @param nearest  in and out, by lane: the smallest gap above `cutoff`
-    unsigned (*of_boxes)(const OpenBoxes& boxes, const SolidReach& solid, const BoxLine& line, float cutoff,
+    /// @param nearest  in and out, by lane: the smallest gap above `gap_limit`
+    unsigned (*of_boxes)(const OpenBoxes& boxes, const SolidReach& solid, const BoxLine& line, float gap_limit,
                          float (&gaps)[8], float (&nearest)[8]);
-    unsigned (*of_blocks)(const TerrainBlocks& blocks, const SolidReach& solid, const BoxLine& line, float cutoff,
+    unsigned (*of_blocks)(const TerrainBlocks& blocks, const SolidReach& solid, const BoxLine& line, float gap_limit,
                           float (&gaps)[8], float (&nearest)[8]);
     /// The same for triangles: gaps[0] of the triangles with even numbers in the terrain, gaps[1] of the odd ones.
     /// @param apart  in and out: upper bound, except for rounding, of the distance of an edge from the solid's centre
-    unsigned (*of_cells)(const TerrainCells& cells, const SolidReach& solid, const BoxLine& line, float cutoff,
+    unsigned (*of_cells)(const TerrainCells& cells, const SolidReach& solid, const BoxLine& line, float gap_limit,
                          float (&gaps)[2][8], float (&nearest)[8], float& apart);
 };
 

@@ -23,7 +23,7 @@ void TerrainTree::fill(Part& part, std::uint32_t x, std::uint32_t y) const
     const std::uint32_t begin = x * cells, end = std::min(begin + width, terrain_.columns());
     double heights[width];
     for (std::uint32_t j = 0; j < width; ++j) {
-        terrain_.chunks()->read_row(std::min(y * cells + j, terrain_.cells_y()), begin, end, heights);
+        TerrainAccess::chunks(terrain_)->read_row(std::min(y * cells + j, terrain_.cells_y()), begin, end, heights);
         std::fill(heights + (end - begin), heights + width, heights[end - begin - 1]); // beyond the last column
         for (std::uint32_t i = 0; i < width; ++i) z[j * width + i] = static_cast<float>(heights[i] - zero);
     }

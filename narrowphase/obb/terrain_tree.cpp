@@ -19,7 +19,7 @@ TerrainTree::TerrainTree(const Terrain& terrain)
     std::uint32_t level = 0;
     for (Block all = blocks(0); all.x > wide(level) || all.y > high(level); all = blocks(level)) ++level;
     top_ = {0, 0, level, false};
-    if (!terrain.chunks()) {
+    if (!TerrainAccess::chunks(terrain)) {
         make_squares();
         for (std::uint32_t l = 3; l <= level; ++l) make_level(l);
         return;
@@ -327,7 +327,8 @@ std::size_t TerrainTree::bytes() const
 {
     std::size_t sum = squares_.capacity() * sizeof(Square);
     for (const auto& level : bounds_) sum += level.capacity() * sizeof(Bounds);
-    if (terrain_.chunks()) sum += parts_.size() * sizeof(parts_[0]) + held_ + terrain_.chunks()->bytes();
+    if (TerrainAccess::chunks(terrain_))
+        sum += parts_.size() * sizeof(parts_[0]) + held_ + TerrainAccess::chunks(terrain_)->bytes();
     return sum;
 }
 

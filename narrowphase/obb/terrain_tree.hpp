@@ -171,13 +171,13 @@ private:
     }
     const Square& square(std::uint32_t x, std::uint32_t y) const
     {
-        if (terrain_.chunks()) return part(x / 8, y / 8).squares[y % 8 * 8 + x % 8];
+        if (TerrainAccess::chunks(terrain_)) return part(x / 8, y / 8).squares[y % 8 * 8 + x % 8];
         return squares_[std::size_t(y) * blocks(2).x + x];
     }
     /// The level is 3 or above.
     const Bounds& bounds(std::uint32_t level, std::uint32_t x, std::uint32_t y) const
     {
-        if (level < part_level && terrain_.chunks()) return part(x / 2, y / 4).bounds[y % 4 * 2 + x % 2];
+        if (level < part_level && TerrainAccess::chunks(terrain_)) return part(x / 2, y / 4).bounds[y % 4 * 2 + x % 2];
         return bounds_[level - 3][std::size_t(y) * blocks(level).x + x];
     }
     Range range(std::uint32_t level, std::uint32_t x, std::uint32_t y) const;
@@ -190,7 +190,7 @@ private:
     {
         const std::size_t number = std::size_t(y) * parts_across_ + x;
         const Part* const there = parts_[number].load(std::memory_order_acquire);
-        terrain_.chunks()->mark(x, y);
+        TerrainAccess::chunks(terrain_)->mark(x, y);
         return there ? *there : make_part(x, y);
     }
     struct OpenedBlocks;

@@ -72,7 +72,7 @@ std::string TerrainTree::validate() const
 {
     const Block all = blocks(top_.level);
     if (all.x > wide(top_.level) || all.y > high(top_.level)) return "the top node does not hold all cells";
-    const bool in_memory = !terrain_.chunks();
+    const bool in_memory = !TerrainAccess::chunks(terrain_);
     for (std::uint32_t level = in_memory ? 3 : part_level + 1; level <= top_.level; ++level)
         if (std::string fault = fault_of_level(level); !fault.empty()) return fault;
     return in_memory ? fault_of_cells() : "";

@@ -17,7 +17,7 @@ namespace oncollide::direct_tests {
 struct TwoShapes : OrderedPair {
     TwoShapes(const PairTask& task, bool swap) : OrderedPair(task, swap) {}
     ConvexMeeting meeting() const { return pair().meeting(); }
-    ConvexDistance distance(const EnoughDistance& enough) const { return pair().distance(enough); }
+    ConvexDistance distance(const DistanceGoal& goal) const { return pair().distance(goal); }
 
 private:
     ConvexPair pair() const { return ConvexPair(a.convex(), b.convex(), placed.b_to_a, placed.slack); }
@@ -29,7 +29,7 @@ struct OnHalfSpace : OrderedPair {
     OnHalfSpace(const PairTask& task, bool swap) : OrderedPair(task, swap) {}
     HalfSpacePair<Body> pair() const { return HalfSpacePair<Body>(b, placed.b_to_a, placed.slack); }
     ConvexMeeting meeting() const { return pair().meeting(); }
-    ConvexDistance distance(const EnoughDistance& enough) const { return pair().distance(enough.above); }
+    ConvexDistance distance(const DistanceGoal& goal) const { return pair().distance(goal.cutoff); }
 };
 
 /// Bounds the depth of a body in a half-space: the depth of its lowest point, up to rounding.
@@ -46,11 +46,11 @@ Penetration half_space_depth(PairWorker&, const PairTask& task)
 }
 
 template <class Test>
-Finding compare(const Test& test, double clearance, EnoughDistance enough, ContactKind kind)
+Finding compare(const Test& test, double clearance, DistanceGoal goal, ContactKind kind)
 {
     const PlacedPair& placed = test.placed;
-    enough.above = placed.above(placed.above(clearance));
-    const ConvexDistance d = test.distance(enough);
+    goal.cutoff = placed.above(placed.above(clearance));
+    const ConvexDistance d = test.distance(goal);
     if (const double lower = placed.below(d.lower); lower > clearance)
         return {Verdict::separate, ContactKind::unknown, lower};
     return {Verdict::within, kind, placed.above(d.upper) + 0x1p-1000};
@@ -74,13 +74,13 @@ Finding decide(const Test& test, double clearance)
 }
 
 template <class Test>
-Distance distance(const Test& test, const EnoughDistance& enough)
+Distance distance(const Test& test, const DistanceOptions& options)
 {
-    const ConvexDistance d = test.distance(enough);
+    const ConvexDistance d = test.distance({.cutoff = options.cutoff, .tolerance = options.tolerance});
     const double lower = test.placed.below(d.lower);
     return test.in_task(
         {.lower = lower,
-         .upper = lower > enough.above ? std::numeric_limits<double>::infinity() : test.placed.above(d.upper),
+         .upper = lower > options.cutoff ? std::numeric_limits<double>::infinity() : test.placed.above(d.upper),
          .point_a = test.pose_a * d.on_a,
          .point_b = test.pose_a * d.on_b});
 }

@@ -25,7 +25,7 @@ struct PairMemory {
         std::uint8_t in_vain = 0; ///< consecutive tests without result; sets `walks`
     };
     Rest hulls{};             ///< of the outer hulls
-    Rest balls{};             ///< of the inner spheres
+    Rest inner_spheres{};             ///< of the inner spheres
     bool near = false;        ///< the last traversal did not separate them
     bool meets = false;       ///< the pair probably met at the last poses
     bool met = false;         ///< `triangles` met, or came within the cutoff

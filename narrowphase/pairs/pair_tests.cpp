@@ -30,8 +30,8 @@ constexpr PairTests surfaces()
             .decide = surface_tests::decide<A, B>,
             .near = surface_tests::near<A, B>,
             .distance =
-                [](PairWorker& worker, const PairTask& task, double tolerance, double farthest, bool solid) {
-                    const Distance found = surface_tests::distance<A, B>(worker, task, tolerance, farthest);
+                [](PairWorker& worker, const PairTask& task, const DistanceOptions& options, bool solid) {
+                    const Distance found = surface_tests::distance<A, B>(worker, task, options);
                     return walk_tests::with_insides(found, worker, task, solid);
                 },
             .direct_distance = nullptr,
@@ -56,9 +56,8 @@ constexpr PairTests walked()
                     return walk_tests::near(walk_pair<A, B>(worker, task, swapped), clearance, tolerance, memory);
                 },
             .distance =
-                [](PairWorker& worker, const PairTask& task, double tolerance, double farthest, bool solid) {
-                    const Distance found =
-                        walk_tests::distance(walk_pair<A, B>(worker, task, swapped), tolerance, farthest);
+                [](PairWorker& worker, const PairTask& task, const DistanceOptions& options, bool solid) {
+                    const Distance found = walk_tests::distance(walk_pair<A, B>(worker, task, swapped), options);
                     return walk_tests::with_insides(found, worker, task, solid);
                 },
             .direct_distance = nullptr,
@@ -72,18 +71,17 @@ constexpr PairTests walked()
 
 /// The distance of a shape from a mesh or a terrain, B: of the shape as a solid, unless it has too many points.
 template <class Shape, class B, bool swapped>
-Distance shape_distance(PairWorker& worker, const PairTask& task, double tolerance, double farthest, bool solid)
+Distance shape_distance(PairWorker& worker, const PairTask& task, const DistanceOptions& options, bool solid)
 {
     const OrderedPair pair(task, swapped);
     const auto walk = [&] {
         if constexpr (std::same_as<Shape, Polytope> && swapped) // surfaces are not swapped
-            return walk_tests::distance(walk_pair<B, Shape>(worker, task, false), tolerance, farthest);
+            return walk_tests::distance(walk_pair<B, Shape>(worker, task, false), options);
         else
-            return walk_tests::distance(walk_pair<Shape, B>(worker, task, swapped), tolerance, farthest);
+            return walk_tests::distance(walk_pair<Shape, B>(worker, task, swapped), options);
     };
-    const Distance found = pair.a.convex().count <= operand::most_points
-                               ? walk_tests::solid_distance<B>(worker, pair, tolerance, farthest)
-                               : walk();
+    const Distance found =
+        pair.a.convex().count <= operand::most_points ? walk_tests::solid_distance<B>(worker, pair, options) : walk();
     return walk_tests::with_insides(found, worker, task, solid);
 }
 
@@ -137,17 +135,14 @@ constexpr PairTests direct(TreesNeeded trees)
                     return direct_tests::compare(test_of<Test, swapped>(task), clearance,
                                                  {.below = clearance + tolerance}, ContactKind::unknown);
                 },
-            .distance =
-                [](PairWorker&, const PairTask& task, double tolerance, double farthest, bool) {
-                    return direct_tests::distance(test_of<Test, swapped>(task),
-                                                  {.above = farthest, .tolerance = tolerance});
-                },
+            .distance = [](PairWorker&, const PairTask& task, const DistanceOptions& options,
+                           bool) { return direct_tests::distance(test_of<Test, swapped>(task), options); },
             .direct_distance =
                 trees == TreesNeeded::always
                     ? nullptr
                     : +[](const PairTask& task,
-                          const EnoughDistance&
-                              enough) { return direct_tests::distance(test_of<Test, swapped>(task), enough); },
+                          const DistanceOptions&
+                              options) { return direct_tests::distance(test_of<Test, swapped>(task), options); },
             .contacts = [](PairWorker&, const PairTask& task,
                            Contacts& found) { direct_tests::contacts(test_of<Test, swapped>(task), found); },
             .penetration = nullptr,
@@ -169,9 +164,9 @@ constexpr PairTests in_one_order()
     tests.decide = [](PairWorker& worker, const PairTask& task, const PairOptions& options, PairMemory* memory) {
         return row().decide(worker, decides_b_first(task) ? task.swapped() : task, options, memory);
     };
-    tests.distance = [](PairWorker& worker, const PairTask& task, double tolerance, double farthest, bool solid) {
+    tests.distance = [](PairWorker& worker, const PairTask& task, const DistanceOptions& options, bool solid) {
         const bool b_first = decides_b_first(task);
-        return in_task(row().distance(worker, b_first ? task.swapped() : task, tolerance, farthest, solid), b_first);
+        return in_task(row().distance(worker, b_first ? task.swapped() : task, options, solid), b_first);
     };
     return tests;
 }

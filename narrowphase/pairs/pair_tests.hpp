@@ -7,8 +7,6 @@
 
 namespace oncollide {
 
-struct EnoughDistance;
-
 /// Whether the tests of a pair need the trees of the models that have triangles.
 enum class TreesNeeded : std::uint8_t { never, for_kinds, always };
 
@@ -29,12 +27,12 @@ struct PairTests {
     Finding (*near)(PairWorker&, const PairTask&, double clearance, double tolerance, PairMemory* memory);
 
     /// As Pairs::distance(). Exception: for a box or a hull that encloses a map's cells or a part of a mesh, it may be
-    /// the distance to its surface. Beyond `farthest`, the upper bound is infinite.
+    /// the distance to its surface. Beyond the cutoff, the upper bound is infinite.
     /// @param solid  the inside of a closed mesh belongs to the mesh
-    Distance (*distance)(PairWorker&, const PairTask&, double tolerance, double farthest, bool solid);
+    Distance (*distance)(PairWorker&, const PairTask&, const DistanceOptions&, bool solid);
 
-    /// The same for pairs that need neither trees nor walks; beyond `enough.above` the upper bound is infinite.
-    Distance (*direct_distance)(const PairTask&, const EnoughDistance& enough);
+    /// The same for pairs that need neither trees nor walks.
+    Distance (*direct_distance)(const PairTask&, const DistanceOptions&);
 
     /// Appends contacts sorted by (a, b), each pair of parts once: exact where `decide` is. All pairs of cells, boxes,
     /// hulls and triangles with a common point are found, for one body's coordinates transformed into the other's frame

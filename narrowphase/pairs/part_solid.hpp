@@ -56,7 +56,7 @@ private:
 };
 
 /// Solids that meet return their points of deepest overlap.
-constexpr EnoughDistance nearest_of_all{.below = -std::numeric_limits<double>::infinity()};
+constexpr DistanceGoal nearest_of_all{.below = -std::numeric_limits<double>::infinity()};
 
 /// A round body without a normal at the contact (its centre is there) gets the opposite of the other's normal.
 inline void complete(Contact& c)

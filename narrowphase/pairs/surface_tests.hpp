@@ -120,12 +120,11 @@ Finding near(PairWorker& worker, const PairTask& task, double clearance, double 
 
 /// The distance of two meshes or terrains.
 template <class A, class B>
-Distance distance(PairWorker& worker, const PairTask& task, double tolerance, double farthest)
+Distance distance(PairWorker& worker, const PairTask& task, const DistanceOptions& options)
 {
-    if (inexact<A, B>(task))
-        return walk_tests::distance(walk_tests::walk_pair<A, B>(worker, task, false), tolerance, farthest);
+    if (inexact<A, B>(task)) return walk_tests::distance(walk_tests::walk_pair<A, B>(worker, task, false), options);
     auto &a = A::tree(*task.a), &b = B::tree(*task.b);
-    return triangle_distance(worker.traversal(a, b), a, *task.pose_a, b, *task.pose_b, tolerance, farthest);
+    return triangle_distance(worker.traversal(a, b), a, *task.pose_a, b, *task.pose_b, options);
 }
 
 template <class A, class B>

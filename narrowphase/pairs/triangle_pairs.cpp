@@ -64,10 +64,10 @@ void triangle_contacts(TraversalOf<A, B>& walk, A& a, const Eigen::Isometry3d& p
 
 template <class A, class B>
 Distance triangle_distance(TraversalOf<A, B>& walk, A& a, const Eigen::Isometry3d& pose_a, B& b,
-                           const Eigen::Isometry3d& pose_b, double tolerance, double farthest)
+                           const Eigen::Isometry3d& pose_b, const DistanceOptions& options)
 {
     const RelativePose b_to_a(pose_a, pose_b); // the leaf tests keep a reference
-    const auto found = walk.distance(a, b, b_to_a, tolerance, farthest);
+    const auto found = walk.distance(a, b, b_to_a, options.tolerance, options.cutoff);
     Distance d{.lower = found.lower, .upper = found.upper};
     if (!found.nearest) return d;
     const auto& triangles = walk.walk().leaves();
@@ -101,19 +101,19 @@ using Contacts = std::vector<Contact>;
 template void triangle_contacts(TraversalOf<ObbTree, ObbTree>&, ObbTree&, const Pose&, ObbTree&, const Pose&, Pairs&,
                                 Contacts&);
 template Distance triangle_distance(TraversalOf<ObbTree, ObbTree>&, ObbTree&, const Pose&, ObbTree&, const Pose&,
-                                    double, double);
+                                    const DistanceOptions&);
 template void triangle_contacts(TraversalOf<ObbTree, TerrainTree>&, ObbTree&, const Pose&, TerrainTree&, const Pose&,
                                 Pairs&, Contacts&);
 template Distance triangle_distance(TraversalOf<ObbTree, TerrainTree>&, ObbTree&, const Pose&, TerrainTree&,
-                                    const Pose&, double, double);
+                                    const Pose&, const DistanceOptions&);
 template void triangle_contacts(TraversalOf<TerrainTree, ObbTree>&, TerrainTree&, const Pose&, ObbTree&, const Pose&,
                                 Pairs&, Contacts&);
 template Distance triangle_distance(TraversalOf<TerrainTree, ObbTree>&, TerrainTree&, const Pose&, ObbTree&,
-                                    const Pose&, double, double);
+                                    const Pose&, const DistanceOptions&);
 template void triangle_contacts(TraversalOf<TerrainTree, TerrainTree>&, TerrainTree&, const Pose&, TerrainTree&,
                                 const Pose&, Pairs&, Contacts&);
 template Distance triangle_distance(TraversalOf<TerrainTree, TerrainTree>&, TerrainTree&, const Pose&, TerrainTree&,
-                                    const Pose&, double, double);
+                                    const Pose&, const DistanceOptions&);
 
 template Contact contact_of(const ObbTree&, const Pose&, const ObbTree&, const Pose&, TrianglePair);
 template Contact contact_of(const ObbTree&, const Pose&, const TerrainTree&, const Pose&, TrianglePair);

@@ -18,12 +18,12 @@ void triangle_contacts(TraversalOf<A, B>& walk, A& a, const Eigen::Isometry3d& p
                        const Eigen::Isometry3d& pose_b, std::vector<TrianglePair>& pairs,
                        std::vector<Contact>& contacts);
 
-/// Distance within `tolerance` plus rounding: 2^-36 of the bodies' sizes and distance, and 2^-46 of the distance of
+/// Distance within the tolerance plus rounding: 2^-36 of the bodies' sizes and distance, and 2^-46 of the distance of
 /// their files' coordinates from the origin. Cost: for two meshes of 5,000 triangles 20 to 400 microseconds; lowest if
 /// they meet, highest if they are far apart.
 template <class A, class B>
 Distance triangle_distance(TraversalOf<A, B>& walk, A& a, const Eigen::Isometry3d& pose_a, B& b,
-                           const Eigen::Isometry3d& pose_b, double tolerance, double farthest);
+                           const Eigen::Isometry3d& pose_b, const DistanceOptions& options);
 
 /// The contact of two triangles that meet.
 template <class A, class B>

@@ -115,8 +115,8 @@ struct WalkPair : OrderedPair {
         else
             return false;
     }
-    /// The cutoff that a traversal needs.
-    double seen(double farthest) const { return (farthest + off) * (1 + 4 * rigid); }
+    /// The cutoff of a traversal for primitives of bodies up to this distance apart, metres.
+    double cutoff(double distance) const { return (distance + off) * (1 + 4 * rigid); }
 };
 
 /// The pair as its decisions and distances take it. Two bodies of one model are taken in the other order: either order
@@ -132,7 +132,7 @@ template <class A, class B>
 Finding by_distance(const WalkPair<A, B>& p, double clearance)
 {
     p.prepare(false);
-    const auto distance = p.walk.distance(p.tree_a, p.tree_b, p.placed.b_to_a, 0, p.seen(clearance));
+    const auto distance = p.walk.distance(p.tree_a, p.tree_b, p.placed.b_to_a, 0, p.cutoff(clearance));
     const double lower = distance.lower * (1 - rigid) - p.off;
     if (lower > clearance) return {Verdict::separate, ContactKind::unknown, lower};
     return {Verdict::within, ContactKind::near, distance.upper * (1 + rigid) + p.off};
@@ -209,22 +209,23 @@ Distance distance_of(const OrderedPair& p, auto& tree_a, auto& tree_b, double of
 }
 
 template <class A, class B>
-Distance distance(const WalkPair<A, B>& p, double tolerance, double farthest)
+Distance distance(const WalkPair<A, B>& p, const DistanceOptions& options)
 {
     p.prepare(false);
-    const auto found = p.walk.distance(p.tree_a, p.tree_b, p.placed.b_to_a, tolerance, p.seen(farthest));
+    const auto found =
+        p.walk.distance(p.tree_a, p.tree_b, p.placed.b_to_a, options.tolerance, p.cutoff(options.cutoff));
     return distance_of<A, B>(p, p.tree_a, p.tree_b, p.off, found);
 }
 
 /// The distance of a shape, A, as a solid from the triangles of a mesh or a terrain.
 template <class B>
-Distance solid_distance(PairWorker& worker, const OrderedPair& p, double tolerance, double farthest)
+Distance solid_distance(PairWorker& worker, const OrderedPair& p, const DistanceOptions& options)
 {
     const ShapeTree& tree_a = p.a.shape_tree();
     auto& tree_b = B::tree(p.b);
-    const double off = B::error(p.b), seen = (farthest + off) * (1 + 4 * rigid);
-    const auto found =
-        worker.solid_distance(tree_b).distance(tree_a, tree_b, p.placed.b_to_a, p.placed.slack, tolerance, seen);
+    const double off = B::error(p.b), cutoff = (options.cutoff + off) * (1 + 4 * rigid);
+    const auto found = worker.solid_distance(tree_b).distance(tree_a, tree_b, p.placed.b_to_a, p.placed.slack,
+                                                              options.tolerance, cutoff);
     return distance_of<operand::Solid, B>(p, tree_a, tree_b, off, found);
 }
 

@@ -11,9 +11,9 @@ namespace {
 
 constexpr int most_newton_steps = 8; ///< Newton's method takes four to six
 
-bool is_enough(const ConvexDistance& d, const EnoughDistance& enough, double rounding)
+bool is_enough(const ConvexDistance& d, const DistanceGoal& goal, double rounding)
 {
-    return d.lower > enough.above || d.upper <= enough.below || d.upper - d.lower <= enough.tolerance + 4 * rounding;
+    return d.lower > goal.cutoff || d.upper <= goal.below || d.upper - d.lower <= goal.tolerance + 4 * rounding;
 }
 
 /// True if one of them is an ellipsoid or a point. If both have edges or rims, Newton's method soon gets stuck, and its
@@ -26,7 +26,7 @@ bool one_is_smooth(const ConvexDifference& cores)
 
 /// Newton's method, for curved cores: it finds the direction for smooth cores in a few evaluations. Returns whether the
 /// bounds are then good enough; sets `v` to the best direction.
-bool look_along_normals(const ConvexDifference& cores, const EnoughDistance& enough, Eigen::Vector3d& v,
+bool look_along_normals(const ConvexDifference& cores, const DistanceGoal& goal, Eigen::Vector3d& v,
                         ConvexDistance& found)
 {
     const double rounding = cores.rounding();
@@ -39,7 +39,7 @@ bool look_along_normals(const ConvexDifference& cores, const EnoughDistance& eno
         last = apart, v = n;
         found.lower = std::max(found.lower, apart - rounding);
         if (upper < found.upper) found.upper = upper, found.on_a = p.a, found.on_b = p.a + p.w;
-        if (is_enough(found, enough, rounding)) return true;
+        if (is_enough(found, goal, rounding)) return true;
         n = (n + newton_step(cores, n, p.w)).normalized();
     }
     return false;
@@ -47,8 +47,7 @@ bool look_along_normals(const ConvexDifference& cores, const EnoughDistance& eno
 
 } // namespace
 
-ConvexDistance convex_distance(const ConvexDifference& cores, const EnoughDistance& enough,
-                               const Eigen::Vector3d* first)
+ConvexDistance convex_distance(const ConvexDifference& cores, const DistanceGoal& goal, const Eigen::Vector3d* first)
 {
     constexpr int most_steps = 256; // smooth cores take 10 to 40
     const double rounding = cores.rounding();
@@ -60,7 +59,7 @@ ConvexDistance convex_distance(const ConvexDifference& cores, const EnoughDistan
     Simplex4 simplex;
     Eigen::Vector3d v = first ? *first : cores.middle();
     if (v.isZero(0)) v = Eigen::Vector3d::UnitX();
-    if (!first && !cores.flat_sided() && one_is_smooth(cores) && look_along_normals(cores, enough, v, found)) {
+    if (!first && !cores.flat_sided() && one_is_smooth(cores) && look_along_normals(cores, goal, v, found)) {
         found.lower = std::min(found.lower, found.upper);
         return found;
     }
@@ -68,7 +67,7 @@ ConvexDistance convex_distance(const ConvexDifference& cores, const EnoughDistan
     for (int step = 0; step < most_steps && length > 0; ++step) {
         const ConvexDifference::Point p = cores.support(-v);
         found.lower = std::max(found.lower, v.dot(p.w) / length - rounding);
-        if (found.lower > enough.above || found.upper - found.lower <= enough.tolerance + 4 * rounding) break;
+        if (found.lower > goal.cutoff || found.upper - found.lower <= goal.tolerance + 4 * rounding) break;
         if (simplex.holds(p.w)) break;
         simplex.corner[simplex.count++] = p;
         simplex.reduce();
@@ -78,7 +77,7 @@ ConvexDistance convex_distance(const ConvexDifference& cores, const EnoughDistan
         if (!(upper < nearest) && stalls-- == 0) break;
         nearest = std::min(nearest, upper);
         if (upper < found.upper) found.upper = upper, found.on_a = simplex.on_a(), found.on_b = found.on_a + v;
-        if (upper <= enough.below || simplex.count == 4) break;
+        if (upper <= goal.below || simplex.count == 4) break;
     }
     found.lower = std::min(found.lower, found.upper);
     return found;

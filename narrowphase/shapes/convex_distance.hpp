@@ -5,10 +5,10 @@
 
 namespace oncollide {
 
-/// Bounds of a distance are good enough if the lower one is above `above`, the upper one at most `below`, or the two
+/// Bounds of a distance are good enough if the lower one is above `cutoff`, the upper one at most `below`, or the two
 /// are no farther apart than `tolerance`.
-struct EnoughDistance {
-    double above = std::numeric_limits<double>::infinity();
+struct DistanceGoal {
+    double cutoff = std::numeric_limits<double>::infinity();
     double below = 0, tolerance = 0;
 };
 
@@ -23,7 +23,7 @@ struct ConvexDistance {
 /// boxes and hulls of few points. Source: Gilbert, Johnson and Keerthi, "A fast procedure for computing the distance
 /// between complex objects in three-dimensional space", 1988; every direction tried gives a lower bound.
 /// @param first  the direction from A to B to try first; null: from middle to middle
-ConvexDistance convex_distance(const ConvexDifference& cores, const EnoughDistance& enough,
+ConvexDistance convex_distance(const ConvexDifference& cores, const DistanceGoal& goal,
                                const Eigen::Vector3d* first = nullptr);
 
 } // namespace oncollide

@@ -172,7 +172,7 @@ ConvexMeeting meeting_with_ball(const Convex& e, const Convex& other, const Rela
     shrunk.extent *= most;
     const ConvexDifference cores(ball, shrunk, into_ball, 0);
     const double rounding = off * most * (1 + 0x1p-40);
-    const ConvexDistance d = convex_distance(cores, {.above = 1 + rounding, .below = 1 - rounding});
+    const ConvexDistance d = convex_distance(cores, {.cutoff = 1 + rounding, .below = 1 - rounding});
     if (d.lower > 1 + rounding) return {1, (d.lower - 1 - rounding) / most * (1 - 0x1p-40)};
     return {d.upper <= 1 - rounding ? -1 : 0, 0};
 }

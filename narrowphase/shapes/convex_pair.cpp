@@ -23,14 +23,14 @@ ConvexMeeting ConvexPair::meeting() const
 
 ConvexMeeting ConvexPair::meeting_of_balls() const
 {
-    const EnoughDistance enough{.above = radius_, .below = radius_};
+    const DistanceGoal goal{.cutoff = radius_, .below = radius_};
     ConvexDistance d;
     if (a_.core == Convex::Core::ellipsoid || b_.core == Convex::Core::ellipsoid) {
         const NewtonMeeting looks = newton_meeting(cores_);
         if (looks.meeting.sign != 0) return looks.meeting;
-        d = convex_distance(cores_, enough, &looks.direction);
+        d = convex_distance(cores_, goal, &looks.direction);
     } else {
-        d = convex_distance(cores_, enough);
+        d = convex_distance(cores_, goal);
     }
     if (d.lower > radius_) return {1, d.lower - radius_};
     if (d.upper <= radius_) return {-1, 0};
@@ -41,15 +41,15 @@ ConvexMeeting ConvexPair::meeting_of_cores() const
 {
     const ConvexMeeting found = convex_meeting(cores_);
     if (found.sign != 0) return found;
-    const ConvexDistance d = convex_distance(cores_, {.above = 0});
+    const ConvexDistance d = convex_distance(cores_, {.cutoff = 0});
     if (d.lower > 0) return {1, d.lower};
     return {0, std::min(found.bound, d.upper)};
 }
 
-ConvexDistance ConvexPair::distance(EnoughDistance enough) const
+ConvexDistance ConvexPair::distance(DistanceGoal goal) const
 {
-    enough.above += radius_, enough.below += radius_;
-    ConvexDistance d = convex_distance(cores_, enough);
+    goal.cutoff += radius_, goal.below += radius_;
+    ConvexDistance d = convex_distance(cores_, goal);
     // The direction between bodies that almost touch is lost in rounding. A portal's direction is not; and where the
     // meeting is certain, the distance must say the same.
     if (radius_ == 0 ? d.lower < 0x1p-20 * d.upper : d.lower <= radius_ && d.upper > radius_) {

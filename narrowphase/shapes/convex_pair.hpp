@@ -17,9 +17,9 @@ public:
     ConvexMeeting meeting() const;
 
     /// Bounds of the distance, both 0 if they certainly meet. The points are on the bodies and, within rounding,
-    /// `upper` apart; if they meet, one point of both. If enough.below is -infinity, swept spheres that meet return
+    /// `upper` apart; if they meet, one point of both. If goal.below is -infinity, swept spheres that meet return
     /// their point of deepest overlap.
-    ConvexDistance distance(EnoughDistance enough) const;
+    ConvexDistance distance(DistanceGoal goal) const;
 
 private:
     ConvexMeeting meeting_of_balls() const;

@@ -54,8 +54,8 @@ public:
                              std::optional<Pair> hint);
 
     /// Bounds of the distance, at most `tolerance` plus rounding apart. Depth first, the nearest boxes first. Beyond
-    /// the cutoff `farthest`: lower > cutoff, upper = inf. Otherwise both are finite.
-    DistanceBounds<Pair> distance(A& a, B& b, const RelativePose& b_to_a, double tolerance, double farthest);
+    /// the cutoff: lower > cutoff, upper = inf. Otherwise both are finite.
+    DistanceBounds<Pair> distance(A& a, B& b, const RelativePose& b_to_a, double tolerance, double cutoff);
 
     /// A lower bound of the time at which primitives first meet during a motion. Cost: of the boxes that may meet
     /// before that.
@@ -233,9 +233,9 @@ private:
     bool each_pair(Entry e, auto visit) const;
     enum class Gaps : std::uint8_t { near, likely, far, in_time }; ///< the kernel's functions
     template <Gaps gaps>
-    unsigned open(Entry e, float cutoff);
+    unsigned open(Entry e, float gap_limit);
     template <Gaps gaps>
-    unsigned compare(Entry e, bool down_a, std::uint32_t slot, float cutoff);
+    unsigned compare(Entry e, bool down_a, std::uint32_t slot, float gap_limit);
     void set_motion(BoxMotion& motion, Entry e, bool down_a) const;
     SweptParts motion_of(Entry e) const;
     double high_a(const auto& of_a, const WalkLine& line) const
@@ -323,13 +323,13 @@ private:
         }
     }
     template <Gaps gaps = Gaps::likely>
-    void walk(float cutoff, auto take_leaves, auto ends);
+    void walk(float gap_limit, auto take_leaves, auto ends);
     template <Gaps gaps = Gaps::likely>
-    void walk(float cutoff, auto take_leaves)
+    void walk(float gap_limit, auto take_leaves)
     {
-        walk<gaps>(cutoff, take_leaves, [](Entry) { return false; });
+        walk<gaps>(gap_limit, take_leaves, [](Entry) { return false; });
     }
-    void walk_all(float cutoff, auto take_leaves);
+    void walk_all(float gap_limit, auto take_leaves);
     bool test_waiting(auto found)
     {
         const bool go_on = leaves_.meeting(std::span<const Pair>(waiting_), found);

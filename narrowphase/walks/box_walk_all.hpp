@@ -8,11 +8,11 @@
 
 namespace oncollide {
 
-/// Calls take_leaves(entry) for all pairs of leaves within `cutoff`. Several boxes are opened together, so that the
+/// Calls take_leaves(entry) for all pairs of leaves within `gap_limit`. Several boxes are opened together, so that the
 /// processor can begin with one before it knows the result of another; there are few branches, as they cannot be
 /// predicted.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
-void BoxWalk<A, B, Leaves>::walk_all(float cutoff, auto take_leaves)
+void BoxWalk<A, B, Leaves>::walk_all(float gap_limit, auto take_leaves)
 {
     constexpr std::size_t at_once = 8;
     struct Row {
@@ -27,7 +27,7 @@ void BoxWalk<A, B, Leaves>::walk_all(float cutoff, auto take_leaves)
         float gaps[8];
         row.part = std::uint64_t{8 * slot} << row.shift | std::uint64_t{other_box} << (32 - row.shift);
         row.leaves = other_node.leaf(other_box % 8) ? node.masks.leaves : 0;
-        row.near = kernel_.compare(node.boxes, other_node.boxes, other_box % 8, cutoff, gaps, nearest_);
+        row.near = kernel_.compare(node.boxes, other_node.boxes, other_box % 8, gap_limit, gaps, nearest_);
     };
     std::size_t to_open = 0; // among the initial entries; later the stack holds only such entries
     for (std::size_t i = 0; i < top_; ++i) {

@@ -13,10 +13,10 @@ namespace oncollide {
 // One function, although it is long: as a class with steps of its own it took 2 to 5 % longer on large meshes.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b, const RelativePose& b_to_a,
-                                                                      double tolerance, double farthest)
+                                                                      double tolerance, double cutoff)
 {
-    const WalkFrame frame(a, b, b_to_a, farthest);
-    if (frame.apart > farthest) return {frame.apart, infinity, {}};
+    const WalkFrame frame(a, b, b_to_a, cutoff);
+    if (frame.apart > cutoff) return {frame.apart, infinity, {}};
     origin_ = frame.origin;
     start(a, b, b_to_a, frame);
     DistanceBounds<Pair> best{infinity, infinity, {}};
@@ -39,18 +39,18 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
     Eigen::Vector3d near_a, near_b; // the nearest points so far
     double share = 1;               // search for pairs nearer than this share of the distance of the nearest pair
     double most;                    // primitives farther apart do not matter
-    float cutoff;                   // boxes with a larger gap do not matter
+    float gap_limit;                // boxes with a larger gap do not matter
     const auto narrow_down = [&] {
         const double nearer = std::min(share * best.upper, best.upper - tolerance);
-        cutoff = std::min(frame.gap_within(std::min(nearer, farthest)), 0x1p90f);
+        gap_limit = std::min(frame.gap_within(std::min(nearer, cutoff)), 0x1p90f);
         // Pairs that share the nearest points with the nearest pair are equally near except for rounding.
-        most = std::min(nearer - 3 * frame.leaf_rounding, farthest);
+        most = std::min(nearer - 3 * frame.leaf_rounding, cutoff);
     };
     const auto measure = [&] {
         measure_waiting(frame, [&](const Pair& pair, const Nearest& points) {
             last_line = WalkLine(points.b - points.a, b_to_a);
             best.lower = std::min(best.lower, points.lower);
-            if (points.upper >= best.upper || points.lower > farthest) return;
+            if (points.upper >= best.upper || points.lower > cutoff) return;
             best.upper = points.upper, best.nearest = pair;
             near_a = points.a, near_b = points.b;
             take_line(last_line);
@@ -89,13 +89,13 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
         start_again(), narrow_down();
         while (top_) {
             const Entry e = stack_[--top_];
-            if (e.gap > cutoff)
+            if (e.gap > gap_limit)
                 best.lower = std::min(best.lower, frame.at_least(e.gap));
             else if (both_leaves(e))
                 take_leaves(e);
-            else if (const float gap = kept ? line_gap(e) : e.gap; gap > cutoff)
+            else if (const float gap = kept ? line_gap(e) : e.gap; gap > gap_limit)
                 best.lower = std::min(best.lower, frame.at_least(gap));
-            else if (const unsigned count = open<Gaps::far>(e, cutoff); !guesses)
+            else if (const unsigned count = open<Gaps::far>(e, gap_limit); !guesses)
                 sort_last(count);
         }
         measure();
@@ -127,10 +127,10 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
     measure();
     if (!best.nearest) {
         const std::uint64_t rows = box_rows - rows_before;
-        if (rows <= 16 && std::isinf(farthest)) guess();
+        if (rows <= 16 && std::isinf(cutoff)) guess();
         if (rows > 8 || !best.nearest) look(rows > 8 ? 0.5 : 0.85);
     }
-    if (best.nearest) look(1); // otherwise the distance is above the cutoff `farthest`
+    if (best.nearest) look(1); // otherwise the distance is above the cutoff
     best.lower = std::max(std::min(best.lower, least_box_gap(frame)), 0.0);
     return best;
 }

@@ -23,18 +23,18 @@ bool BoxWalk<A, B, Leaves>::each_pair(Entry e, auto visit) const
 /// Opens the larger box, and compares its parts with the other box.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 template <typename BoxWalk<A, B, Leaves>::Gaps gaps>
-unsigned BoxWalk<A, B, Leaves>::open(Entry e, float cutoff)
+unsigned BoxWalk<A, B, Leaves>::open(Entry e, float gap_limit)
 {
     const bool down_a = opens_a(e);
     return compare<gaps>(e, down_a, down_a ? a_.descend(e.slot_a(), e.lane_a()) : b_.descend(e.slot_b(), e.lane_b()),
-                         cutoff);
+                         gap_limit);
 }
 
-/// Pushes the boxes of the node in the slot, of A or of B, that are within `cutoff` of the other box, the nearest or
+/// Pushes the boxes of the node in the slot, of A or of B, that are within `gap_limit` of the other box, the nearest or
 /// likeliest last; in time, boxes that may meet it by then, and the first last. Returns how many.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 template <typename BoxWalk<A, B, Leaves>::Gaps how>
-unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot, float cutoff)
+unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot, float gap_limit)
 {
     [[maybe_unused]] BoxLine line;
     if constexpr (how == Gaps::far) line = line_to(e, down_a); // may open nodes
@@ -51,13 +51,13 @@ unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot
     if constexpr (how == Gaps::in_time) {
         BoxMotion motion;
         set_motion(motion, e, down_a);
-        near = kernel_.meet_in_time(boxes, other, k, motion, cutoff, gaps);
+        near = kernel_.meet_in_time(boxes, other, k, motion, gap_limit, gaps);
     } else if constexpr (how == Gaps::far)
-        near = kernel_.compare_far(boxes, other, k, line, cutoff, gaps, nearest_);
+        near = kernel_.compare_far(boxes, other, k, line, gap_limit, gaps, nearest_);
     else if constexpr (how == Gaps::likely)
-        near = kernel_.compare_likely(boxes, other, k, cutoff, gaps, nearest_);
+        near = kernel_.compare_likely(boxes, other, k, gap_limit, gaps, nearest_);
     else
-        near = kernel_.compare(boxes, other, k, cutoff, gaps, nearest_);
+        near = kernel_.compare(boxes, other, k, gap_limit, gaps, nearest_);
     if (!near) return 0;
     const unsigned found = near;
     if (stack_.size() < top_ + 8) stack_.resize(2 * (top_ + 8));
@@ -84,17 +84,17 @@ unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot
     return count;
 }
 
-/// Depth first: calls take_leaves(entry) for pairs of leaves within `cutoff`, while it returns true and ends(entry),
+/// Depth first: calls take_leaves(entry) for pairs of leaves within `gap_limit`, while it returns true and ends(entry),
 /// which is called for all pairs of boxes, returns false.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 template <typename BoxWalk<A, B, Leaves>::Gaps gaps>
-void BoxWalk<A, B, Leaves>::walk(float cutoff, auto take_leaves, auto ends)
+void BoxWalk<A, B, Leaves>::walk(float gap_limit, auto take_leaves, auto ends)
 {
     while (top_) {
         const Entry e = stack_[--top_];
         if (ends(e)) return;
         if (!both_leaves(e))
-            open<gaps>(e, cutoff);
+            open<gaps>(e, gap_limit);
         else if (!take_leaves(e))
             return;
     }

@@ -31,11 +31,11 @@ public:
         const Convex solid = convex_of(corners);
         return ConvexPair(*shape_, solid, *into_, slack_).meeting();
     }
-    ConvexDistance bounds(const Pair& pair, const EnoughDistance& enough) const
+    ConvexDistance bounds(const Pair& pair, const DistanceGoal& goal) const
     {
         const TrianglePoints corners = corners_.points(pair.b);
         const Convex solid = convex_of(corners);
-        return ConvexPair(*shape_, solid, *into_, slack_).distance(enough);
+        return ConvexPair(*shape_, solid, *into_, slack_).distance(goal);
     }
     double high_a(std::uint32_t, const Eigen::Vector3d& line) const { return shape_->most_along(line); }
     double low_b(std::uint32_t triangle, const Eigen::Vector3d& line) const
@@ -68,10 +68,10 @@ public:
         const Convex solid = convex_of(MapAccess::box(*map_, pair.a));
         return ConvexPair(solid, *shape_, *into_, slack_).meeting();
     }
-    ConvexDistance bounds(const Pair& pair, const EnoughDistance& enough) const
+    ConvexDistance bounds(const Pair& pair, const DistanceGoal& goal) const
     {
         const Convex solid = convex_of(MapAccess::box(*map_, pair.a));
-        return ConvexPair(solid, *shape_, *into_, slack_).distance(enough);
+        return ConvexPair(solid, *shape_, *into_, slack_).distance(goal);
     }
     double high_a(const MapCell& cell, const Eigen::Vector3d& line) const
     {
@@ -130,7 +130,7 @@ public:
         const ConvexDistance d = bounds(pair);
         return {d.on_a, d.on_b, d.upper};
     }
-    double most(const Pair& pair) const { return Judge::bounds(pair, {.above = 0}).upper; }
+    double most(const Pair& pair) const { return Judge::bounds(pair, {.cutoff = 0}).upper; }
 
     /// Upper bound of the distance of a pair that rounding left undecided; infinite: there was none.
     double open_bound() const { return open_bound_; }

@@ -72,23 +72,23 @@ public:
         corners_.start(tree);
     }
 
-    DistanceBounds<Pair> find(double tolerance, double farthest)
+    DistanceBounds<Pair> find(double tolerance, double cutoff)
     {
-        if (frame_.apart > farthest) return {frame_.apart, infinity, {}};
+        if (frame_.apart > cutoff) return {frame_.apart, infinity, {}};
         std::fill(std::begin(nearest_), std::end(nearest_), std::numeric_limits<float>::infinity());
         heap().clear();
-        most_ = farthest;
-        dive(farthest);
+        most_ = cutoff;
+        dive(cutoff);
         while (!heap().empty() && best_.upper > 0) {
             std::pop_heap(heap().begin(), heap().end(), farther);
             const Entry e = heap().back();
             heap().pop_back();
-            most_ = std::min({most_, best_.upper - tolerance, farthest});
+            most_ = std::min({most_, best_.upper - tolerance, cutoff});
             if (at_least(e.gap) > most_) {
                 best_.lower = std::min(best_.lower, at_least(e.gap));
                 break; // no other entry is nearer
             }
-            down(e, farthest);
+            down(e, cutoff);
         }
         if (best_.upper == 0) return {0, 0, best_.nearest};
         for (const float gap : nearest_) best_.lower = std::min(best_.lower, at_least(gap));
@@ -106,9 +106,9 @@ private:
     std::vector<Entry>& heap() { return memory_.heap_; }
 
     /// Descends greedily to a near triangle, so that farther boxes need not be kept.
-    void dive(double farthest)
+    void dive(double cutoff)
     {
-        open(Tree::root, gap_within(farthest));
+        open(Tree::root, gap_within(cutoff));
         for (std::size_t from = 0; from < heap().size();) {
             const auto nearest = std::min_element(heap().begin() + std::ptrdiff_t(from), heap().end(),
                                                   [](const Entry& x, const Entry& y) { return x.gap < y.gap; });
@@ -116,45 +116,46 @@ private:
             *nearest = heap().back();
             heap().pop_back();
             from = heap().size();
-            down(e, farthest);
+            down(e, cutoff);
             if (is_leaf(e)) break;
         }
-        std::erase_if(heap(), [&, cutoff = gap_within(most_)](const Entry& e) {
-            if (e.gap <= cutoff) return false;
+        std::erase_if(heap(), [&, gap_limit = gap_within(most_)](const Entry& e) {
+            if (e.gap <= gap_limit) return false;
             nearest_[0] = std::min(nearest_[0], e.gap);
             return true;
         });
         std::make_heap(heap().begin(), heap().end(), farther);
         in_order_ = true;
     }
-    void down(const Entry& e, double farthest)
+    void down(const Entry& e, double cutoff)
     {
         if (is_leaf(e)) {
             for (const std::uint32_t triangle : tree_.primitives(e.node, e.lane & 7))
-                if (!take({0, triangle}, farthest)) return;
+                if (!take({0, triangle}, cutoff)) return;
             return;
         }
         open(tree_.child(e.node, e.lane), gap_within(most_));
     }
     static bool is_leaf(const Entry& e) { return e.lane >= leaf_lane; }
 
-    void open(const typename Tree::Node& node, float cutoff)
+    void open(const typename Tree::Node& node, float gap_limit)
     {
         ++memory_.nodes;
         if constexpr (std::same_as<Tree, TerrainTree>) {
-            if (!node.whole) return node.level == 0 ? open_cells(node, cutoff) : open_blocks(node, cutoff);
+            if (!node.whole) return node.level == 0 ? open_cells(node, gap_limit) : open_blocks(node, gap_limit);
         }
         OpenBoxes boxes;
         const LaneMasks masks = tree_.open(node, &place_, boxes);
         float gaps[8];
-        push_lanes(node, solid_gap_kernel().of_boxes(boxes, reach_, line_, cutoff, gaps, nearest_), masks.leaves, gaps);
+        push_lanes(node, solid_gap_kernel().of_boxes(boxes, reach_, line_, gap_limit, gaps, nearest_), masks.leaves,
+                   gaps);
     }
-    void open_blocks(const TerrainTree::Node& node, float cutoff) requires std::same_as<Tree, TerrainTree>
+    void open_blocks(const TerrainTree::Node& node, float gap_limit) requires std::same_as<Tree, TerrainTree>
     {
         TerrainBlocks blocks;
         tree_.open_blocks(node, from_, blocks);
         float gaps[8];
-        push_lanes(node, solid_gap_kernel().of_blocks(blocks, reach_, line_, cutoff, gaps, nearest_), 0, gaps);
+        push_lanes(node, solid_gap_kernel().of_blocks(blocks, reach_, line_, gap_limit, gaps, nearest_), 0, gaps);
     }
     void push_lanes(const typename Tree::Node& node, unsigned near, unsigned leaves, const float (&gaps)[8])
     {
@@ -163,19 +164,19 @@ private:
             push({gaps[lane], lane | (leaves >> lane & 1 ? leaf_lane : 0), node});
         }
     }
-    void open_cells(const TerrainTree::Node& node, float cutoff) requires std::same_as<Tree, TerrainTree>
+    void open_cells(const TerrainTree::Node& node, float gap_limit) requires std::same_as<Tree, TerrainTree>
     {
         TerrainCells cells;
         tree_.open_cells(node, from_, cells);
         float gaps[2][8];
         float apart = std::numeric_limits<float>::infinity();
-        unsigned near = solid_gap_kernel().of_cells(cells, reach_, line_, cutoff, gaps, nearest_, apart);
+        unsigned near = solid_gap_kernel().of_cells(cells, reach_, line_, gap_limit, gaps, nearest_, apart);
         if (const double upper = std::max(apart * (1 + 0x1p-18) + above_centre_, 0.0); upper < most_)
-            most_ = upper, cutoff = gap_within(upper);
+            most_ = upper, gap_limit = gap_within(upper);
         for (; near; near &= near - 1) {
 
             const auto k = static_cast<unsigned>(__builtin_ctz(near));
-            if (gaps[k / 8][k % 8] > cutoff) {
+            if (gaps[k / 8][k % 8] > gap_limit) {
                 nearest_[k % 8] = std::min(nearest_[k % 8], gaps[k / 8][k % 8]);
                 continue;
             }
@@ -188,7 +189,7 @@ private:
         if (in_order_) std::push_heap(heap().begin(), heap().end(), farther);
     }
 
-    bool take(const Pair& pair, double farthest)
+    bool take(const Pair& pair, double cutoff)
     {
         const TrianglePoints corners = corners_.points(pair.b);
         double low = infinity;
@@ -200,14 +201,14 @@ private:
         ++memory_.triangles;
         const Convex triangle = convex_of(corners);
         const ConvexPair placed(shape_.shape(), triangle, into_, slack_);
-        ConvexDistance d = placed.distance({.above = std::min(best_.upper, farthest)});
+        ConvexDistance d = placed.distance({.cutoff = std::min(best_.upper, cutoff)});
         if (d.lower == 0 && d.upper > 0) {
             const ConvexMeeting m = placed.meeting();
             if (m.sign > 0) d.lower = std::min(m.bound, d.upper);
             if (m.sign < 0) d.upper = 0;
         }
         best_.lower = std::min(best_.lower, d.lower);
-        if (d.upper >= best_.upper || d.lower > farthest) return true;
+        if (d.upper >= best_.upper || d.lower > cutoff) return true;
         best_.upper = d.upper, best_.nearest = pair;
         const Vector3d between = d.on_b - d.on_a;
         const double length = between.norm() * (1 + 0x1p-18);
@@ -252,9 +253,9 @@ private:
 template <class Tree>
 DistanceBounds<typename SolidDistance<Tree>::Pair>
 SolidDistance<Tree>::distance(const ShapeTree& shape, Tree& tree, const RelativePose& tree_to_shape, double slack,
-                              double tolerance, double farthest)
+                              double tolerance, double cutoff)
 {
-    return Query(*this, shape, tree, tree_to_shape, slack).find(tolerance, farthest);
+    return Query(*this, shape, tree, tree_to_shape, slack).find(tolerance, cutoff);
 }
 
 template class SolidDistance<ObbTree>;

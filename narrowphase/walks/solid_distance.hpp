@@ -24,7 +24,7 @@ public:
     /// As BoxWalk::distance(); of equally near pairs it returns the first.
     /// @param slack  see ConvexPair
     DistanceBounds<Pair> distance(const ShapeTree& shape, Tree& tree, const RelativePose& tree_to_shape, double slack,
-                                  double tolerance, double farthest);
+                                  double tolerance, double cutoff);
 
     std::uint64_t nodes = 0, triangles = 0; ///< opened; measured
 

@@ -145,9 +145,9 @@ typename TraversalOf<A, B>::Nearness TraversalOf<A, B>::near(A& a, B& b, const R
 
 template <class A, class B>
 typename TraversalOf<A, B>::Distance TraversalOf<A, B>::distance(A& a, B& b, const RelativePose& b_to_a,
-                                                                 double tolerance, double farthest)
+                                                                 double tolerance, double cutoff)
 {
-    return walk_.distance(a, b, b_to_a, tolerance, farthest);
+    return walk_.distance(a, b, b_to_a, tolerance, cutoff);
 }
 
 template class TraversalOf<ObbTree, ObbTree>;

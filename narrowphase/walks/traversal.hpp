@@ -80,7 +80,7 @@ public:
                   std::optional<TrianglePair> hint = {}, std::optional<Place>* place = nullptr);
     using Distance = DistanceBounds<TrianglePair>;
     Distance distance(A& a, B& b, const RelativePose& b_to_a, double tolerance,
-                      double farthest = std::numeric_limits<double>::infinity());
+                      double cutoff = std::numeric_limits<double>::infinity());
 
     struct Counts {
         std::uint64_t box_rows = 0;   ///< tests of one box against all boxes of a node

@@ -38,7 +38,7 @@ void NearRegions::add_round(PairWorker& worker, const PairTask& task, const Mani
                             const RelativePose& b_to_a, RegionMaker& maker)
 {
     const double margin = job.options.margin;
-    const Distance d = tests_for(task).distance(worker, task, 0, margin, true);
+    const Distance d = tests_for(task).distance(worker, task, {.cutoff = margin}, true);
     if (!(d.lower > 0) || !(d.upper <= margin)) return;
     const Eigen::Isometry3d into = task.pose_a->inverse(Eigen::Isometry);
     const Vector3d on_a = into * d.point_a, on_b = into * d.point_b;

@@ -197,7 +197,7 @@ private:
         }
         if (grazes_ || task_.options.stop == SweepStop::touch) return leave_open();
         place(now_);
-        begin_graze(tests_.distance(worker_, at_, 0, no_bound, task_.solid).upper);
+        begin_graze(tests_.distance(worker_, at_, {}, task_.solid).upper);
         return false;
     }
     /// From now on, parts may overlap by a depth.
@@ -212,7 +212,7 @@ private:
     {
         const double time = result_.clear_until;
         place(time);
-        const Distance d = tests_.distance(worker_, at_, 0, no_bound, task_.solid);
+        const Distance d = tests_.distance(worker_, at_, {}, task_.solid);
         result_.normal.setZero(), result_.gap = d.upper;
         const double tolerance = task_.options.gap_tolerance * (1 + 0x1p-10);
         if (!(d.upper <= tolerance + task_.clearance) || touch_.depth > tolerance) return true; // undecided
@@ -312,7 +312,7 @@ private:
             tests_.contacts(worker_, at_, worker_.meetings);
             if (!worker_.meetings.empty()) result_.contact = worker_.meetings.front();
         } else {
-            const Distance d = tests_.distance(worker_, at_, 0, no_bound, false);
+            const Distance d = tests_.distance(worker_, at_, {}, false);
             result_.contact = {d.a, d.b, ContactKind::near, {d.point_a, d.point_b}, Vector3d::Zero(), Vector3d::Zero()};
         }
     }

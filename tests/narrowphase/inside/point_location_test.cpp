@@ -11,10 +11,10 @@
 #include <oncollide/narrowphase/inside/point_location.hpp>
 #include <oncollide/samples/generators.hpp>
 
-#include "mesh_parts.hpp"
+#include "narrowphase/mesh_parts.hpp"
 #include "random_pose.hpp"
 
-namespace oncollide::point_place_test {
+namespace oncollide::point_location_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -199,4 +199,4 @@ TEST(PointLocation, IsTheSameAtEveryScaleAndOffset)
 }
 
 } // namespace
-} // namespace oncollide::point_place_test
+} // namespace oncollide::point_location_test

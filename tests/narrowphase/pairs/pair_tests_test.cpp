@@ -78,8 +78,8 @@ TEST(PairTests, AgreeInBothOrders)
                   ++(found.verdict == Verdict::colliding ? colliding : separate);
 
                   constexpr double far = std::numeric_limits<double>::infinity();
-                  const Distance there = tests_for(task).distance(worker, task, 0, far, false),
-                                 again = tests_for(back).distance(worker, back, 0, far, false);
+                  const Distance there = tests_for(task).distance(worker, task, {.cutoff = far}, false),
+                                 again = tests_for(back).distance(worker, back, {.cutoff = far}, false);
                   EXPECT_NEAR(there.upper, again.upper, 1e-9);
                   EXPECT_EQ(there.lower > 0, found.verdict == Verdict::separate);
                   if (there.lower > 0) {
@@ -110,8 +110,7 @@ TEST(PairTests, GiveOneVerdictInBothOrdersWhereBodiesTouch)
                   if (surfaces && !polytopes) return; // they are exact for b's vertices rounded in a's frame
                   if (seed % 3 == 0) pose_b.linear() = pose_a.linear();
                   const PairTask task{0, a, b, &pose_a, &pose_b}, back = task.swapped();
-                  const Distance apart =
-                      tests_for(task).distance(worker, task, 0, std::numeric_limits<double>::infinity(), false);
+                  const Distance apart = tests_for(task).distance(worker, task, {}, false);
                   pose_b.translation() += apart.point_a - apart.point_b;
                   for (const bool kinds : {false, true}) {
                       if (kinds && polytopes) continue; // the same, of their triangles

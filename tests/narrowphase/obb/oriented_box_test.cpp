@@ -6,7 +6,7 @@
 
 #include "random_pose.hpp"
 
-namespace oncollide::box_reach_test {
+namespace oncollide::oriented_box_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -44,4 +44,4 @@ TEST(OrientedBoxKernel, ReachesTheFarthestCornerOfTheBoxesThatExist)
 }
 
 } // namespace
-} // namespace oncollide::box_reach_test
+} // namespace oncollide::oriented_box_test

@@ -8,7 +8,7 @@
 #include <oncollide/narrowphase/inside/shared_inside.hpp>
 #include <oncollide/samples/generators.hpp>
 
-#include "mesh_parts.hpp"
+#include "narrowphase/mesh_parts.hpp"
 #include "random_pose.hpp"
 
 namespace oncollide {

@@ -6,7 +6,7 @@
 #include <bit>
 
 #include "narrowphase/geometry_surface.hpp"
-#include "octant_truth.hpp"
+#include "narrowphase/octant_truth.hpp"
 
 namespace oncollide {
 namespace {

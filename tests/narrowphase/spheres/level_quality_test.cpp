@@ -1,7 +1,7 @@
 // The statements of a whole tree about a surface, checked by code that shares nothing with the trees.
 #include <gtest/gtest.h>
 
-#include "octant_truth.hpp"
+#include "narrowphase/octant_truth.hpp"
 #include "trees/box_levels.hpp"
 #include "trees/grown_tree.hpp"
 #include "trees/level_quality.hpp"
