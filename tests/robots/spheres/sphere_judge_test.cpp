@@ -7,7 +7,7 @@
 #include <oncollide/robots/spheres/sphere_judge.hpp>
 #include <oncollide/robots/spheres/sphere_maker.hpp>
 
-namespace oncollide::spheres_test {
+namespace oncollide::sphere_judge_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -137,4 +137,4 @@ TEST(SphereMaker, OpenSurfacesAreCoveredFromTheirOwnPoints)
 }
 
 } // namespace
-} // namespace oncollide::spheres_test
+} // namespace oncollide::sphere_judge_test

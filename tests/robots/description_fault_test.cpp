@@ -6,7 +6,7 @@
 #include <oncollide/robots/robot.hpp>
 #include <oncollide/samples/generators.hpp>
 
-namespace oncollide::description_test {
+namespace oncollide::description_fault_test {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
@@ -221,4 +221,4 @@ TEST(Description, ALinkOrAnObjectThatIsOpenIsRefusedInSolidMode)
 }
 
 } // namespace
-} // namespace oncollide::description_test
+} // namespace oncollide::description_fault_test
