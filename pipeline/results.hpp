@@ -95,7 +95,7 @@ struct TreeStats {
     std::uint64_t kept = 0;           ///< pairs of which nothing changed, which keep their last result untested
     std::uint64_t by_gap = 0;         ///< of these, apart since an earlier frame by a gap that was not used up
     std::uint64_t by_hull = 0;        ///< of these, apart by convex solids around their meshes
-    std::uint64_t by_balls = 0;       ///< of these, meeting by spheres inside their meshes
+    std::uint64_t by_inner_spheres = 0;       ///< of these, meeting by spheres inside their meshes
     std::uint64_t by_witness = 0;     ///< of these, decided by the parts that met last
     std::uint64_t unsure_pairs = 0;   ///< of these, left by the filter to exact arithmetic
     std::uint64_t nodes = 0;          ///< cells and boxes' nodes stored at the end of the frame, roots included

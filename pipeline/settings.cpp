@@ -9,6 +9,7 @@
 #include <oncollide/base/text/near_word.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/pipeline/settings_table.hpp>
 
 namespace oncollide {
@@ -17,7 +18,7 @@ namespace {
 
 constexpr std::array<std::string_view, 4> exact_names{"off", "predicates", "fcl", "auto"};
 constexpr std::array<std::string_view, 2> mode_names{"surface", "solid"};
-constexpr std::array<std::string_view, 5> backend_names{"auto", "cpu", "gl-compute", "gl-query", "gl-raster"};
+constexpr std::array<std::string_view, 4> backend_names{"auto", "cpu", "gl-compute", "gl-query"};
 constexpr std::array<std::string_view, 3> broad_names{"kd", "octree", "brute"};
 constexpr std::array<std::string_view, 3> bounding_volume_names{"auto", "sphere", "obb"};
 constexpr std::array<std::string_view, stage_count> stage_names{"bounds", "delimitation", "broad", "refine", "exact"};
@@ -66,7 +67,7 @@ Mode mode_from_name(std::string_view name)
 }
 BackendKind backend_from_name(std::string_view name)
 {
-    return from_name<BackendKind>("backend", backend_names, name, {"auto", "cpu", "gl-compute", "gl-query"});
+    return from_name<BackendKind>("backend", backend_names, name);
 }
 BroadPhaseKind broad_phase_from_name(std::string_view name)
 {
@@ -74,8 +75,6 @@ BroadPhaseKind broad_phase_from_name(std::string_view name)
 }
 BoundingVolume bounding_volume_from_name(std::string_view name)
 {
-    if (name == "paper") return BoundingVolume::sphere;
-    if (name == "tight") return BoundingVolume::obb;
     return from_name<BoundingVolume>("bounding-volume", bounding_volume_names, name);
 }
 
@@ -89,9 +88,6 @@ std::span<const std::string_view> all_stage_names()
 }
 StageId stage_from_name(std::string_view name)
 {
-    if (name == "ocst" || name == "refinement") return StageId::refine;
-    if (name == "regions") return StageId::delimitation;
-    if (name == "triangles") return StageId::exact;
     return from_name<StageId>("stage", stage_names, name);
 }
 
@@ -111,12 +107,10 @@ std::vector<std::string> names_of(StageSet stages)
 
 std::uint64_t hash_of(const Settings& s)
 {
-    std::vector<std::string> skip = names_of(s.skip);
-    std::ranges::replace(skip, "refine", "ocst"); // its older name, so that checkpoints of older runs stay valid
     const std::string text =
         fmt::format("{} {:a} {:a} {} {} {} {} {} {} {}", s.depth.value_or(0), s.max_error.value_or(0), s.clearance,
                     name_of(exact_level(s)), s.contact_kinds, s.ignore_touching, name_of(s.mode), s.open_as_surface,
-                    wants_obbs(s), fmt::join(skip, ","));
+                    wants_obbs(s), fmt::join(names_of(s.skip), ","));
     std::uint64_t hash = 0;
     for (const char c : text) mix(hash, std::uint8_t(c));
     return hash;
@@ -139,11 +133,6 @@ void check(const Settings& s)
     if (s.look_ahead > 0 && s.memory_budget > 0)
         refuse("look-ahead excludes memory-budget, because results would depend on the progress of a thread; limit "
                "cooked meshes with resident instead");
-}
-
-bool exact_runs(const Settings& s)
-{
-    return exact_level(s) != ExactLevel::off && !s.skip.contains(StageId::exact);
 }
 
 int thread_count(const Settings& s)

@@ -18,7 +18,12 @@ class Executor;
 /// Automatic: predicates, where they cost no more than a bound; see exact_level().
 enum class ExactLevel : std::uint8_t { off, predicates, fcl, automatic };
 enum class Mode : std::uint8_t { surface, solid };
-enum class BackendKind : std::uint8_t { automatic, cpu, gl_compute, gl_query, gl_raster };
+enum class BackendKind : std::uint8_t {
+    automatic, ///< gl_compute on a hardware GPU, otherwise cpu
+    cpu,
+    gl_compute, ///< on a GPU; the same results as cpu
+    gl_query    ///< the paper's occlusion queries, for comparison: **not certified**, misses collisions
+};
 enum class BroadPhaseKind : std::uint8_t { kd_tree, octree, brute_force };
 
 /// The stages of a frame, in order.
@@ -66,7 +71,7 @@ struct Settings {
     bool ignore_touching = false;
     Mode mode = Mode::surface;              ///< solid: a mesh's inside belongs to it; it must be closed
     bool open_as_surface = false;           ///< solid mode: take a mesh that is not closed as a surface
-    BackendKind backend = BackendKind::cpu; ///< automatic: a GPU if there is one
+    BackendKind backend = BackendKind::cpu; ///< builds the sphere-trees of meshes
     BoundingVolume bounding_volume = BoundingVolume::automatic;
     int gpu = -1;      ///< number in gpu_devices(); -1: the first that is one. GPU backends only
     int viewport = 16; ///< pixels a side that gl-query draws, 1 to 1024
@@ -102,27 +107,6 @@ inline ExactLevel exact_level(const Settings& s)
     return bounded ? ExactLevel::off : ExactLevel::predicates;
 }
 
-inline bool wants_obbs(const Settings& s)
-{
-    if (s.bounding_volume != BoundingVolume::automatic) return s.bounding_volume == BoundingVolume::obb;
-    return exact_level(s) == ExactLevel::predicates || (!s.depth && s.backend == BackendKind::cpu);
-}
-
-inline bool wants_kinds(const Settings& s)
-{
-    return s.contact_kinds || s.ignore_touching;
-}
-
-/// True if cooked meshes are read where pairs come near them. Solid bodies, kinds of contact, FCL and sphere-trees need
-/// all of a mesh.
-inline bool reads_on_demand(const Settings& s)
-{
-    return s.mode == Mode::surface && !wants_kinds(s) && exact_level(s) != ExactLevel::fcl && wants_obbs(s);
-}
-
-/// True if the exact level is on and not skipped.
-ONCOLLIDE_API bool exact_runs(const Settings& settings);
-
 /// The number of threads that `settings` stand for; >= 1.
 ONCOLLIDE_API int thread_count(const Settings& settings);
 
@@ -140,13 +124,11 @@ ONCOLLIDE_API ExactLevel exact_from_name(std::string_view);
 ONCOLLIDE_API Mode mode_from_name(std::string_view);
 ONCOLLIDE_API BackendKind backend_from_name(std::string_view);
 ONCOLLIDE_API BroadPhaseKind broad_phase_from_name(std::string_view);
-/// Accepts the older 'paper' and 'tight', too.
 ONCOLLIDE_API BoundingVolume bounding_volume_from_name(std::string_view);
 ONCOLLIDE_API std::span<const std::string_view> all_stage_names(); ///< in order
 /// The stages of these names, or the names of these stages in order.
 ONCOLLIDE_API StageSet stages_from_names(std::span<const std::string> names);
 ONCOLLIDE_API std::vector<std::string> names_of(StageSet stages);
-/// Accepts the older 'ocst', too, and 'refinement', 'regions', 'triangles'.
 ONCOLLIDE_API StageId stage_from_name(std::string_view);
 
 } // namespace oncollide

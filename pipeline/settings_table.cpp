@@ -185,13 +185,7 @@ constexpr std::array table{
         {"--backend", computation, "cpu|gl-compute|gl-query|auto",
          "builds the sphere-trees of meshes (finds grey cells): cpu, gl-compute (a GPU, the same results), gl-query "
          "(the paper's occlusion queries, which miss collisions), or auto: gl-compute on a real GPU, else cpu",
-         "cpu"},
-        [](const Settings& s) {
-            if (s.backend == BackendKind::gl_raster)
-                throw Error(
-                    ErrorKind::usage,
-                    "backend = gl-raster: not available, gl-compute was faster wherever both ran; use gl-compute");
-        }),
+         "cpu"}),
     row<&Settings::gpu>("gpu", "gpu", whole, false,
                         {"--gpu", computation, "N", "number of the GPU in the list of 'oncollide doctor'", "the first"},
                         [](const Settings& s) {
@@ -206,7 +200,7 @@ constexpr std::array table{
                              }),
     row<&Settings::bounding_volume>(
         "bounding_volume", "bounding_volume", name, true,
-        {"--bounding-volume,--spheres", computation, "auto|sphere|obb",
+        {"--bounding-volume", computation, "auto|sphere|obb",
          "bounding volumes of a mesh's parts: obb (oriented boxes), or sphere, as in the paper, slower at equal error",
          "auto: obb if results are exact, and on the cpu if the error is in metres; else sphere"}),
     row<&Settings::broad_phase>(

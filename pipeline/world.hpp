@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <oncollide/base/error.hpp>
@@ -15,6 +16,9 @@
 #include <oncollide/pipeline/space.hpp>
 
 namespace oncollide {
+
+/// The library's version, as in results; a test checks that it is the one in CMakeLists.txt.
+inline constexpr std::string_view version = "0.1.0";
 
 /// A candidate of a frame: two bodies that may collide, and whose AABBs are at most the clearance apart (unless the
 /// broad phase is skipped).
@@ -53,9 +57,11 @@ struct WorldInfo {
 /// Bodies and their models, which come, go, move and change between frames; a World finds which of them collide.
 ///
 ///     World world({.max_error = 0.01});
-///     const ModelId hill = world.models().add(load_mesh("hill.obj")), truck =
-///     world.models().add(load_mesh("truck.glb")); world.bodies().add({.model = hill, .is_static = true}); const BodyId
-///     mine = world.bodies().add({.model = truck, .pose = start}); while (...) {
+///     const ModelId hill = world.models().add(load_mesh("hill.obj"));
+///     const ModelId truck = world.models().add(load_mesh("truck.glb"));
+///     world.bodies().add({.model = hill, .is_static = true});
+///     const BodyId mine = world.bodies().add({.model = truck, .pose = start});
+///     while (...) {
 ///         world.bodies().set_pose(mine, next);
 ///         for (const PairResult& pair : world.step().pairs) ...
 ///     }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/pipeline/settings_table.hpp>
 #include <oncollide/pipeline/world/world_access.hpp>
 
@@ -110,7 +111,7 @@ void Report::add_sums(const FrameView& frame)
     trees_.unsure_pairs += trees.unsure_pairs;
     trees_.kept += trees.kept;
     trees_.narrowed += trees.narrowed, trees_.by_gap += trees.by_gap, trees_.by_hull += trees.by_hull,
-        trees_.by_balls += trees.by_balls, trees_.by_witness += trees.by_witness;
+        trees_.by_inner_spheres += trees.by_inner_spheres, trees_.by_witness += trees.by_witness;
     trees_.collapsed += trees.collapsed, trees_.refused += trees.refused;
     trees_.queries += trees.queries, trees_.gpu_bytes += trees.gpu_bytes;
     trees_.repeats += trees.repeats;
@@ -134,9 +135,9 @@ int Report::threads() const
 
 std::string Report::title() const
 {
-    return fmt::format("{}: {} bodies, {} frame{}{}; {}, {} thread{}", scene_.name.empty() ? "scene" : scene_.name,
+    return fmt::format("{}: {} bodies, {} frame{}{}; {}, {} thread{}{}", scene_.name.empty() ? "scene" : scene_.name,
                        scene_.size(), frames_, frames_ == 1 ? "" : "s", interrupted_ ? " (interrupted)" : "", backend_,
-                       threads(), threads() == 1 ? "" : "s");
+                       threads(), threads() == 1 ? "" : "s", certified(pipeline_.settings()) ? "" : "; not certified");
 }
 
 void Report::write_json(const std::filesystem::path& path) const
@@ -163,9 +164,9 @@ void Report::write_header(JsonWriter& json) const
     json.begin_object();
     json.members("version", version, "scene", scene_.name, "bodies", scene_.size());
     json.line(2), json.members("settings", JsonText{settings});
-    json.line(2),
-        json.members("threads", threads(), "backend", backend_, "backend_note", or_null(backend_note_), "renderer",
-                     or_null(renderer_), "hash", Hex{hash_}, "interrupted", interrupted_, "frames", frames_);
+    json.line(2), json.members("threads", threads(), "backend", backend_, "backend_note", or_null(backend_note_),
+                               "renderer", or_null(renderer_), "certified", certified(pipeline_.settings()), "hash",
+                               Hex{hash_}, "interrupted", interrupted_, "frames", frames_);
     json.line(2);
     json.members(
         "verdicts", [&] { write_counts(json, verdict_order, verdicts()); }, "kinds",
@@ -173,7 +174,7 @@ void Report::write_header(JsonWriter& json) const
     json.line(2), json.key("trees");
     json.object("rounds", trees_.rounds, "rows", trees_.rows, "node_pairs", trees_.node_pairs, "triangle_pairs",
                 trees_.triangle_pairs, "unsure_pairs", trees_.unsure_pairs, "kept", trees_.kept, "narrowed",
-                trees_.narrowed, "by_gap", trees_.by_gap, "by_hull", trees_.by_hull, "by_balls", trees_.by_balls,
+                trees_.narrowed, "by_gap", trees_.by_gap, "by_hull", trees_.by_hull, "by_inner_spheres", trees_.by_inner_spheres,
                 "by_witness", trees_.by_witness, "collapsed", trees_.collapsed, "refused", trees_.refused, "queries",
                 trees_.queries, "gpu_bytes", trees_.gpu_bytes, "repeats", trees_.repeats, "nodes", trees_.nodes,
                 "bytes", trees_.bytes, "peak_nodes", peak_nodes_, "peak_bytes", peak_bytes_);

@@ -13,9 +13,6 @@
 
 namespace oncollide {
 
-/// The version written to results; a test checks that it equals the project's version in CMakeLists.txt.
-inline constexpr std::string_view version = "0.1.0";
-
 class JsonWriter;
 
 /// The data that a report keeps of each frame, besides sums.

@@ -1,3 +1,4 @@
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/runs/report_kept.hpp>
 
 #include <oncollide/base/text/listed.hpp>
@@ -109,9 +110,9 @@ void Report::print_table(std::ostream& out) const
         text += fmt::format(
             "pairs      {} in OBB trees or exact tests; decided by: gap of an earlier frame {}, outer hulls {}, "
             "inner spheres {}, last witness {}, traversal {}\n",
-            grouped(trees_.narrowed), grouped(trees_.by_gap), grouped(trees_.by_hull), grouped(trees_.by_balls),
+            grouped(trees_.narrowed), grouped(trees_.by_gap), grouped(trees_.by_hull), grouped(trees_.by_inner_spheres),
             grouped(trees_.by_witness),
-            grouped(trees_.narrowed - trees_.by_gap - trees_.by_hull - trees_.by_balls - trees_.by_witness));
+            grouped(trees_.narrowed - trees_.by_gap - trees_.by_hull - trees_.by_inner_spheres - trees_.by_witness));
     if (trees_.kept)
         text += fmt::format("at rest    {} pairs kept the result of the last frame\n", grouped(trees_.kept));
     text += fmt::format("trees      {} cells requested in {} rounds; at the end {} cells, {}", grouped(trees_.rows),

@@ -4,6 +4,7 @@
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/pipeline/models/model_store.hpp>
 #include <oncollide/pipeline/settings.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 
 namespace oncollide {
 

@@ -1,4 +1,5 @@
 #include <oncollide/pipeline/refine/narrowing.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 
 #include <algorithm>
 

@@ -7,6 +7,7 @@
 #include <oncollide/pipeline/refine/fcl_refiner.hpp>
 #include <oncollide/pipeline/refine/obb_refiner.hpp>
 #include <oncollide/pipeline/refine/sphere_refiner.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 
 namespace oncollide {
 

@@ -7,6 +7,7 @@
 #include <oncollide/narrowphase/hulls/outer_hull.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 
 namespace oncollide {
 
@@ -48,15 +49,15 @@ bool hulls_part(const PairTask& task, double beyond, PairMemory& memory, double&
 
 /// True if the inner spheres overlap so deeply that the surfaces certainly meet; stores how far the bodies must move to
 /// separate.
-bool balls_meet(const PairTask& task, PairMemory& memory)
+bool inner_spheres_meet(const PairTask& task, PairMemory& memory)
 {
     const auto holds = [&](double depth) { return depth > 0 && depth > rounding_of(task); };
     if (holds(memory.depth(task.travel))) return true;
-    const InnerSpheres *const a = task.a->balls(), *const b = task.b->balls();
-    if (!a || !b || !memory.near || task.travel == memory.walked_at || rests(memory.balls)) return false;
+    const InnerSpheres *const a = task.a->inner_spheres(), *const b = task.b->inner_spheres();
+    if (!a || !b || !memory.near || task.travel == memory.walked_at || rests(memory.inner_spheres)) return false;
     const double depth = meeting_depth(*a, *b, RelativePose(*task.pose_a, *task.pose_b));
-    if (!holds(depth)) return let_rest(memory.balls), false;
-    memory.balls.in_vain = 0;
+    if (!holds(depth)) return let_rest(memory.inner_spheres), false;
+    memory.inner_spheres.in_vain = 0;
     memory.meet(depth, task.travel);
     return true;
 }
@@ -157,8 +158,8 @@ Finding ObbRefiner::refine(const RefineContext& context, const PairTask& task, P
     const auto sure = [&] {
         return goal_ == Goal::exact || tolerance >= 2 * rounding_of(task) + 0x1p-16 * settings.clearance;
     };
-    if (!kept && task.a->balls() && task.b->balls() && !wants_kinds(settings) && sure() && balls_meet(task, *memory)) {
-        ++worker.by_balls, memory->meets = true;
+    if (!kept && task.a->inner_spheres() && task.b->inner_spheres() && !wants_kinds(settings) && sure() && inner_spheres_meet(task, *memory)) {
+        ++worker.by_inner_spheres, memory->meets = true;
         if (!settings.coherence) return walk(nullptr);
         if (goal_ == Goal::exact) return {Verdict::colliding, ContactKind::unknown, 0};
         return {Verdict::within, ContactKind::unknown, beyond};
@@ -225,7 +226,7 @@ void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
         worker.pairs.reset_counts();
         context.trees.by_gap += worker.by_gap, worker.by_gap = 0;
         context.trees.by_hull += worker.by_hull, worker.by_hull = 0;
-        context.trees.by_balls += worker.by_balls, worker.by_balls = 0;
+        context.trees.by_inner_spheres += worker.by_inner_spheres, worker.by_inner_spheres = 0;
     }
 }
 

@@ -26,7 +26,7 @@ private:
         PairWorker pairs;
         std::uint64_t by_gap = 0;   ///< pairs decided by their gap
         std::uint64_t by_hull = 0;  ///< pairs decided by their outer hulls
-        std::uint64_t by_balls = 0; ///< pairs decided by their inner spheres
+        std::uint64_t by_inner_spheres = 0; ///< pairs decided by their inner spheres
     };
     Finding refine(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
     Finding refine_there(const RefineContext& context, const PairTask& task, const Finding& known, PairMemory* memory,

@@ -1,3 +1,4 @@
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/runs/ranks/ranked_run.hpp>
 
 #include <algorithm>

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <oncollide/broadphase/broad_phase.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/generators.hpp>
 
@@ -262,14 +263,14 @@ TEST_P(Coherence, ChangesNoVerdictAndNoBoundAndKeepsPairsApartThatAre)
     Settings on = settings(GetParam()), off = on, threads = on, none = on;
     off.coherence = false, threads.threads = 3;
     none.exact = ExactLevel::off, none.mode = Mode::surface;
-    std::uint64_t by_gap = 0, by_hull = 0, by_balls = 0, by_witness = 0, same = 0, bounds = 0;
+    std::uint64_t by_gap = 0, by_hull = 0, by_inner_spheres = 0, by_witness = 0, same = 0, bounds = 0;
     for (std::uint64_t seed = 1; seed < 4; ++seed) {
         Crowd crowd(seed, {on, off, threads});
         for (int frame = 0; frame < 40; ++frame) {
             if (frame) crowd.change();
             const FrameView expected = crowd.world(0).step();
             by_gap += expected.trees.by_gap, by_hull += expected.trees.by_hull;
-            by_balls += expected.trees.by_balls, by_witness += expected.trees.by_witness;
+            by_inner_spheres += expected.trees.by_inner_spheres, by_witness += expected.trees.by_witness;
             for (const std::size_t other : {1u, 2u}) {
                 const FrameView view = crowd.world(other).step();
                 const std::string when = "seed " + std::to_string(seed) + " frame " + std::to_string(frame);
@@ -299,7 +300,7 @@ TEST_P(Coherence, ChangesNoVerdictAndNoBoundAndKeepsPairsApartThatAre)
     EXPECT_GT(by_gap, 1000u);
     EXPECT_GT(by_hull, 10u) << by_gap;
     if (!wants_kinds(on)) {
-        EXPECT_GT(by_balls, 10u);
+        EXPECT_GT(by_inner_spheres, 10u);
     }
     EXPECT_GT(by_witness, 1000u);
 }

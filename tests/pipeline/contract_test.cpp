@@ -56,8 +56,8 @@ std::vector<Variant> every_toggle(int depth)
     add("predicates, solid",
         [](Settings& s) { s.exact = ExactLevel::predicates, s.mode = Mode::solid, s.open_as_surface = true; });
     add("predicates, trees dropped at once", [](Settings& s) { s.exact = ExactLevel::predicates, s.age_limit = 1; });
-    add("tight", [](Settings& s) { s.bounding_volume = BoundingVolume::obb; });
-    add("tight, dropped at once", [](Settings& s) { s.bounding_volume = BoundingVolume::obb, s.age_limit = 1; });
+    add("boxes", [](Settings& s) { s.bounding_volume = BoundingVolume::obb; });
+    add("boxes, dropped at once", [](Settings& s) { s.bounding_volume = BoundingVolume::obb, s.age_limit = 1; });
     add("tight with a clearance", [](Settings& s) { s.bounding_volume = BoundingVolume::obb, s.clearance = 0.05; });
     add("tight to a given error",
         [](Settings& s) { s.bounding_volume = BoundingVolume::obb, s.depth.reset(), s.max_error = 0.01; });

@@ -5,6 +5,7 @@
 #include <map>
 #include <random>
 
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/generators.hpp>
 

@@ -89,7 +89,7 @@ CASES = [
     (lambda: World(threads=-1), ValueError, "World: threads: -1 is out of range"),
     (lambda: World(threads=1.0), TypeError, "World: threads: expected a whole number; got float"),
     (lambda: World(coherence=1), TypeError, "World: coherence: expected True or False; got int"),
-    (lambda: World(skip="ocst"), TypeError, "World: skip: expected a list of names of stages; got str"),
+    (lambda: World(skip="refine"), TypeError, "World: skip: expected a list of names of stages; got str"),
     (lambda: World(skip=["octs"]), ValueError, "World: skip: no 'octs'; valid: bounds"),
     # bodies and poses
     (lambda: world().models.add(CUBE), TypeError, "models.add: geometry: expected a Geometry, as oncollide.mesh()"),

@@ -195,8 +195,9 @@ TEST_F(Spheres, ListsCountsAndCoverageOfEveryLevel)
 
 TEST_F(Spheres, WritesTightOnesAsOrientedBoxes)
 {
-    ASSERT_EQ(run({"spheres", "cube.off", "--depth", "2", "--quiet", "--spheres", "tight", "--json", "s.json"}).code,
-              0);
+    ASSERT_EQ(
+        run({"spheres", "cube.off", "--depth", "2", "--quiet", "--bounding-volume", "obb", "--json", "s.json"}).code,
+        0);
     const nlohmann::json result = read_json("s.json");
     ASSERT_EQ(result.at("columns").size(), 18u);
     ASSERT_EQ(result.at("rows").size(), 1 + 8 + 12u);

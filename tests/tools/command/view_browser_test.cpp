@@ -41,14 +41,14 @@ protected:
             return document.substr(from + mark.size(), document.find('"', from + mark.size()) - from - mark.size());
         }
     };
-    /// The page after the given time of the browser's clock. The browser may draw late on a loaded machine, so an empty
-    /// picture is taken again.
+    /// The page after the given time of the browser's clock. The browser may draw late on a loaded machine, so a picture
+    /// without bodies, whose labels may be there, is taken again.
     Seen look(const std::string& page, const std::string& fragment, const std::string& size = "900,640",
               int milliseconds = 1500)
     {
         const Seen seen = look_once(page, fragment, size, milliseconds);
-        const bool empty = drawn(seen.picture) == 0 && milliseconds < 10'000;
-        return empty ? look(page, fragment, size, 3 * milliseconds) : seen;
+        const bool early = (seen.data("drawn").empty() || drawn(seen.picture) < 200) && milliseconds < 10'000;
+        return early ? look(page, fragment, size, 3 * milliseconds) : seen;
     }
     Seen look_once(const std::string& page, const std::string& fragment, const std::string& size, int milliseconds)
     {

@@ -98,7 +98,7 @@ TEST_F(View, JsonHoldsNumbersAlone)
 
 TEST_F(View, ALimitThinsOutAndSaysSo)
 {
-    const Outcome outcome = run_without_three({"run", "boxes", "--bodies", "1900", "--frames", "40", "--skip", "ocst",
+    const Outcome outcome = run_without_three({"run", "boxes", "--bodies", "1900", "--frames", "40", "--skip", "refine",
                                                "--view", "x.html", "--view-limit", "2"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_NE(outcome.err.find("frames (one in "), std::string::npos) << outcome.err;

@@ -157,7 +157,7 @@ TEST_F(StudyPeers, ASceneMayBeCalledAsAnotherCommandIs)
 {
     // 'hard' is a scene of the catalogue, and a command beside 'study'.
     const nlohmann::json all =
-        study({"hard", "--frames", "1", "--depths", "2", "--exact", "off", "--spheres", "paper"});
+        study({"hard", "--frames", "1", "--depths", "2", "--exact", "off", "--bounding-volume", "sphere"});
     EXPECT_EQ(all["header"]["bodies"], 50);
 }
 

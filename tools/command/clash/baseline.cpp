@@ -27,22 +27,21 @@ struct OldClash {
     bool found = false; ///< it still exists
 };
 
-std::string name_in(const json& part)
+/// @param resolved  of the list of resolved clashes, which has the parts' names alone
+OldClash old_clash(const json& j, bool resolved)
 {
-    return part.is_string() ? part.get<std::string>() : part.at("name").get<std::string>();
-}
-
-OldClash old_clash(const json& j, const char* default_status)
-{
-    OldClash old{.clash = {.id = j.value("id", ""),
-                           .a = name_in(j.at("a")),
-                           .b = name_in(j.at("b")),
+    const auto name_in = [&](const char* part) {
+        return (resolved ? j.at(part) : j.at(part).at("name")).get<std::string>();
+    };
+    OldClash old{.clash = {.id = j.at("id").get<std::string>(),
+                           .a = name_in("a"),
+                           .b = name_in("b"),
                            .kind = j.at("kind").get<std::string>(),
-                           .comment = j.value("comment", "")}};
-    const auto status = default_status ? j.value("status", default_status) : j.at("status").get<std::string>();
-    old.resolved = status == "resolved" || status == "fixed";
+                           .comment = j.at("comment").get<std::string>()}};
+    const auto status = j.at("status").get<std::string>();
+    old.resolved = status == "resolved";
     old.counts = status != "ignored" && status != "contact";
-    const bool own = status == "new" || status == "active" || status == "same" || old.resolved || !old.counts;
+    const bool own = status == "new" || status == "active" || old.resolved || !old.counts;
     if (!own) old.review = status;
     return old;
 }
@@ -60,14 +59,13 @@ OldReport read_report(const std::string& file)
     OldReport old;
     try {
         const json report = json::parse(read_file(file, most_bytes));
-        if (!report.is_object() || report.value("report", "") != "oncollide clash")
+        if (!report.is_object() || report.value("schema", "") != "oncollide.clash")
             refuse_report("is not a clash report");
         const Unit* const unit = find_unit(report.value("unit", "mm"));
         if (!unit) refuse_report("has an unknown unit");
         old.clearance = report.value("clearance", 0.0) * unit->millimetres;
-        for (const json& clash : report.at("clashes")) old.clashes.push_back(old_clash(clash, nullptr));
-        for (const json& clash : report.value("resolved", json::array()))
-            old.clashes.push_back(old_clash(clash, "resolved"));
+        for (const json& clash : report.at("clashes")) old.clashes.push_back(old_clash(clash, false));
+        for (const json& clash : report.at("resolved")) old.clashes.push_back(old_clash(clash, true));
     } catch (const json::exception& fault) {
         std::string_view text = fault.what(); // "[json.exception...] why; last read: 'text'", of any kind of file
         text.remove_prefix(std::min(text.find("] "), text.size() - 2) + 2);

@@ -78,10 +78,8 @@ std::optional<Digits> length(double value, bool known = true)
 
 void write_json(OutputFile& file, const ClashReport& r)
 {
-    Json head{{"schema", "oncollide.clash"}, {"schema_version", 2},
-              {"report", "oncollide clash"}, // the older name of the schema
-              {"unit", r.unit.name},         {"parts", r.parts.parts.size()},
-              {"files", r.parts.files},      {"triangles", r.parts.triangles}};
+    Json head{{"schema", "oncollide.clash"},   {"schema_version", 1},    {"unit", r.unit.name},
+              {"parts", r.parts.parts.size()}, {"files", r.parts.files}, {"triangles", r.parts.triangles}};
     head["clearance"] = r.settings.clearance, head["tolerance"] = r.settings.tolerance;
     head["baseline"] = r.baseline.empty() ? Json(nullptr) : Json(r.baseline);
     head["settings"] = {{"touching", r.settings.touching},
@@ -93,7 +91,6 @@ void write_json(OutputFile& file, const ClashReport& r)
         Json& counts = head["counts"][std::string(name_of(status))];
         for (const ClashKind kind : clash_kinds) counts[std::string(name_of(kind))] = r.count(status, kind);
     }
-    head["counts"]["same"] = head["counts"]["active"]; // the older name
     head["warnings"] = r.warnings;
     head["open"] = r.found.open;
     const auto text = [](const Json& j) { return j.dump(-1, ' ', false, Json::error_handler_t::replace); };
@@ -110,9 +107,6 @@ void write_json(OutputFile& file, const ClashReport& r)
         const ResolvedClash& c = r.resolved[i];
         return Json{{"id", c.id}, {"status", "resolved"}, {"comment", c.comment}, {"kind", c.kind}, {"a", c.a},
                     {"b", c.b}};
-    });
-    list("fixed", r.resolved.size(), [&](std::size_t i) { // the older name
-        return Json{{"kind", r.resolved[i].kind}, {"a", r.resolved[i].a}, {"b", r.resolved[i].b}};
     });
     json.end_object();
     file.write("\n");

@@ -8,6 +8,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/text/json_writer.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/pipeline/settings_table.hpp>
 #include <oncollide/pipeline/world/world_access.hpp>
 #include <oncollide/runs/report.hpp>
@@ -61,13 +62,14 @@ ResultsHeader header_of(const SceneOptions& source, const Scene& scene, const Pi
     header.version = std::string(version), header.scene = scene.name, header.bodies = scene.size();
     Settings settings = pipeline.settings(); // without settings that never change a result
     settings.threads = 1, settings.gpu = Settings{}.gpu;
-    if (settings.backend != BackendKind::gl_query) settings.backend = BackendKind::cpu;
+    if (certified(settings)) settings.backend = BackendKind::cpu;
     const std::string run = settings_json(settings);
     TextInMemory text;
     JsonWriter json(text);
     json.begin_object();
     json.members("bodies", scene.size(), "pace", scene.pace, "separate", separate);
     if (pipeline.continuous()) json.members("continuous", true);
+    if (!certified(settings)) json.members("certified", false);
     json.members("run", JsonText{run});
     json.end_object();
     header.sweeps = pipeline.continuous();

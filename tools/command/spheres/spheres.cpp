@@ -200,13 +200,9 @@ void write_json(const std::string& path, const SpheresOptions& options, const Ju
                 BoundingVolume kind)
 {
     // `spheres` is the earlier name of the setting, with its earlier values.
-    const nlohmann::json header = {{"version", version},
-                                   {"mesh", options.mesh},
-                                   {"depth", depth},
-                                   {"bounding_volume", name_of(kind)},
-                                   {"spheres", kind == BoundingVolume::sphere ? "paper" : "tight"},
-                                   {"closed", judged.closed},
-                                   {"longest_side", judged.side}};
+    const nlohmann::json header = {{"version", version},      {"mesh", options.mesh},
+                                   {"depth", depth},          {"bounding_volume", name_of(kind)},
+                                   {"closed", judged.closed}, {"longest_side", judged.side}};
     OutputFile file(path);
     JsonWriter json(file);
     json.begin_object(), json.schema("oncollide.spheres", 1);
@@ -294,7 +290,7 @@ void add_spheres(Arguments app)
     sub.add_option("--max-error", options->max_error,
                    "instead of --depth: largest error in metres of the verdict 'within' for two such trees")
         .length();
-    sub.add_option("--bounding-volume,--spheres NAME", options->bounding_volume,
+    sub.add_option("--bounding-volume NAME", options->bounding_volume,
                    "volumes to write: sphere, spheres around cells (default), or obb, oriented boxes around triangles");
     sub.add_option("--csv FILE", options->csv, "write the volumes of all levels, one per row; '-' is standard output");
     sub.add_option("--levels FILE", options->levels,

@@ -266,7 +266,7 @@ Option add_study_options(Arguments sub, StudyOptions& o)
                    "bodies' median size)");
     sub.add_option("--backend LIST", o.backends, "comma-separated list of cpu, gl-compute, gl-query (default cpu)");
     sub.add_option("--viewport LIST", o.viewports, "gl-query: pixels per side, comma-separated (default 16)");
-    sub.add_option("--bounding-volume,--spheres LIST", o.bounding_volumes, "sphere, obb or both (default sphere,obb)");
+    sub.add_option("--bounding-volume LIST", o.bounding_volumes, "sphere, obb or both (default sphere,obb)");
     sub.add_option("--exact LIST", o.exact, "exact levels: off, predicates, fcl (default off,predicates)");
     sub.add_option("--peers LIST", o.peers, peers_help(o.known_peers));
     sub.add_option("--warm-up N", o.warm_up, "frames at the start that are not timed (default 3)");

@@ -4,6 +4,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/obb/obb_tree.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/pipeline/world/world_access.hpp>
 
 #include "cli/progress.hpp"

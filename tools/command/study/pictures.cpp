@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/pipeline/two_geometries.hpp>
 #include <oncollide/pipeline/world/world_access.hpp>
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/runs/pipeline.hpp>
 
 #include "truth/scene_truth.hpp"
@@ -17,7 +18,7 @@ struct StudyVariant {
     std::string series; ///< common name of the points of a line: "spheres"
     std::string name;   ///< the series and the accuracy: "spheres, depth 6"
     Settings settings;
-    bool certified() const { return settings.backend != BackendKind::gl_query; }
+    bool certified() const { return oncollide::certified(settings); }
 };
 
 /// A pair with a wrong result, or with a bound larger than its distance.

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/pipeline/settings_rules.hpp>
+
 namespace oncollide::tools {
 namespace {
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/threads/parallel.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 
 #include "truth/near_bodies.hpp"
 

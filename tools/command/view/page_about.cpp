@@ -4,6 +4,7 @@
 
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/base/threads/parallel.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/runs/report.hpp>
 
 namespace oncollide::tools {
@@ -29,7 +30,9 @@ nlohmann::json page_about(const Pipeline& pipeline, double metres, const std::st
     rows.push_back({"Refined with", wants_obbs(s) ? "oriented boxes (OBB trees)" : "sphere-trees (OCST)"});
     if (results.empty()) {
         rows.push_back({"Threads", fmt::format("{}", thread_count(s))});
-        rows.push_back({"Backend", pipeline.inspect().backend});
+        const WorldInfo info = pipeline.inspect();
+        rows.push_back({"Backend", info.backend});
+        if (!info.backend_note.empty()) rows.push_back({"Note", info.backend_note});
     } else {
         rows.push_back({"Results", printable(results)});
     }

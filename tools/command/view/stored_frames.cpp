@@ -7,6 +7,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/pipeline/world/stage.hpp>
 #include <oncollide/pipeline/world/world_access.hpp>
 

@@ -11,6 +11,7 @@
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/base/text/svg.hpp>
 #include <oncollide/base/threads/parallel.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/runs/report.hpp>
 
 #include "common/base64.hpp"

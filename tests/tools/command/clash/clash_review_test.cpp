@@ -54,7 +54,7 @@ TEST_F(ClashReview, StatusesAndCommentsOfUsersAreTakenOver)
     clash({"--clearance", "1", "-o", "1.json"});
     json edited = read_json("1.json");
     EXPECT_EQ(edited["schema"], "oncollide.clash");
-    EXPECT_EQ(edited["schema_version"], 2);
+    EXPECT_EQ(edited["schema_version"], 1);
     const auto edit = [&](const char* kind, const char* status, const char* comment) {
         for (json& c : edited["clashes"])
             if (c["kind"] == kind) c["status"] = status, c["comment"] = comment;
@@ -110,24 +110,6 @@ TEST_F(ClashReview, StatusesAndCommentsOfUsersAreTakenOver)
                                 : c["b"]["name"] == "d" ? "ask Ben"
                                                         : "")
             << c;
-}
-
-TEST_F(ClashReview, ReportsOfVersion1AreStillBaselines)
-{
-    clash({"--clearance", "1", "-o", "1.json"});
-    json old = read_json("1.json");
-    old["schema_version"] = 1, old.erase("resolved"), old.erase("settings");
-    for (json& c : old["clashes"]) {
-        c.erase("id"), c.erase("comment"), c["a"].erase("path"), c["b"].erase("path");
-        if (c["status"] == "new") c["status"] = "same";
-    }
-    folder_.write("old.json", old.dump());
-    const Outcome outcome = clash({"--clearance", "1", "--baseline", "old.json", "-o", "2.json"});
-    EXPECT_EQ(outcome.code, 0) << outcome.out;
-    EXPECT_EQ(pairs("2.json"),
-              (Pairs{"b e enclosed active", "a b crossing active", "a c touching contact", "a d near active"}));
-    EXPECT_EQ(read_json("2.json")["counts"]["same"], read_json("2.json")["counts"]["active"]) << "the older names stay";
-    EXPECT_EQ(read_json("2.json")["fixed"], json::array());
 }
 
 TEST_F(ClashReview, ThePageShowsItsSettingsAndLinksInto3D)

@@ -88,7 +88,8 @@ TEST_F(Study, KnowsHowFarApartFalsePositivesAre)
 
 TEST_F(Study, WhatWasNeededCountsCellsThatWereDroppedSince)
 {
-    const std::vector<std::string> settings{"cubes.json", "--depths", "6", "--spheres", "paper", "--exact", "off"};
+    const std::vector<std::string> settings{"cubes.json", "--depths", "6",  "--bounding-volume",
+                                            "sphere",     "--exact",  "off"};
     std::vector<std::string> forgetful = settings;
     forgetful.insert(forgetful.end(), {"--age", "1"});
     EXPECT_EQ(study(settings)["variants"][0]["nodes_needed"], study(forgetful)["variants"][0]["nodes_needed"]);
@@ -277,8 +278,9 @@ TEST_F(Study, ShowsWhatOcclusionQueriesMiss)
         {"kind": "sphere", "radius": 0.4, "triangles": 500}}}}, "bodies": [{"name": "needles", "geometry": "needles"},
         {"name": "ball", "geometry": "ball", "position": [-1, 0, 0],
          "motion": {"drift": {"velocity": [0.1, 0, 0]}}}]})");
-    const nlohmann::json all = study({"needles.json", "--backend", "cpu,gl-query", "--viewport", "8,16", "--spheres",
-                                      "paper", "--exact", "off", "--depths", "6", "--html", "s.html"});
+    const nlohmann::json all =
+        study({"needles.json", "--backend", "cpu,gl-query", "--viewport", "8,16", "--bounding-volume", "sphere",
+               "--exact", "off", "--depths", "6", "--html", "s.html"});
     EXPECT_EQ(all["variants"].size(), 3u);
     EXPECT_EQ(variant(all, "spheres, depth 6")["missed"], 0);
     const nlohmann::json query = variant(all, "gl-query 8 px, spheres, depth 6");
@@ -331,7 +333,7 @@ TEST_F(Study, RefusesWhatMakesNoSense)
     refuse({"cubes.json", "--max-errors", "0.1,x"}, {"--max-errors x", "a length"});
     refuse({"cubes.json", "--max-errors", "-1"}, {"max-error"});
     refuse({"cubes.json", "--bounding-volume", "auto"}, {"--bounding-volume auto", "sphere, obb"});
-    refuse({"cubes.json", "--spheres", "round"}, {"round"});
+    refuse({"cubes.json", "--bounding-volume", "round"}, {"round"});
     refuse({"cubes.json", "--bounding-volume", "obb", "--backend", "gl-query"}, {"--bounding-volume obb", "cpu"});
     refuse({"cubes.json", "--exact", "off,maybe"}, {"maybe"});
     refuse({"cubes.json", "--backend", "gpu"}, {"gpu", "gl-compute"});

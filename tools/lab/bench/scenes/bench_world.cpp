@@ -15,6 +15,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/numbers/random.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/catalogue.hpp>
 

@@ -203,7 +203,7 @@ void SceneReport::write_csv() const
         "frame,fcl_ms,fcl_transforms_ms,fcl_update_ms,fcl_pairs_ms,fcl_narrow_ms,fcl_candidates,fcl_colliding,"
         "ms,bounds_ms,delimitation_ms,broad_ms,ocst_ms,exact_ms,candidates,left_over,colliding,undecided,"
         "false_positives,missed,cells,cells_asked,cell_pairs,bytes,hash,regions,left,"
-        "narrowed,by_gap,by_hull,by_balls,by_witness",
+        "narrowed,by_gap,by_hull,by_inner_spheres,by_witness",
         shard_from(options_.shard)
             .line(fmt::format("bench scene {}, {} bodies, {} frames, pace {}, settings {:016x}, only {}", scene_.name,
                               scene_.size(), scene_.frames, scene_.pace, hash_of(settings_), options_.only)));
@@ -215,7 +215,7 @@ void SceneReport::write_csv() const
         for (const double ms : r.our_parts) csv.rows().add(ms);
         csv.row(r.counts.pairs, r.counts.left_over, r.counts.colliding, r.counts.undecided, r.counts.false_positives,
                 r.counts.missed, r.trees.nodes, r.trees.rows, r.trees.node_pairs, r.trees.bytes, Hex{r.hash}, r.regions,
-                r.left, r.trees.narrowed, r.trees.by_gap, r.trees.by_hull, r.trees.by_balls, r.trees.by_witness);
+                r.left, r.trees.narrowed, r.trees.by_gap, r.trees.by_hull, r.trees.by_inner_spheres, r.trees.by_witness);
     }
     csv.commit();
 }

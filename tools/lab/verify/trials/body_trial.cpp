@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/generators.hpp>
 
