@@ -222,7 +222,7 @@ def many_pairs():
         frames = rows_of(f"many/{name}")[3:]
         mean = lambda *columns: sum(float(r[c]) for r in frames for c in columns) / len(frames)
         pairs = mean("narrowed")
-        decided = [mean(f"by_{what}") for what in ("gap", "hull", "balls", "witness")]
+        decided = [mean(f"by_{what}") for what in ("gap", "hull", "inner_spheres", "witness")]
         shares = [f"{100 * n / pairs:.0f} %" for n in decided + [pairs - sum(decided)]]
         out.append([title, *shares, f"{mean('cell_pairs') / pairs:.1f}", f"{mean('bounds_ms'):.2f}", f"{mean('broad_ms'):.2f}",
                     f"{mean('ocst_ms', 'exact_ms'):.2f}", f"{1e6 * mean('ocst_ms', 'exact_ms') / pairs:,.0f}",
