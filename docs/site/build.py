@@ -80,9 +80,11 @@ def write_plots(pages, complete):
             sys.exit("build.py: no plots without matplotlib (python3-matplotlib)")
         text += "\nThis copy of the site has no plots: matplotlib was not there when it was built.\n"
     else:
-        subprocess.run([sys.executable, SITE / "figures.py", "--plots", pages / "plots"], check=True)
+        subprocess.run([sys.executable, SITE / "plots.py", pages / "plots"], check=True)
         for name, (title, place) in PLOTS.items():
-            text += f"\n## {title}\n\n![{title}](plots/{name}.svg)\n\n[Figures](data/{DATA.get(name, name + '.csv')}), [how they were measured](benchmarks.md#{place})\n"
+            data = DATA.get(name, name + ".csv")
+            text += f"\n## {title}\n\n![{title}](plots/{name}.svg)\n\n"
+            text += f"[Figures](data/{data}), [how they were measured](benchmarks.md#{place})\n"
     (pages / "plots.md").write_text(text, encoding="utf-8")
 
 
@@ -110,7 +112,8 @@ def write_api(pages, out, complete):
 
 def check_links(site):
     """Every link and picture inside the site must lead somewhere, to its place in the page too, which MkDocs does not check."""
-    pages = {page: page.read_text(encoding="utf-8") for page in [*site.glob("*.html"), *site.glob("notes/*.html"), *site.glob("from/*.html")]}
+    found = [page for folder in ("", "notes/", "from/") for page in site.glob(f"{folder}*.html")]
+    pages = {page: page.read_text(encoding="utf-8") for page in found}
     names = {page: set(re.findall(r'\bid="([^"]+)"', text)) for page, text in pages.items()}
     wrong = []
     for page, text in pages.items():
