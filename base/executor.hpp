@@ -5,8 +5,8 @@
 
 namespace oncollide {
 
-/// Runs the tasks of parallel loops. The library has two; an application with its own threads can derive another and
-/// pass it as Settings::executor. It must outlive all its users. Results do not depend on it.
+/// Runs the tasks of parallel loops. The library has two executors; an application with its own threads can derive
+/// another one and pass it as Settings::executor. It must outlive all its users. Results do not depend on it.
 class ONCOLLIDE_API Executor {
 public:
     virtual ~Executor() = default;

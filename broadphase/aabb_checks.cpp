@@ -31,7 +31,7 @@ void refuse_unusable_queries(std::span<const Aabb> boxes)
 void refuse_unusable_queries(std::span<const Segment> segments)
 {
     for (std::size_t k = 0; k < segments.size(); ++k) {
-        Aabb box; // keeps NaN, as cwiseMin() does not
+        Aabb box; // keeps NaN, unlike cwiseMin()
         box.min = segments[k].from, box.max = segments[k].to;
         refuse_unusable(box, "query", k);
     }

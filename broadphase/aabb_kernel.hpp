@@ -26,7 +26,7 @@ struct PointRange {
     std::uint32_t begin, count;
 };
 
-/// The same, but lists[2 k] holds the candidates for the maximum along row k, lists[2 k + 1] for the minimum.
+/// As SupportBox, but lists[2 k] holds the candidates for the maximum along row k, lists[2 k + 1] for the minimum.
 using ListsBox = void(const float* x, const float* y, const float* z, const PointRange lists[6], const float rows[9],
                       float lo[3], float hi[3]);
 

@@ -123,8 +123,9 @@ public:
     /// @param columns  as they were when the changes were applied
     virtual void query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<AabbHit>& hits) const = 0;
 
-    /// The same for segments: bodies whose boxes, grown by the margin in all, each of `segments` meets; may include
-    /// bodies that it misses by rounding. Throws Error{bad_data} naming a segment that is not finite or exceeds 1e30 m.
+    /// The same for segments: the bodies whose boxes, grown by the margin in all, meet each of `segments`. Rounding may
+    /// add bodies that a segment just misses. Throws Error{bad_data} naming a segment that is not finite or exceeds
+    /// 1e30 m.
     virtual void query_segments(const BodyColumns& columns, std::span<const Segment> segments,
                                 std::vector<AabbHit>& hits) const = 0;
 

@@ -64,8 +64,8 @@ struct Finding {
 /// A part of a body: a triangle of a mesh or terrain, or an occupied cube of a map, as large as the octree stores it. A
 /// shape is one part.
 struct BodyPart {
-    std::uint32_t triangle = 0; ///< number of the triangle; 0 if the part is none
-    MapCell cell{0, 0, 0, 0};   ///< side 0 if the part is no cell
+    std::uint32_t triangle = 0; ///< number of the triangle; 0 if the part is not a triangle
+    MapCell cell{0, 0, 0, 0};   ///< side 0 if the part is not a cell
 
     BodyPart() = default;
     BodyPart(std::uint32_t number) : triangle(number) {}
@@ -73,7 +73,7 @@ struct BodyPart {
     friend auto operator<=>(const BodyPart&, const BodyPart&) = default;
 };
 
-/// Two parts that meet, of bodies a and b. World frame, metres.
+/// Two parts that meet, one of body a and one of body b. World frame, metres.
 struct Contact {
     BodyPart a, b;
     /// Two triangles: touching or crossing. Other parts: unknown if they certainly meet (touching included), near if
@@ -93,7 +93,7 @@ struct Contact {
 
 /// How closely a distance is measured, and up to where.
 struct DistanceOptions {
-    double tolerance = 0; ///< metres, >= 0: of the bounds, besides rounding
+    double tolerance = 0; ///< metres, >= 0: how far apart the bounds may be, besides rounding
     /// Metres, >= 0: if the two are farther apart, only a lower bound above it is found.
     double cutoff = std::numeric_limits<double>::infinity();
 };
@@ -120,7 +120,7 @@ struct Penetration {
     /// rounding, for a half-space, and for a sphere or a capsule whose core is outside the other body.
     double depth = 0, depth_upper = 0;
     Eigen::Vector3d deepest = Eigen::Vector3d::Zero(); ///< a point that is `depth` deep, if that is > 0
-    bool of_a = true;                                  ///< is it a point of body a?
+    bool of_a = true;                                  ///< true if it is a point of body a
     // The rest is set for two bodies with triangles; for others it is empty, 0 or infinite.
     /// Around the points that both surfaces share, the contact curve; empty where they do not meet.
     Aabb contact;
@@ -135,9 +135,10 @@ struct Penetration {
 
 /// Which contact ends a sweep.
 enum class SweepStop : std::uint8_t {
-    contact, ///< the first certain one; a gap that rounding hides is passed
-    touch,   ///< the first time at which they may touch: such a gap, too
-    press,   ///< the first that gets deeper than the gap tolerance; bodies may touch, slide along each other, and part
+    contact, ///< the first certain contact; a gap that rounding hides does not end the sweep
+    touch,   ///< the first time at which the bodies may touch; a gap that rounding hides ends the sweep, too
+    press,   ///< the first contact deeper than the gap tolerance; before it, bodies may touch, slide along each other,
+             ///< and part
 };
 
 constexpr std::string_view name_of(SweepStop stop)
@@ -148,9 +149,9 @@ constexpr std::string_view name_of(SweepStop stop)
 
 /// How closely a sweep brackets the first contact.
 struct SweepOptions {
-    double time_tolerance = 1e-4; ///< of contact_by - grazes_until; at least 1e-12
-    double gap_tolerance = 1e-4;  ///< metres: of the distance at clear_until; at least 1e-12
-    int most_steps = 10000;       ///< windows of time to examine; at least 1. Then the pair stays `undecided`
+    double time_tolerance = 1e-4; ///< bounds contact_by - grazes_until; at least 1e-12
+    double gap_tolerance = 1e-4;  ///< metres; bounds the distance at clear_until; at least 1e-12
+    int most_steps = 10000;       ///< windows of time to examine; at least 1. After them the pair stays `undecided`
     SweepStop stop = SweepStop::contact;
 };
 
@@ -209,9 +210,9 @@ struct ManifoldPoint {
     double depth;                     ///< from point_b to point_a along the normal: > 0 inside, < 0 apart
     double depth_error;               ///< certified: this bounds the error of the depth
     FeatureBits feature_a, feature_b;
-    /// Unit, from a to b: across the faces of both bodies that are opposite each other at the point, or of the body's
-    /// own face at the end of a region; else, and in flat regions, the region's normal, from which it differs by at
-    /// most 45 degrees. Threads and bearings turn on these.
+    /// Unit, from a to b. Where faces of both bodies are opposite each other at the point, it is normal to these faces;
+    /// at the end of a region, normal to the body's own face; elsewhere, and in flat regions, it is the region's
+    /// normal. It differs from the region's normal by at most 45 degrees. Threads and bearings turn on these.
     Eigen::Vector3d normal;
 };
 
@@ -222,13 +223,13 @@ struct ManifoldRegion {
     Eigen::Vector3d normal; ///< unit, from a to b: moving b along it parts the bodies
     double normal_error;    ///< bound of the angle to the exact normal, radians; pi where no normal has a meaning
     double area, volume;    ///< area of the contact across the normal; volume of the overlap; 0: not known
-    Eigen::Vector3d centre; ///< of the area
+    Eigen::Vector3d centre; ///< centre of the area
     /// Certified. A point of one body is in the other until b has moved by `depth_lower` along the normal. Once it has
     /// moved by `depth_upper`, the two surfaces of the region are on the two sides of a plane.
     double depth_lower, depth_upper;
     double lost;                ///< no exact contact of the region is farther than this from the hull of its points
     std::uint32_t first, count; ///< its points
-    std::uint32_t found;        ///< candidates of which these points were kept
+    std::uint32_t found;        ///< number of candidates from which these points were chosen
 };
 
 /// Limits of a manifold.

@@ -137,7 +137,7 @@ std::size_t Model::links_bytes() const
 {
     const auto of = [](const auto&... lists) { return (... + (lists.capacity() * sizeof(lists[0]))); };
     const auto of_links = [&](const MeshLinks& l) {
-        return of(l.vertex, l.neighbours, l.ridges) + l.tips.capacity() / 8; // the tips are bits
+        return of(l.vertex, l.neighbours, l.ridges) + l.tips.capacity() / 8; // tips stores one bit per vertex
     };
     const MeshLinks* links = links_made_;
     if (!links) return 0;

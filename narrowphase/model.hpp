@@ -59,8 +59,8 @@ public:
     }
     /// The file from which tests read parts of the geometry on demand; null: none.
     const CookedFile* file() const { return file_; }
-    /// For a map or a terrain in a file: from now on this model holds its own chunks, which count in `budget`. Call it
-    /// before any other member.
+    /// Makes this model hold its own chunks of the file of a map or a terrain; they count in `budget`. Call it before
+    /// any other member.
     void read_on_demand(ChunkBudget& budget);
     /// Reads the whole file. Throws ChunkFault.
     void read_all() const;
@@ -99,7 +99,7 @@ public:
     MapTree& cells() const;
     /// The quadtree of a terrain. The model must be a terrain.
     TerrainTree& heights() const;
-    std::size_t grid_bytes() const; ///< of the quadtree, and of the chunks held of a map's file
+    std::size_t grid_bytes() const; ///< memory of the quadtree, and of the chunks held of a map's file
     /// The cell around the geometry, or around the bounding mesh of a shape.
     RootCell root_cell() const;
     /// The surface for occlusion backends, which own it. Not for terrains. Cost: 10 ns per primitive.
@@ -140,7 +140,7 @@ public:
 
     std::uint32_t number() const { return number_; }
     Ocst* spheres() const { return spheres_.get(); }      ///< the sphere-tree; null until a test reaches it
-    ObbTree* obb_tree() const { return obb_tree_.get(); } ///< of surface_mesh(); null until a test reaches it
+    ObbTree* obb_tree() const { return obb_tree_.get(); } ///< the tree of surface_mesh(); null until a test reaches it
     const std::string& unreadable() const
     {
         return unreadable_;
@@ -162,7 +162,7 @@ public:
 private:
     friend class SphereForest; // sets spheres_
     friend class ObbResidency; // sets obb_tree_ and unreadable_
-    /// Makes the OBB tree. It counts in the totals unless it has a budget.
+    /// Makes the OBB tree. The tree counts in the totals unless it has a budget.
     /// @param budget  null: a cooked mesh is read as a whole
     void make_obb_tree(ChunkBudget* budget, BoxTotals& totals);
     /// Does not read the geometry itself: in a large world the geometries lie scattered in memory.
@@ -181,7 +181,7 @@ private:
     const Mesh& polytope() const;
     const Mesh& whole() const;
 
-    // Read first: prefetch().
+    // prefetch() loads these members, which are read first.
     const std::uint32_t number_;
     std::atomic<std::uint32_t> obb_tree_needed_ = 0;
     std::unique_ptr<Ocst> spheres_;
@@ -189,7 +189,7 @@ private:
     std::string unreadable_;
     std::shared_ptr<const Geometry> geometry_;
     const Kind kind_;
-    const std::uint8_t index_; ///< of the data in the geometry
+    const std::uint8_t index_; ///< the kind of the data, as an index in the geometry
     const void* data_;         ///< the data of that kind: the geometry's, or this model's own
     const CookedFile* file_;
     std::unique_ptr<OuterHull> hull_;
@@ -207,7 +207,7 @@ private:
     mutable std::unique_ptr<TerrainTree> heights_;
     mutable std::shared_ptr<ObbTree> bounding_tree_;
     mutable std::shared_ptr<const MeshLinks> links_;
-    mutable std::atomic<const MeshLinks*> links_made_ = nullptr; ///< for other threads
+    mutable std::atomic<const MeshLinks*> links_made_ = nullptr; ///< for threads that did not make the links
     mutable bool closed_ = false;
     mutable std::vector<PartPoints> parts_;
     mutable std::shared_ptr<const FclModel> fcl_;

@@ -73,9 +73,10 @@ public:
 
     bool is_static(BodyId body) const;
     void set_static(BodySpan bodies, bool is_static);
-    /// Puts bodies to sleep. A pair of two bodies that are each asleep or static stays as it is: it is reported with
-    /// its last result, begins and ends nothing, and is not tested, not even under a budget, which lets other pairs at
-    /// rest be tested in every frame; only undecided pairs are. A change of its pose, filter or model wakes a body.
+    /// Puts bodies to sleep. While the two bodies of a pair are each asleep or static, the pair stays as it is: it is
+    /// reported with its last result, begins and ends nothing, and is not tested. A budget lets other pairs at rest be
+    /// tested in every frame; pairs of sleeping bodies are tested only while undecided. A change of its pose, filter or
+    /// model wakes a body.
     void sleep(BodySpan bodies);
     void wake(BodySpan bodies);
     bool is_asleep(BodyId body) const;

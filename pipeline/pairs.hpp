@@ -78,9 +78,9 @@ private:
 /// World. Layers, groups, exclusions and is_static do not matter here. All throw Error{usage} for ids that are null,
 /// stale or of another World, Error{bad_data} for poses that are refused and, as Bodies::add(), for open meshes.
 ///
-/// One or many, one name: with two sides a query returns its result; with many pairs it writes their results to its
-/// last argument, for which it throws Error{usage} if it has another length. Batches run on up to Settings::threads
-/// threads; results do not depend on the number of threads or on the other pairs of the batch.
+/// One name serves one pair and many pairs: with two sides a query returns its result; with many pairs it writes their
+/// results to its last argument, and throws Error{usage} if that has another length. Batches run on up to
+/// Settings::threads threads; results do not depend on the number of threads or on the other pairs of the batch.
 class ONCOLLIDE_API Pairs {
 public:
     /// The verdict that step() would give the pair, with the settings' error, exactness, clearance and mode.
@@ -99,8 +99,8 @@ public:
     void contacts(PairSpan pairs, Lists<Contact>& found) const; ///< overwrites `found`
 
     /// How deep the two penetrate each other: certified bounds for all kinds of bodies. Pairs without a depth say so in
-    /// Penetration::supported. Cost: of the contacts, and of a pass over all triangles of both; for other kinds of a
-    /// decision, of a pass over the vertices or the cells in the other's box, and of up to some hundred distances.
+    /// Penetration::supported. Cost: finding the contacts and a pass over all triangles of both; for other kinds, a
+    /// decision, a pass over the vertices or the cells in the other's box, and up to some hundred distances.
     Penetration penetration(PairSide a, PairSide b) const;
     void penetration(PairSpan pairs, std::span<Penetration> found) const;
 

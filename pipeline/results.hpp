@@ -91,31 +91,33 @@ struct TreeStats {
     std::uint64_t rows = 0;           ///< cells expanded, all rounds
     std::uint64_t node_pairs = 0;     ///< pairs of cells, or of boxes, whose parts were compared
     std::uint64_t triangle_pairs = 0; ///< pairs of triangles tested by predicates
-    std::uint64_t narrowed = 0;       ///< pairs of bodies narrowed down by boxes or exactly: each level counts
-    std::uint64_t kept = 0;           ///< pairs of which nothing changed, which keep their last result untested
-    std::uint64_t by_gap = 0;         ///< of these, apart since an earlier frame by a gap that was not used up
-    std::uint64_t by_hull = 0;        ///< of these, apart by convex solids around their meshes
-    std::uint64_t by_inner_spheres = 0;       ///< of these, meeting by spheres inside their meshes
-    std::uint64_t by_witness = 0;     ///< of these, decided by the parts that met last
-    std::uint64_t unsure_pairs = 0;   ///< of these, left by the filter to exact arithmetic
-    std::uint64_t nodes = 0;          ///< cells and boxes' nodes stored at the end of the frame, roots included
-    std::uint64_t collapsed = 0;      ///< cells dropped by ageing or eviction
-    std::uint64_t refused = 0;        ///< cells that a budget kept from being expanded
-    std::uint64_t queries = 0;        ///< occlusion queries (gl-query)
-    std::uint64_t gpu_bytes = 0;      ///< to the GPU and back
-    std::uint64_t repeats = 0;        ///< batches done again with larger buffers
-    std::size_t bytes = 0;            ///< nodes and triangle lists, float copies of the surfaces
+    std::uint64_t narrowed = 0;       ///< pairs of bodies that a level of the narrow phase tested; each level counts
+    std::uint64_t kept = 0;           ///< pairs that keep their last result untested, because nothing about them
+                                      ///< changed
+    std::uint64_t by_gap = 0;         ///< narrowed pairs that are apart by a gap of an earlier frame that was not used
+                                      ///< up
+    std::uint64_t by_hull = 0;        ///< narrowed pairs that are apart by convex solids around their meshes
+    std::uint64_t by_inner_spheres = 0; ///< narrowed pairs that meet by spheres inside their meshes
+    std::uint64_t by_witness = 0;       ///< narrowed pairs that were decided by the parts that met last
+    std::uint64_t unsure_pairs = 0;     ///< pairs of triangles that the filter left to exact arithmetic
+    std::uint64_t nodes = 0;            ///< cells and boxes' nodes stored at the end of the frame, roots included
+    std::uint64_t collapsed = 0;        ///< cells dropped by ageing or eviction
+    std::uint64_t refused = 0;          ///< cells that a budget kept from being expanded
+    std::uint64_t queries = 0;          ///< occlusion queries (gl-query)
+    std::uint64_t gpu_bytes = 0;        ///< bytes moved to the GPU and back
+    std::uint64_t repeats = 0;          ///< batches done again with larger buffers
+    std::size_t bytes = 0;              ///< nodes and triangle lists, float copies of the surfaces
 };
 
 /// One batch of cells given to the backend. Times are milliseconds since the frame began.
 struct Round {
-    double submitted_ms = 0; ///< handed over
-    double waited_ms = 0;    ///< the CPU had no other walks left, and waited
-    double done_ms = 0;      ///< finished, trees grown
+    double submitted_ms = 0; ///< time at which the batch was handed over
+    double waited_ms = 0;    ///< time at which the CPU had no other walks left, and waited
+    double done_ms = 0;      ///< time at which the batch was finished and the trees had grown
     std::uint64_t rows = 0;  ///< cells
     double gpu_ms = 0;       ///< between the first and the last command of the batch, by the GPU's clock
     double wait_ms = 0;      ///< the CPU waited for it
-    std::uint64_t bytes = 0; ///< to the GPU and back
+    std::uint64_t bytes = 0; ///< bytes moved to the GPU and back
 };
 
 /// The result of one frame. Valid until the next step.
@@ -126,14 +128,15 @@ struct FrameView {
     std::span<const PairResult> pairs;
     std::span<const PairOfBodies>
         began; ///< pairs that are not separate, and were separate or no candidates before; sorted
-    std::span<const PairOfBodies> ended; ///< the reverse; also where a body was removed, whose id is stale by then
-    std::span<const StageStats> stages;  ///< of this frame, in order
+    std::span<const PairOfBodies> ended; ///< pairs that were not separate, and are separate or no candidates now; also
+                                         ///< of removed bodies, whose ids are stale by then
+    std::span<const StageStats> stages;  ///< stages of this frame, in order
     std::span<const StageStats> totals;  ///< sums over all frames, in order
     std::span<const DelimitationLevel> delimitation; ///< per level of the region hierarchy
     const TreeStats& trees;
-    std::span<const Round> rounds; ///< in order
-    std::uint64_t hash; ///< of the pairs of this frame that are not separate: slots, verdicts and bounds, and kinds
-                        ///< where requested; and the times of their sweeps
+    std::span<const Round> rounds; ///< batches, in order
+    std::uint64_t hash; ///< hash of the pairs of this frame that are not separate: slots, verdicts and bounds, and
+                        ///< kinds where requested; and the times of their sweeps
     /// Pairs with a body that Bodies::set_motion() moved, ascending. If the bodies did not meet on the way, the result
     /// in `pairs` is separate, with a bound > 0; otherwise it has the verdict and the gap of the sweep.
     std::span<const PairSweep> sweeps;

@@ -54,11 +54,11 @@ enum class BoundingVolume : std::uint8_t { automatic, sphere, obb };
 
 /// How a World decides pairs, and how exactly. The defaults suit most scenes.
 struct Settings {
-    /// The error dial; with either of the two, results are bounded instead of exact. `max_error` (m, > 0): two bodies
-    /// reported `within` are closer than clearance + max_error. `depth` (1 to 16) is the paper's dial: the depth of all
-    /// sphere-trees. At most one of the two. Neither, and results that are not exact: the error is, for each pair,
-    /// default_error of the smaller box's diagonal, so that on one terrain a pedestrian gets centimetres and an airship
-    /// metres.
+    /// `max_error` and `depth` set the error; with either of them, results are bounded instead of exact. `max_error`
+    /// (m, > 0): two bodies reported `within` are closer than clearance + max_error. `depth` (1 to 16) is the paper's
+    /// dial: the depth of all sphere-trees. At most one of the two may be set. If neither is set and results are not
+    /// exact, the error of a pair is default_error times the diagonal of its smaller box, so that on one terrain a
+    /// pedestrian gets centimetres and an airship metres.
     std::optional<int> depth{};
     std::optional<double> max_error{};
     double clearance = 0; ///< metres, >= 0: pairs this close count as touching, in every stage
@@ -66,15 +66,15 @@ struct Settings {
     ExactLevel exact = ExactLevel::automatic;
     /// Determine whether colliding pairs of meshes touch or cross. Predicates only.
     bool contact_kinds = false;
-    /// Pairs of meshes that only touch are separate, with a bound of 0. Predicates, surface mode and clearance 0 only:
-    /// solid bodies that only touch may still hold a part of each other.
+    /// Pairs of meshes that only touch are separate, with a bound of 0. It needs predicates, surface mode and clearance
+    /// 0: solid bodies that only touch may still hold a part of each other.
     bool ignore_touching = false;
     Mode mode = Mode::surface;              ///< solid: a mesh's inside belongs to it; it must be closed
     bool open_as_surface = false;           ///< solid mode: take a mesh that is not closed as a surface
     BackendKind backend = BackendKind::cpu; ///< builds the sphere-trees of meshes
     BoundingVolume bounding_volume = BoundingVolume::automatic;
-    int gpu = -1;      ///< number in gpu_devices(); -1: the first that is one. GPU backends only
-    int viewport = 16; ///< pixels a side that gl-query draws, 1 to 1024
+    int gpu = -1;      ///< number in gpu_devices(); -1: the first device that is a GPU. GPU backends only
+    int viewport = 16; ///< pixels per side that gl-query draws, 1 to 1024
     BroadPhaseKind broad_phase = BroadPhaseKind::kd_tree;
     int threads = 1;                 ///< 0: as many as the executor has. Never changes the result
     Executor* executor = nullptr;    ///< runs the parallel loops; null: threads of the library's own

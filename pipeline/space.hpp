@@ -14,11 +14,11 @@ struct WorldImpl;
 
 /// Queries of one thing against all bodies, as the World is now. World::space() returns them; copy them freely, they
 /// hold as long as the World. step() gives the same results for a body of that geometry and pose, except that segments
-/// are exact. Cost: of the bodies that boxes cannot rule out. For contacts and penetration, pass a hit's body to the
-/// queries of Pairs.
+/// are exact. Cost: proportional to the bodies that boxes cannot rule out. For contacts and penetration, pass a hit's
+/// body to the queries of Pairs.
 ///
-/// One or many, one name, as Pairs: with many things a query writes the results to its last argument, on up to
-/// Settings::threads threads.
+/// One name serves one thing and many, as in Pairs: with many things a query writes the results to its last argument,
+/// on up to Settings::threads threads.
 class ONCOLLIDE_API Space {
 public:
     /// Bodies that a model at a pose may meet, sorted by slots.

@@ -30,7 +30,8 @@ struct CandidatePair {
 /// The choice of a filter for one candidate.
 enum class PairChoice : std::uint8_t {
     refine,
-    refine_swapped, ///< as the pair (b, a), in this order in the results; the last bits of a bound may depend on it
+    refine_swapped, ///< refine as the pair (b, a), which has this order in the results; the last bits of a bound may
+                    ///< depend on it
     drop,           ///< the pair is not in the results
 };
 
@@ -43,13 +44,13 @@ using PairFilter = std::function<void(std::span<const CandidatePair> pairs, std:
 struct WorldInfo {
     std::size_t bodies = 0, models = 0;
     std::uint64_t frames = 0;       ///< steps so far
-    std::size_t bytes = 0;          ///< held for bodies, boxes, trees and joined faces; the geometries come on top
+    std::size_t bytes = 0;          ///< held for bodies, boxes, trees and joined faces; geometries are not counted
     std::string backend;            ///< finds grey cells, e.g. "cpu (avx2)"
     std::string renderer;           ///< GL_RENDERER of a GPU backend; empty otherwise
     std::string backend_note;       ///< why the backend is not the expected one; empty: it is
     std::vector<StageStats> totals; ///< sums over all frames, per stage
     std::vector<DelimitedRegion> regions; ///< regions that the last frame's delimitation examined, level by level;
-                                          ///< empty if it was skipped, or if bodies changed and a query took that in
+                                          ///< empty if it was skipped, or if a query has applied later changes
     std::vector<std::string> file_faults; ///< one line per chunk of a cooked file that could not be read; pairs that
                                           ///< needed it are `undecided`
 };
@@ -109,7 +110,7 @@ public:
     const Settings& settings() const; ///< with `exact` resolved, see exact_level()
     /// Chained hash of all frames so far: equal input gives an equal hash for any thread count and instruction set.
     std::uint64_t hash() const;
-    /// Everything else that can be known of it. Cost: of the copies.
+    /// The rest of the World's state and counts. Cost: of the copies.
     WorldInfo inspect() const;
 
 private:

@@ -25,7 +25,7 @@ struct BallGrowth {
 };
 
 /// Writes the balls that meet a ball of the other frame. `out` needs room for all balls. Returns their number.
-/// @param ball  x, y, z, radius; the radius counts as it is
+/// @param ball  x, y, z, radius; the radius is not grown
 using BallsNearBall = std::uint32_t(const BallBlocks& blocks, const BallFrame& frame, const float (&ball)[4],
                                     BallGrowth growth, std::uint32_t* out);
 /// The same, with a box from -half to half.

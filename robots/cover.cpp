@@ -53,7 +53,7 @@ std::vector<CoverSphere> cover_triangles(const Mesh& mesh, std::size_t count)
     };
     std::vector<Part> parts{order};
     std::vector<CoverSphere> spheres{sphere_of(order)};
-    while (spheres.size() < count) { // halves the largest
+    while (spheres.size() < count) { // halves the largest part
         const auto largest =
             static_cast<std::size_t>(std::ranges::max_element(spheres, {}, &CoverSphere::radius) - spheres.begin());
         const Part part = parts[largest];
@@ -77,7 +77,7 @@ std::vector<CoverSphere> cover_box(const Aabb& box, std::size_t count)
     const double longest = size.maxCoeff(&axis);
     Eigen::Vector3d across = size;
     across[axis] = 0;
-    // Slices about as long as the box is wide; more would not make them smaller.
+    // Slices are about as long as the box is wide; more slices would not make the spheres smaller.
     const double wanted = across.norm() > 0 ? std::ceil(longest / across.norm()) : double(count);
     const std::size_t slices =
         std::max<std::size_t>(1, std::min(count, static_cast<std::size_t>(std::min(wanted, 1e3))));

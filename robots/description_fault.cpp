@@ -27,7 +27,7 @@ std::string no_such(const char* kind, std::int64_t number, std::size_t count)
     return fmt::format("{} {} does not exist; the robot has {} {}s", kind, number, count, kind);
 }
 
-// Each why_not_...() says why the item is refused; empty: it is not.
+// Each why_not_...() returns why the item is refused; empty: it is accepted.
 
 std::string why_not_geometry(const LinkGeometry& collision)
 {
@@ -159,7 +159,8 @@ std::optional<DescriptionFault> fault_of_tree(const RobotDescription& robot)
                 Of::link, i, fmt::format("is a second root, beside {}: no joint leads to it", name_of_link(root))};
         root = i;
     }
-    std::vector<std::uint32_t> reached_from(robot.links.size(), none); // the link from which the walk up came there
+    std::vector<std::uint32_t> reached_from(robot.links.size(), none); // the link from which the walk up reached this
+                                                                       // one
     for (std::uint32_t i = 0; i < above.size(); ++i)
         for (std::uint32_t at = i; reached_from[at] == none || reached_from[at] == i;
              at = robot.joints[above[at]].parent) {

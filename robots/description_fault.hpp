@@ -17,7 +17,7 @@ int numbers_of(const RobotJoint& joint);
 struct DescriptionFault {
     enum class Of : std::uint8_t { robot, link, joint, excluded, group, state };
     Of of = Of::robot;
-    std::uint32_t number = 0; ///< in the description's list
+    std::uint32_t number = 0; ///< its number in the description's list
     std::string what;
 };
 
@@ -25,7 +25,7 @@ struct DescriptionFault {
 /// check_geometry() of all geometries; otherwise linear.
 std::optional<DescriptionFault> fault_of(const RobotDescription& robot);
 
-/// Throws Error{bad_data} for it: "robot 'arm': joint 'elbow': its limits are 3 to 2.5".
+/// Throws Error{bad_data} for the first fault: "robot 'arm': joint 'elbow': its limits are 3 to 2.5".
 void check_description(const RobotDescription& robot);
 
 } // namespace oncollide

@@ -23,7 +23,7 @@ inline float above(double value)
 struct BallList {
     std::vector<float> x, y, z, radius;
 
-    void push_back(const CoverSphere& ball); ///< rounded outward up to 2^-22 of the coordinates
+    void push_back(const CoverSphere& ball); ///< rounded outward, by at most 2^-22 of the coordinates
     void pad(std::size_t multiple);          ///< with balls that are far from everything
     std::size_t size() const { return x.size(); }
     BallColumns columns() const { return {x.data(), y.data(), z.data(), radius.data()}; }
@@ -42,7 +42,7 @@ public:
     std::uint32_t part(std::uint32_t ball) const { return parts_[ball]; }
     bool has_one_part() const { return one_part_; }
     const CoverSphere& whole() const { return whole_; }
-    const Aabb& box() const { return box_; } ///< of the spheres
+    const Aabb& box() const { return box_; } ///< bounding box of the spheres
     std::uint32_t link() const { return link_; }
     /// Upper bound on the distance of points of the spheres from the link's origin.
     double size() const { return whole_.centre.norm() + whole_.radius; }
@@ -78,7 +78,7 @@ public:
     void find(const GroupCover& a, const Eigen::Isometry3d& link_a, const PlacedBox& box,
               std::vector<std::uint32_t>& parts);
 
-    /// For points that are the middles of two groups, up to `size` from the origin of their coordinates.
+    /// The reach of two groups whose middles are given as points, up to `size` from the origin of their coordinates.
     float reach(const GroupCover& a, const GroupCover& b, double size) const;
     /// The same, for points and a box.
     float reach(const GroupCover& a, const PlacedBox& box, double size) const;

@@ -28,7 +28,7 @@ Kinematics::Kinematics(const RobotDescription& robot)
 {
     constexpr std::uint32_t none = 0xffffffffu;
     const std::size_t links = robot.links.size();
-    std::vector<std::vector<std::uint32_t>> below(links); // by link: the joints from it
+    std::vector<std::vector<std::uint32_t>> below(links); // by link: the joints whose parent it is
     std::vector<std::uint8_t> is_child(links);
     for (std::uint32_t i = 0; i < robot.joints.size(); ++i) {
         const RobotJoint& joint = robot.joints[i];
@@ -176,7 +176,7 @@ BallTravel Kinematics::travel(const double* from, const double* to, double half,
         all.speed += a * reach, all.turned += a;
         all.moved += std::min(0.5 * a, 2.0) * reach; // a chord
     };
-    const auto pass = [&](std::uint32_t child) { // the joint above it, in either direction
+    const auto pass = [&](std::uint32_t child) { // the joint above the child, in either direction
         const Step& step = steps_[step_to_[child]];
         if (step.kind == JointKind::fixed) return;
         const double *const a = from + step.number, *const b = to + step.number;

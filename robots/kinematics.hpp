@@ -50,15 +50,16 @@ public:
     /// @param poses  of all links, in the middle of the part
     BallTravel travel(const double* from, const double* to, double half, const Eigen::Isometry3d* poses,
                       const CoverSphere& ball, std::uint32_t link, std::uint32_t seen_from) const;
-    /// The links on the way from one to another, both included.
+    /// The links on the way from link a to link b, both included.
     std::vector<std::uint32_t> links_between(std::uint32_t a, std::uint32_t b) const;
 
     /// A number on which the pose of one link, seen from another, depends.
     struct Acting {
         std::uint32_t number;
-        bool turns; ///< its joints rotate by the number itself, or against it: a full turn changes nothing
+        bool turns; ///< its joints rotate by plus or minus the number, so a full turn changes nothing
     };
-    /// Sets the numbers that act between two links, in ascending order. False: a planar or a floating joint is there.
+    /// Sets the numbers that act between the two links, in ascending order. Returns false if a planar or a floating
+    /// joint is between them.
     bool numbers_between(std::uint32_t a, std::uint32_t b, std::vector<Acting>& numbers) const;
 
 private:
@@ -67,7 +68,7 @@ private:
     struct Step {
         std::uint32_t parent, child;
         JointKind kind;
-        std::uint32_t number, width; ///< of the joint's numbers; width 0: fixed
+        std::uint32_t number, width; ///< range of the joint's numbers; width 0: fixed
         double multiplier, offset;
         Eigen::Matrix3d constant, by_sine, by_cosine;
         Eigen::Vector3d translation, along; ///< along: per unit of a prismatic joint

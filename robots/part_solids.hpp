@@ -9,7 +9,7 @@ namespace oncollide {
 
 struct Geometry;
 
-/// Solids around and inside a mesh. They decide most pairs without its triangles.
+/// Solids around and inside a mesh. The solids decide most pairs without the part's triangles.
 struct PartSolids {
     OuterHull hull;
     InnerSpheres inner;
@@ -37,10 +37,10 @@ struct Parting {
 /// True if two parts are certainly farther apart than the clearance.
 bool surely_apart(const PartSolids& a, const Eigen::Isometry3d& pose_a, const PartSolids& b,
                   const Eigen::Isometry3d& pose_b, double clearance, Parting& parting);
-/// The same of a part and a box, by the box's own axes.
+/// The same for a part and a box, along the box's own axes.
 bool surely_apart(const PartSolids& a, const Eigen::Isometry3d& pose, const PlacedBox& box, double clearance);
-/// The same at two poses, by one axis: so also at all others, if points come nearer to the box by at most `bent` than
-/// on the straight lines between both.
+/// As above, for every pose between `begin` and `end`: one axis separates the part and the box at both ends, and no
+/// point strays more than `bent` from the straight line between its places there.
 bool surely_apart(const PartSolids& a, const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end,
                   const PlacedBox& box, double clearance, double bent);
 /// True if the surface of a part certainly meets a solid body: a vertex is in it; or a ball inside the part meets it,

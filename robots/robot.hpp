@@ -93,7 +93,7 @@ ONCOLLIDE_API RobotDescription load_robot(const std::filesystem::path& urdf, con
 struct RobotFinding {
     static constexpr std::uint32_t no_link = 0xffffffffu;
 
-    double bound = 0; ///< metres. separate: the World's clearance; others: of the pair below
+    double bound = 0; ///< metres. separate: the World's clearance; otherwise the bound of the pair below
     Verdict verdict = Verdict::separate;
     /// The pair with this verdict that was found first, or the one with the least bound if none collides.
     std::uint32_t link = no_link;  ///< no_link: all pairs are separate
@@ -104,7 +104,7 @@ struct RobotFinding {
 /// The tests of Robot::check().
 struct RobotCheck {
     bool self = true, environment = true;
-    CollisionFilter filter{}; ///< of the links, against the World's bodies
+    CollisionFilter filter{}; ///< filter of the links, against the World's bodies
 };
 
 /// The result of an edge: the motion between two configurations.
@@ -114,9 +114,10 @@ struct RobotEdgeFinding {
     /// At this share a pair certainly has the verdict below; infinity: no such share was found.
     double contact_by = std::numeric_limits<double>::infinity();
     /// separate: the whole edge is without contact. undecided: no contact was found, but a pair comes closer than
-    /// RobotEdgeCheck::tolerance can resolve, or most_tests was reached. Others: of check() at contact_by.
+    /// RobotEdgeCheck::tolerance can resolve, or most_tests was reached. Other verdicts are the result of check() at
+    /// contact_by.
     Verdict verdict = Verdict::undecided;
-    // The pair with this verdict, as in RobotFinding. Undecided: the first one at clear_until.
+    // The pair with this verdict, as in RobotFinding. If undecided, the first pair at clear_until.
     std::uint32_t link = RobotFinding::no_link, other = RobotFinding::no_link;
     BodyId body{};
 };
@@ -129,7 +130,7 @@ struct RobotEdgeCheck {
     double tolerance = 1e-4;
     /// Find the first contact. False: any contact ends the search; clear_until is then only a lower bound.
     bool first = true;
-    std::size_t most_tests = 100'000; ///< of pairs, per edge
+    std::size_t most_tests = 100'000; ///< tests of pairs, per edge
 };
 
 /// A robot whose links are models of a World. Any number of robots may share one. Its calls throw Error{usage} for a
@@ -145,7 +146,7 @@ struct RobotEdgeCheck {
 ///     robot.set_joints(world, configuration);
 ///     world.step();
 ///
-/// Const calls may run on many threads at once as long as no other call does, on the World neither.
+/// Const calls may run on many threads at once as long as no other call on the robot or the World does.
 class ONCOLLIDE_API Robot {
 public:
     /// Adds the geometries of all links to the World. `base` is the pose of the root link.
@@ -177,11 +178,11 @@ public:
     void set_base(const Eigen::Isometry3d& base);
 
     /// Fixes a model of the World to a link, as an object in a gripper. Pairs of the object with that link, and with
-    /// the links in `touching`, are not tested. Returns its number. Not while the robot has bodies. Throws Error{usage}
-    /// for links that do not exist, and as queries of the World for the model.
+    /// the links in `touching`, are not tested. Returns its number. Do not call it while the robot has bodies. Throws
+    /// Error{usage} for links that do not exist, and as queries of the World for the model.
     std::uint32_t attach(World& world, std::uint32_t link, ModelId model, const Eigen::Isometry3d& pose,
                          std::span<const std::uint32_t> touching = {});
-    /// Removes all attached objects; the models stay. Not while the robot has bodies.
+    /// Removes all attached objects; the models stay. Do not call it while the robot has bodies.
     void detach_all();
 
     // --- Bodies of the World.
@@ -207,8 +208,8 @@ public:
     /// between samples: each pair is tested in windows of time, with an upper bound on how far its links move in them
     /// (Schwarzer, Saha, Latombe: Adaptive dynamic collision checking, 2005). A pair nested without contact of surfaces
     /// (Mode::solid) is found where check() finds it, at both ends and the configurations between them that are checked
-    /// first. Threads, errors and settings as check(), with the exact bounds of Pairs::distance(). The robot keeps for
-    /// later calls where pairs are apart between which few joints act; results do not depend on it. Cost: of 50 to 250
+    /// first. Threads, errors and settings as check(), with the exact bounds of Pairs::distance(). For pairs between
+    /// which few joints act, the robot remembers where they are apart; results do not depend on it. Cost: of 50 to 250
     /// configurations, with the first contact of 100 to 600.
     void check_edges(const World& world, std::span<const double> from, std::span<const double> to,
                      std::span<RobotEdgeFinding> findings, const RobotEdgeCheck& what = {}) const;

@@ -117,11 +117,12 @@ private:
             return x && y && surely_apart(*x, pose_of(of_a, i), *y, pose_of(of_b, i), clearance_, parting);
         };
         const bool single = a.has_one_part() && b.has_one_part();
-        const bool known = single && parting.held(); // then it takes less time than the spheres
+        const bool known = single && parting.held(); // the direction then takes less time than the spheres
         if (known && are_apart(std::uint64_t{a.part(0)} << 32 | b.part(0))) return;
         pairs_.clear();
         near_.find(a, link(i, a.link()), b, link(i, b.link()), pairs_);
-        if (!single && !pairs_.empty() && robot_.parts[a.part(0)].solids) { // the same pair may be there often
+        if (!single && !pairs_.empty() && robot_.parts[a.part(0)].solids) { // the list may hold the same pair several
+                                                                            // times
             std::ranges::sort(pairs_);
             pairs_.erase(std::ranges::unique(pairs_).begin(), pairs_.end());
         }
@@ -131,7 +132,7 @@ private:
         if (near_pairs_.size() > first) runs_.push_back({first, near_pairs_.size()});
     }
 
-    /// The last groups first: they reach farthest.
+    /// Tests the last groups first, because they reach farthest.
     void check_environment()
     {
         in_self_ = false;
@@ -184,7 +185,7 @@ private:
                 if (!is_open(next.configuration)) continue;
                 batch_.push_back(next);
                 if (batch_.size() == batch_size) decide_batch();
-                do { // a part may come more than once
+                do { // a part may be listed more than once
                     std::ranges::pop_heap(of(run), later), --run.end;
                 } while (run.end > run.first && near_pairs_[run.first].order == next.order);
                 if (run.end > run.first) runs_[left++] = run;
@@ -243,7 +244,7 @@ private:
     std::span<RobotFinding> findings_;
     std::vector<Eigen::Isometry3d> poses_; ///< by configuration and link
     GroupCentres centres_;
-    std::vector<std::uint8_t> open_, bits_; ///< of configurations; open: no pair is known to collide
+    std::vector<std::uint8_t> open_, bits_; ///< bits of configurations; open: no pair is known to collide
     std::vector<std::uint64_t> pairs_;
     std::vector<std::uint32_t> parts_;
     std::vector<Near> near_pairs_, batch_;

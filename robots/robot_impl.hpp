@@ -18,7 +18,7 @@ class JointCells;
 
 /// The bounding spheres of a part, to rule out pairs: the first contains the part, as do the others together.
 struct PartSpheres {
-    std::uint32_t first, count; ///< in Impl::spheres, without the whole one
+    std::uint32_t first, count; ///< range in Impl::spheres, without the whole one
     CoverSphere whole;
 };
 
@@ -31,7 +31,7 @@ struct Robot::Impl {
         bool is_at_link;        ///< the pose is the identity
         PartSpheres cover;
         std::vector<std::uint32_t> touching;        ///< links that are not tested with this part
-        std::shared_ptr<const PartSolids> solids{}; ///< of a mesh, in its own frame; else null
+        std::shared_ptr<const PartSolids> solids{}; ///< solids of a mesh, in its own frame; else null
     };
     struct PartPair {
         std::uint32_t a, b;
@@ -44,7 +44,7 @@ struct Robot::Impl {
     };
     struct GroupPair {
         std::uint32_t a, b;
-        std::uint32_t first, end; ///< in pairs
+        std::uint32_t first, end; ///< range in pairs
         std::uint32_t near = 0;   ///< sampled configurations in which bounding spheres overlap
     };
 
@@ -58,7 +58,7 @@ struct Robot::Impl {
                   std::span<const std::uint32_t> touching);
     /// Adds a group of the parts from `first` on.
     void add_group(std::uint32_t first);
-    /// To be called when groups have changed: makes their covers, and lists the pairs of parts that are tested.
+    /// Call it when groups have changed: it makes their covers, and lists the pairs of parts that are tested.
     void take_in_groups();
     void find_pairs();
     /// Chooses random numbers within the limits of all joints. Spans are the distances between the limits.
@@ -79,10 +79,11 @@ struct Robot::Impl {
         return part.is_at_link ? links[part.link] : links[part.link] * part.pose;
     }
 
-    /// The slots of the robot's bodies that are still in the World, sorted: others may be of other bodies by now.
+    /// The slots of the robot's bodies that are still in the World, sorted; slots of removed bodies may hold other
+    /// bodies by now.
     std::vector<std::uint32_t> own_slots(const World& world) const;
 
-    /// To be called when the base or the parts have changed.
+    /// Call it when the base or the parts have changed.
     void find_sound_poses();
     /// Throws Error{bad_data} for a pose that a World refuses, with the number of the configuration.
     void check_poses(const Eigen::Isometry3d* links, std::size_t configuration) const;
@@ -102,23 +103,23 @@ struct Robot::Impl {
     std::vector<double> neutral; ///< Robot::neutral()
     Eigen::Isometry3d base;
     std::vector<Part> parts;          ///< by links, then attached objects
-    std::vector<CoverSphere> spheres; ///< of all parts, in the frames of their links
+    std::vector<CoverSphere> spheres; ///< spheres of all parts, in the frames of their links
     std::size_t attached_from = 0;
     std::size_t spheres_of_links = 0;
-    std::vector<Group> groups;      ///< of all parts, in order
+    std::vector<Group> groups;      ///< groups of all parts, in order
     std::vector<GroupCover> covers; ///< by group
     /// A World accepts the poses of all parts in every configuration: they are rigid and not too far away.
     bool has_sound_poses = false;
-    std::shared_ptr<IdleCheckers> idle; ///< of check(), for the parts as they are
+    std::shared_ptr<IdleCheckers> idle; ///< idle checkers of check(), for the parts as they are
     mutable OrderedMutex<LockRank::joint_cells> cells_mutex;
-    mutable std::shared_ptr<JointCells> cells; ///< of check_edges(), for the parts as they are; null: none yet
+    mutable std::shared_ptr<JointCells> cells; ///< grids of check_edges(), for the parts as they are; null: none yet
     std::vector<PartPair> pairs;
     std::vector<GroupPair> group_pairs; ///< those most often near each other first
     std::vector<BodyId> bodies;
     ModelId any_model{}; ///< identifies the World
 };
 
-/// Whether bounding spheres of two parts come closer than the clearance.
+/// Tests whether bounding spheres of two parts come closer than the clearance.
 class SphereCull {
 public:
     SphereCull(const Robot::Impl& robot, double clearance);
@@ -126,7 +127,7 @@ public:
     void place(const Eigen::Isometry3d* links);
     /// False: the groups are certainly farther apart than the clearance.
     bool groups_near(std::uint32_t a, std::uint32_t b) const { return meet(groups_[a], groups_[b], 0); }
-    /// The same of two parts, for the clearance and `reach`.
+    /// The same for two parts, with the clearance and `reach`.
     bool near(std::uint32_t a, std::uint32_t b, double reach = 0);
 
 private:

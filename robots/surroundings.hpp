@@ -12,7 +12,7 @@ namespace oncollide {
 
 /// The middles of the groups in some configurations, relative to the first link.
 struct GroupCentres {
-    Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< of that link, in the first configuration
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< origin of that link, in the first configuration
     std::uint32_t count = 0, stride = 0;              ///< configurations; rounded up to a multiple of 8
     std::vector<float> x, y, z;                       ///< by group, then by configuration
     std::vector<Aabb> boxes;                          ///< by group: of all its middles, in the world

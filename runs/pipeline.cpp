@@ -11,9 +11,9 @@ namespace oncollide {
 struct Pipeline::Played {
     std::vector<std::shared_ptr<const Geometry>> geometries;
     std::uint32_t bodies = 0;
-    ChangeLog::Mark changes;  ///< of the scene, already applied to the World
+    ChangeLog::Mark changes;  ///< the mark of the scene, already applied to the World
     std::size_t excluded = 0; ///< number of pairs applied
-    double time = 0;          ///< of the scene's motions, as of the last call
+    double time = 0;          ///< time of the scene's motions, as of the last call
     std::uint32_t calls = 0;
     std::vector<std::uint32_t> moved; ///< by body: the last call that set its motion
 };

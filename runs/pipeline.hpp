@@ -19,7 +19,7 @@ class ONCOLLIDE_API Pipeline {
 public:
     /// Errors as World's, but bodies have their scene names. Keeps only the geometries of `scene`.
     explicit Pipeline(const Scene& scene, const Settings& settings = {});
-    /// @param world  a new one. Throws Error{usage} if it has models or bodies.
+    /// @param world  a new one. @param world  a new World.
     Pipeline(const Scene& scene, World world);
     ~Pipeline();
     Pipeline(Pipeline&&) noexcept;

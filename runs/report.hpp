@@ -62,7 +62,7 @@ public:
     std::array<std::uint64_t, 5> kinds() const { return kinds_; }
 
 private:
-    struct ONCOLLIDE_LOCAL Kept; ///< of each frame
+    struct ONCOLLIDE_LOCAL Kept; ///< the data kept of each frame
     using Verdicts = std::array<std::uint64_t, 4>;
 
     bool keeps(const PairResult& pair) const { return pair.verdict != Verdict::separate || separate_; }

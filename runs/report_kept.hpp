@@ -26,7 +26,7 @@ void add_csv_cells(CsvWriter& csv, std::uint64_t frame, const std::string& a, co
 void add_csv_cells(CsvWriter& csv, const PairSweep* sweep);
 /// The values of sweep_csv_header as one row of JSON that begins with two names, in quotes, and the verdict.
 void write_json_row(JsonWriter& json, const std::string& a, const std::string& b, const PairSweep& sweep);
-/// True if a contact was found, and is one of parts, not of a body inside the other.
+/// True if a contact of two parts was found, not of a body inside the other.
 bool has_parts(const SweepResult& sweep);
 /// A triangle's number, or a cell as its lowest corner and its side, in units of the map's smallest cells.
 std::string part_text(const BodyPart& part);

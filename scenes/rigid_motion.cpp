@@ -63,7 +63,7 @@ RigidMotion::Piece::Piece(const Key& first, const Key& second, MotionPath path)
     angle = arc.norm();
     if (angle > 0) axis = arc / angle;
     if (path == MotionPath::screw && angle > 0) {
-        // The arm turns by the angle, which moves the origin by `across`.
+        // Turning the arm by the angle moves the origin by `across`.
         const Vector3d across = shift - axis.dot(shift) * axis;
         arm = -0.5 * (across + axis.cross(across) / std::tan(0.5 * angle));
         shift = axis.dot(shift) * axis;

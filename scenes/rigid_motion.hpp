@@ -57,9 +57,9 @@ private:
         double begin, end;
         Eigen::Isometry3d from, to;
         Eigen::Vector3d axis;  ///< unit, world frame
-        double angle;          ///< of the whole piece, 0 or more
-        Eigen::Vector3d shift; ///< of the pivot
-        Eigen::Vector3d arm;   ///< at `begin`, from the pivot to the body's origin
+        double angle;          ///< rotation angle of the whole piece, 0 or more
+        Eigen::Vector3d shift; ///< translation of the pivot
+        Eigen::Vector3d arm;   ///< vector from the pivot to the body's origin, at `begin`
         double rotation_error, position_error;
 
         Piece(const Key& first, const Key& second, MotionPath path);

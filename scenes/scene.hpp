@@ -60,7 +60,7 @@ struct ExcludedPair {
     friend bool operator==(const ExcludedPair&, const ExcludedPair&) = default;
 };
 
-/// Everything of a scene but its bodies, which are only counted.
+/// All data of a scene except its bodies, which are only counted.
 struct ONCOLLIDE_API SceneInfo {
     std::string name;
     int frames = 1;  ///< number of frames of the scene's motion
@@ -69,8 +69,8 @@ struct ONCOLLIDE_API SceneInfo {
 
     std::vector<ExcludedPair> excluded; ///< in the order of the calls of exclude; may contain a pair twice
 
-    /// Moves some bodies in place of motions; null: none. Copies of a scene share it; only one of them may play it at a
-    /// time.
+    /// Moves some bodies instead of their motions; null: there is no recording. Copies of a scene share it; only one of
+    /// them may play it at a time.
     std::shared_ptr<Recording> recording;
 
     std::vector<std::string> warnings; ///< corrections made while loading (normalised quaternions, zero-area triangles)
@@ -108,8 +108,8 @@ struct ONCOLLIDE_API Scene : SceneInfo {
     BodyColumn<std::uint8_t> is_static;
     BodyColumn<std::uint32_t> layers, masks;
     BodyColumn<std::uint32_t> groups; ///< 0: in no group
-    ChangeLog changes;                ///< of all columns, by body
-    double time = 0;                  ///< of the motions, as Mover wrote it last: its frame times the pace
+    ChangeLog changes;                ///< changes of all columns, by body
+    double time = 0;                  ///< time of the motions, as Mover wrote it last: its frame times the pace
 
     /// Throws Error{bad_data} for a name that exists, an unknown geometry, a pose that is not finite or not rigid, a
     /// static body with a motion, or a motion that check_motion refuses.
@@ -146,7 +146,7 @@ private:
     friend class Mover;
 
     NameIndex body_index_;
-    PoseColumn starts_;                   ///< of the bodies that have moved
+    PoseColumn starts_;                   ///< poses of the bodies that have moved
     std::vector<std::uint32_t> start_of_; ///< one more than the index in starts_, 0 for bodies that have not moved; may
                                           ///< be shorter than the bodies
 };

@@ -7,8 +7,8 @@
 namespace oncollide {
 
 /// A file that appears complete or not at all: it is written under a temporary name in the folder of `path`, and
-/// commit() renames it. "-" is standard output. Devices and pipes are written in place; of a symbolic link, the target
-/// is replaced. A replaced file keeps its permissions and, if the system allows it, its owner.
+/// commit() renames it. "-" is standard output. Devices and pipes are written in place. If the path is a symbolic link,
+/// its target is replaced. A replaced file keeps its permissions and, if the system allows it, its owner.
 class OutputFile final : public TextSink {
 public:
     /// Throws Error{cannot_write}.
@@ -27,7 +27,7 @@ private:
     std::filesystem::path path_;      ///< as the caller named it, for errors
     std::filesystem::path target_;    ///< links resolved
     std::filesystem::path temporary_; ///< empty if written in place
-    int slot_ = -1;                   ///< in the list of unfinished files
+    int slot_ = -1;                   ///< position in the list of unfinished files
     std::FILE* file_ = nullptr;
 };
 

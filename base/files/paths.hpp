@@ -5,8 +5,8 @@
 
 namespace oncollide {
 
-// Functions of std::filesystem that throw exceptions of their own. Here every fault is an Error with the path's name.
-// tests/builds/throwing_paths.py refuses its throwing functions elsewhere.
+// Replacements for functions of std::filesystem that throw exceptions of their own. These functions report every fault
+// as an Error that names the path. tests/builds/throwing_paths.py refuses the throwing functions elsewhere.
 
 /// The path from the root; an empty one is the current folder. Throws Error{no_input} if the current folder was
 /// removed, on which a relative path depends.
@@ -22,10 +22,10 @@ bool is_regular(const std::filesystem::path& path);
 /// Throws Error{no_input}.
 std::uintmax_t bytes_of_file(const std::filesystem::path& path);
 
-/// The folder for files that do not stay. Throws Error{cannot_write} unless TMPDIR, or /tmp, is one.
+/// The folder for temporary files. Throws Error{cannot_write} unless TMPDIR, or /tmp, is one.
 std::filesystem::path temporary_files();
 
-/// Whether a name begins with a scheme, as "http://" does: no file of this machine, except for "file://".
+/// True if a name begins with a scheme such as "http://". Only "file://" can name a file of this machine.
 bool is_address(std::string_view name);
 
 /// The path of the file `name`, as another file in `folder` refers to it; never standard input. "file://" may stand

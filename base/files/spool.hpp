@@ -12,7 +12,7 @@ namespace oncollide {
 /// however the program ends.
 class Spool final : public TextSink {
 public:
-    /// @param folder  for the file; if empty or unsuitable, the system's folder for temporary files
+    /// @param folder  the file's folder; if empty or unsuitable, the system's folder for temporary files
     explicit Spool(std::filesystem::path folder = {}) : TextSink(std::size_t(1) << 20), folder_(std::move(folder)) {}
 
     /// Passes all text to `take`, in pieces.

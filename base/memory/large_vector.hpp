@@ -44,7 +44,7 @@ private:
     static bool large(std::size_t count) { return count * sizeof(T) >= 2 * huge_page; }
 };
 
-/// The same for the huge pages that lie wholly in this memory.
+/// As advise_huge_pages(), for the huge pages that lie wholly in this memory.
 inline void advise_huge_pages_in(void* memory, std::size_t bytes)
 {
     constexpr std::size_t huge_page = LargeAllocator<std::byte>::huge_page;

@@ -5,7 +5,7 @@ namespace oncollide {
 
 namespace {
 
-/// Spreadsheets take a text that begins so for a formula; "-5 %" is none.
+/// Spreadsheets treat a text that begins like this as a formula; "-5 %" is not one.
 bool begins_formula(std::string_view text)
 {
     if (text.empty() || std::string_view("=+-@\t\r").find(text[0]) == std::string_view::npos) return false;

@@ -18,7 +18,7 @@ struct JsonText {
     std::string_view text;
 };
 
-/// Writes JSON element by element: commas, colons and escapes are its own, ends of objects and arrays the caller's.
+/// Writes JSON element by element: it writes commas, colons and escapes, and the caller ends objects and arrays.
 /// Numbers are the shortest text that reads back as the same value; infinities and NaN become null.
 class JsonWriter {
 public:
@@ -107,8 +107,8 @@ private:
     void separate();
 
     TextSink* out_;
-    bool comma_ = false; ///< before the next element
-    int indent_ = -1;    ///< of the line that the next element begins; -1: it begins none
+    bool comma_ = false; ///< true if a comma comes before the next element
+    int indent_ = -1;    ///< blanks before the line that the next element begins; -1: it begins no line
 };
 
 } // namespace oncollide

@@ -9,11 +9,11 @@ namespace oncollide {
 // Numbers for JsonWriter and CsvWriter that are not written as the shortest text that reads back as the same value.
 struct Fixed {
     double value;
-    int digits; ///< after the point
+    int digits; ///< number of digits after the point
 };
 struct Digits {
     double value;
-    int digits; ///< significant ones
+    int digits; ///< number of significant digits
 };
 struct Hex {
     std::uint64_t value; ///< written with 16 digits; in JSON as a string

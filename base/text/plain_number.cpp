@@ -11,7 +11,7 @@ std::string plain_number(double value, int digits)
 {
     const double size = std::abs(value);
     if (size == 0) return "0";
-    if (!(size >= 1e-4 && size < 1e15)) return fmt::format("{:.{}g}", value, digits); // also infinity and NaN
+    if (!(size >= 1e-4 && size < 1e15)) return fmt::format("{:.{}g}", value, digits); // writes infinity and NaN, too
     const int before = static_cast<int>(std::floor(std::log10(size))) + 1; // digits before the point; 0 or less below 1
     std::string text = fmt::format("{:.{}f}", value, std::max(0, digits - before));
     if (text.find('.') == text.npos) return text;

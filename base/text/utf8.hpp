@@ -9,7 +9,7 @@ namespace oncollide {
 struct Utf8Character {
     static constexpr std::uint32_t none = 0xffffffffu;
     std::uint32_t code; ///< none: not UTF-8
-    std::size_t bytes;  ///< at least 1; of invalid text the bytes that one U+FFFD replaces, as Unicode recommends
+    std::size_t bytes;  ///< at least 1; for invalid text, the bytes that one U+FFFD replaces, as Unicode recommends
 };
 
 /// The first character of `text`, which is not empty.

@@ -27,7 +27,7 @@ enum class LockRank : std::uint8_t {
     cooked_mesh,    ///< CookedMesh: opening its file
     cooked_file,    ///< CookedFile: the faults
     rank_failures,  ///< ranks that are threads of one process: the first failure
-    ranks,          ///< the same: their messages
+    ranks,          ///< ranks that are threads of one process: their messages
     pool_making,    ///< the thread pool: making it
     pool,           ///< the thread pool: its tasks
 };

@@ -42,7 +42,7 @@ void CookedSupport::add_boxes(const CookedMesh::Top& top)
     const std::size_t nodes = top.nodes.size() / sizeof(CookedNode);
     const Vector3f all = mesh_->bounds().half_extent().cast<float>();
     if (nodes == 0) return boxes_.push_back({Vector3f::Zero(), all});
-    std::vector<std::uint32_t> waiting{1}; // a node's number; for a chunk 0, beside its box
+    std::vector<std::uint32_t> waiting{1}; // the number of a node; 0 for a chunk, beside its box
     std::vector<Box> of_waiting{{}};
     std::size_t seen = 0;
     while (!waiting.empty() && boxes_.size() <= top.tree_chunks) {
@@ -120,7 +120,7 @@ void CookedSupport::prepare(const Vector3f& d)
 float CookedSupport::most(const Vector3f& d) const
 {
     float best = -std::numeric_limits<float>::infinity();
-    // First the chunks already read: they were read for similar directions.
+    // Tries the chunks already read first, because they were read for similar directions.
     for (std::size_t c = 0; c < boxes_.size(); ++c)
         if (points_[c].size() > 0 && bound(c, d) > best) best = std::max(best, most_of(c, d));
     for (std::size_t c = 0; c < boxes_.size(); ++c)

@@ -22,8 +22,8 @@ namespace {
 // Refining the rest of a map costs about as much as using the unrefined map for this many more boxes.
 constexpr std::uint64_t boxes_that_complete_a_map = 4096;
 constexpr std::size_t fewest_points_of_a_map = 256;
-constexpr std::size_t most_read_at_once = 8; ///< chunks of a cooked mesh; of a larger mesh, read only the chunks at its
-                                             ///< ends
+constexpr std::size_t most_read_at_once = 8; ///< chunks of a cooked mesh; from a larger mesh, only the chunks at its
+                                             ///< ends are read
 
 Aabb around(const Eigen::Vector3d& centre, const Eigen::Vector3d& half)
 {

@@ -43,8 +43,8 @@ public:
     double motion(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) const;
     /// The same for the distance from a pose to any pose of a motion.
     double motion(const Eigen::Isometry3d& from, const RigidMotion& motion) const;
-    /// Upper bound on how far any point of the geometry leaves the straight line between its places at two times of a
-    /// motion, up to the next key of the state: from the place that moves along the line at constant speed.
+    /// Upper bound on the distance between a point of the geometry and a point that moves at constant speed along the
+    /// straight line between its places at two times of a motion, both before the next key of the state.
     /// @param duration  between the two times
     double bulge(const RigidMotion::State& state, double duration) const;
 
@@ -60,8 +60,8 @@ private:
     bool is_half_space() const;
 
     const GeometryData& geometry_;
-    Eigen::Vector3d centre_, half_; ///< of the geometry's own box, in the body frame
-    double radius_ = 0;             ///< of the sphere around that box
+    Eigen::Vector3d centre_, half_; ///< centre and half-extents of the geometry's own box, in the body frame
+    double radius_ = 0;             ///< radius of the sphere around that box
     double slack_ = 0;              ///< error bound of double arithmetic, added on every side
     // Either all points relative to the centre, padded to 8 with copies, or a map.
     PointColumns points_;

@@ -54,7 +54,7 @@ private:
     /// Candidates for support points along the directions of a square of cells on one face, or of all cells.
     struct Square {
         PointRange points;
-        std::uint32_t side;  ///< edge length in cells; twice a face's: all cells
+        std::uint32_t side;  ///< edge length in cells; twice the edge of a face means all cells
         std::uint32_t looks; ///< approximate number of scans of the list
     };
     std::uint32_t cell(std::uint32_t face, float u, float v) const;

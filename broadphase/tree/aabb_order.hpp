@@ -17,7 +17,7 @@ enum class AabbOrder {
 };
 
 constexpr std::uint32_t node_width = 16; ///< boxes per leaf and children per node
-constexpr std::uint32_t no_body = ~0u;   ///< in slots that are padding
+constexpr std::uint32_t no_body = ~0u;   ///< the body of slots that are padding
 
 /// Appends `bodies` to `order`, whose size is a multiple of 16: one run per size class, largest first, each in the
 /// requested order. All runs except the last are padded to whole nodes of 16 or 256, because a large box among small

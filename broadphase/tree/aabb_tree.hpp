@@ -57,7 +57,7 @@ public:
     /// Marks as moving the bodies whose state has one of `bits`; pairs of two other bodies are never found. Required
     /// before a search of the whole tree, after build() and append().
     void set_moving(const std::uint8_t* states, std::uint8_t bits);
-    /// Lets searches skip pairs of nodes of which these filters forbid every pair. Forgotten by build().
+    /// Lets searches skip two nodes if these filters forbid every pair of their bodies. Forgotten by build().
     void set_filters(const BodyColumns& columns, ForbiddingFilters which);
     /// Adds the filters of a body that is new or whose filters changed. Only after set_filters().
     void add_filters(std::uint32_t body, const BodyColumns& columns);
@@ -138,7 +138,7 @@ private:
         // Empty if unknown.
         std::vector<std::uint32_t> layers, masks; ///< bitwise or over the bodies below
         std::vector<std::uint32_t> groups;        ///< as in AabbLevelView
-        double volume = 0;                        ///< of all nodes
+        double volume = 0;                        ///< volume of all nodes
     };
 
     const Level& at(int level) const

@@ -166,8 +166,8 @@ void in_blocks(const AabbLevelView& level, const std::uint32_t* queries, const s
     }
 }
 
-/// Boxes of level 0 below a node, as pairs (query, slot), that hits(level, block) finds in their block, and whose nodes
-/// it finds in the blocks above.
+/// Finds boxes of level 0 below a node, as pairs (query, slot): hits(level, block) must select the box in its block,
+/// and its nodes in the blocks above.
 template <class Hits>
 void below_node(const AabbTreeView& tree, int level, std::uint32_t node, std::uint32_t query, const Hits& hits,
                 PairSink& sink)

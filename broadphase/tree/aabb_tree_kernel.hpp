@@ -20,7 +20,7 @@ struct AabbLevelView {
                                  ///< no group forbids a pair
 };
 constexpr std::uint32_t aabb_block = 96;
-/// In place of a group: bodies of several groups, or of none.
+/// Stands in place of a group for bodies of several groups, or of none.
 constexpr std::uint32_t mixed_groups = 0xffffffffu;
 
 /// Levels from the boxes themselves (0) up to the first with at most 16 nodes.

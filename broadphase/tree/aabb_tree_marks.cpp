@@ -48,7 +48,7 @@ void AabbTree::add_filters(std::uint32_t body, const BodyColumns& columns)
 {
     ONCOLLIDE_ASSERT(!filters_.layers || (body < columns.layers.size() && body < columns.masks.size()));
     ONCOLLIDE_ASSERT(!filters_.groups || body < columns.groups.size());
-    // The way up ends at a node that holds them already: all its ancestors do, too.
+    // The way up ends at a node that already has these filters, because all its ancestors have them, too.
     if (filters_.layers) {
         const std::uint32_t layers = columns.layers[body], masks = columns.masks[body];
         std::uint32_t node = places_[body];
@@ -81,7 +81,7 @@ void AabbTree::extend_filters()
             std::vector<std::uint32_t>& mine = l.*column;
             const auto old = static_cast<std::uint32_t>(mine.size());
             mine.resize(l.count, 0);
-            if (level == 1) return; // of bodies, which add_filters() adds
+            if (level == 1) return; // level 0 holds bodies, whose filters add_filters() adds
             for (std::uint32_t i = old * node_width; i < below.count; ++i)
                 mine[i / node_width] = join(mine[i / node_width], (below.*column)[i]);
         };

@@ -181,7 +181,7 @@ void Delimitation::mark(const AabbTree& tree)
     for (const auto& reached : reached_)
         for (std::size_t k = 0; k < reached->size(); ++k) {
             std::uint32_t node = reached->j()[k];
-            if (tree.bodies_below(1, node) == 0) continue; // all left it
+            if (tree.bodies_below(1, node) == 0) continue; // all bodies have left the node
             for (std::size_t level = 1; level <= levels && !std::exchange(is_left_[level][node], 1); ++level) {
                 left_[level].push_back(node);
                 node /= node_width;
@@ -200,7 +200,7 @@ void Delimitation::count_rejected(const AabbTree& tree)
         level_of(top).bodies_rejected = tree.bodies();
         return;
     }
-    std::uint64_t bodies = tree.bodies(); // in the regions left one level up
+    std::uint64_t bodies = tree.bodies(); // bodies in the regions left one level up
     for (int level = top - 1; level > 0; --level) {
         DelimitationLevel& counts = level_of(level);
         const std::uint32_t nodes = tree.view().level[level].count;

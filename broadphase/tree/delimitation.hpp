@@ -32,7 +32,7 @@ public:
     /// Adds a query box: lo x y z, hi x y z, as from AabbTree::box_at().
     void add(const float box[6], const Filter& filter);
     /// Runs the delimitation.
-    /// @param filters  also reject regions of which layers or groups forbid every pair: the tree has filters
+    /// @param filters  also reject regions in which layers or groups forbid every pair; the tree must have filters
     void run(const AabbTree& tree, bool filters, int threads);
     /// True if run() gave up because too little was rejected, so there is no data on regions.
     bool in_a_heap() const { return in_a_heap_; }

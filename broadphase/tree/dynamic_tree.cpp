@@ -249,7 +249,7 @@ void DynamicTree::find_near(const BodyColumns& columns)
     sort_pairs(found_, scratch_, bodies_.rows(), options_.threads);
 }
 
-/// Replaces the pairs of changed bodies in `list` by `by`. Both are sorted. Unchanged pairs are copied in runs.
+/// Replaces the pairs of changed bodies in `list` by `by`. Both lists are sorted. Unchanged pairs are copied in runs.
 void DynamicTree::replace_changed(std::vector<BodyPair>& list, const std::vector<BodyPair>& by)
 {
     ONCOLLIDE_ASSERT(std::ranges::is_sorted(list) && std::ranges::is_sorted(by));

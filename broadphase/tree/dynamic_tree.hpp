@@ -99,7 +99,7 @@ private:
     bool delimited_ = false;                  ///< true if delimit() has run since the changes were applied
     bool whole_ = true;                       ///< true if the whole tree is searched, not regions of it
     std::uint64_t marked_version_ = unmarked; ///< dynamic_version() of the marks in the tree
-    std::uint64_t filters_version_ = 0;       ///< as of the last take_in()
+    std::uint64_t filters_version_ = 0;       ///< the version at the last take_in()
 };
 
 } // namespace oncollide

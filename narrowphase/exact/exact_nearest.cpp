@@ -77,7 +77,7 @@ ToSegment to_segment(const Difference<N>& from_start, const Difference<N>& from_
     if (along.sign() <= 0) return {quotient(dot(from_start, from_start), one), 0};
     if ((along - length2).sign() >= 0) return {quotient(dot(from_end, from_end), one), 1};
     const auto across = cross<N>(edge, from_start);
-    // A share that rounding makes 0 or 1 is still between the ends.
+    // If rounding makes a share 0 or 1, the point is still between the ends.
     const double at = std::clamp(share(along, length2), std::numeric_limits<double>::min(),
                                  1 - std::numeric_limits<double>::epsilon());
     return {quotient(dot(across, across), length2), at};
@@ -137,7 +137,7 @@ NearestPoints exact_nearest_points(const TrianglePoints& a, const TrianglePoints
         [&](int exponent, auto between) {
             using D = decltype(between(a[0], a[0]));
             std::array<D, 3> edge_a, edge_b;
-            std::array<std::array<D, 3>, 3> apart; // from b's corner to a's: [a][b]
+            std::array<std::array<D, 3>, 3> apart; // the vector from b's corner to a's: [a][b]
             for (std::size_t i = 0; i < 3; ++i) {
                 edge_a[i] = between(a[next(i)], a[i]), edge_b[i] = between(b[next(i)], b[i]);
                 for (std::size_t j = 0; j < 3; ++j) apart[i][j] = between(a[i], b[j]);

@@ -5,9 +5,9 @@ namespace oncollide {
 
 // Nearest points in integers: the nearest features are found without rounding, for coordinates as stored, at any angle,
 // thickness and scale. Distances are within 2^-45 of their magnitude, unless doubles cannot express it; points err by
-// the rounding of their own coordinates. For the cases in which doubles fail: edges that are nearly parallel, and
-// triangles that are nearly segments (docs/stability.md#numerical-stability). Cost: 1 to 10 microseconds, 100 and more if the
-// coordinates' magnitudes are more than 2^200 apart.
+// the rounding of their own coordinates. They serve the cases in which doubles fail: edges that are nearly parallel,
+// and triangles that are nearly segments (docs/stability.md#numerical-stability). Cost: 1 to 10 microseconds, 100 and
+// more if the coordinates' magnitudes are more than 2^200 apart.
 
 /// The nearest points of two triangles that do not meet.
 NearestPoints exact_nearest_points(const TrianglePoints& a, const TrianglePoints& b);

@@ -58,7 +58,7 @@ double clamped(double s)
 NearestOfSegments nearest_of_segments(const Vector3d& p, const Vector3d& q, const Vector3d& c, const Vector3d& d,
                                       double rounding, double most)
 {
-    // As the kernel: divisors are squares of cross products.
+    // As in the kernel, divisors are squares of cross products.
     const Vector3d u = q - p, v = d - c, w = p - c, n = u.cross(v);
     double s = clamped(v.cross(w).dot(n) / n.squaredNorm());
     const double t = clamped((v.dot(w) + u.dot(v) * s) / v.squaredNorm());

@@ -21,7 +21,7 @@ inline Eigen::Vector2d projected(const Eigen::Vector3d& p, int axis)
 /// one line.
 int projection_axis(const Simplex& a, const Simplex& b);
 
-/// True if p, a point of the common plane, is in the simplex. `axis` from projection_axis.
+/// True if p, a point of the common plane, is in the simplex. `axis` comes from projection_axis().
 bool holds(const Simplex& simplex, const Eigen::Vector3d& p, int axis);
 
 /// How the segment pq meets the triangle, which has area. crossing: strictly through the inside of both.

@@ -11,7 +11,7 @@ namespace {
 template <int N>
 struct Gaps {
     const BinaryGrid& grid;
-    std::array<WideVector<N, 3>, 9> apart; ///< from each corner of a to each corner of b
+    std::array<WideVector<N, 3>, 9> apart; ///< the vector from each corner of a to each corner of b
     double widest = 0;
     Eigen::Vector3d widest_axis = Eigen::Vector3d::Zero();
 

@@ -96,7 +96,7 @@ CommonSegment common_segment(const TrianglePoints& a, const TrianglePoints& b)
     const Simplex s = simplex_of(a), t = simplex_of(b);
     Candidates found;
     const std::array<int, 3> of_s = sides_of(t, s), of_t = sides_of(s, t), in_plane{};
-    if (of_s == in_plane && of_t == in_plane) { // as they meet, this includes two triangles without area
+    if (of_s == in_plane && of_t == in_plane) { // the triangles meet, so this includes two triangles without area
         const int axis = projection_axis(s, t);
         add_corners(s, t, axis, found), add_corners(t, s, axis, found);
         if (axis >= 0) add_crossings(s, t, axis, found);

@@ -39,8 +39,8 @@ bool triangles_meet(const TrianglePoints& a, const TrianglePoints& b);
 
 /// The intersection of two triangles that meet.
 struct CommonSegment {
-    /// Equal if it is a point. If the triangles overlap in one plane, the two points of the overlap that are farthest
-    /// apart. Each coordinate errs by at most 2^-48 times the largest coordinate.
+    /// The ends are equal if the intersection is a point. If the triangles overlap in one plane, the two points of the
+    /// overlap that are farthest apart. Each coordinate errs by at most 2^-48 times the largest coordinate.
     std::array<Eigen::Vector3d, 2> ends;
     TriangleContact kind; ///< as returned by triangle_contact
 };

@@ -13,7 +13,8 @@ bool fcl_available();
 /// FCL's model of a geometry. Opaque: FCL's headers stay inside exact_fcl.cpp.
 class FclModel;
 
-/// Meshes are triangles in an OBB tree, shapes are libccd's, maps an octree. Cost: about 3 microseconds per triangle.
+/// A mesh becomes triangles in an OBB tree, a shape one of libccd's shapes, and a map an octree. Cost: about 3
+/// microseconds per triangle.
 std::shared_ptr<const FclModel> make_fcl_model(const GeometryData& geometry);
 
 /// True if two bodies collide according to FCL. Thread-safe. FCL's distances are not used: libccd overstates them, and

@@ -306,7 +306,7 @@ private:
         return true;
     }
 
-    Context context_; // first, as all members below live in it
+    Context context_; // comes first, because all members below live in this context
     std::size_t most_;
     PrimitiveStore primitives_;
     ListStore lists_;

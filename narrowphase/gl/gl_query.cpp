@@ -211,8 +211,8 @@ private:
         work_.wait_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();
     }
 
-    /// Issues the next octants along this axis; at their end, the octants without a fragment along the next axis.
-    /// False: none is left.
+    /// Issues queries of the next octants along this axis; after the last one, of the octants without a fragment along
+    /// the next axis. False: none is left.
     bool issue_next()
     {
         begin_ += in_flight().size();
@@ -227,7 +227,7 @@ private:
 
     GlQueryOptions options_;
     std::string name_;
-    gl::Context context_; ///< first, as all members below live in it
+    gl::Context context_; ///< comes first, because all members below live in this context
     gl::OctantQueries queries_;
     gl::BatchClock clock_;
     gl::TriangleStream stream_;

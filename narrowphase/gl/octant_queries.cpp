@@ -5,8 +5,8 @@ namespace oncollide::gl {
 namespace {
 
 // An octant and its view volume have the same centre, so clip coordinates are the octant's coordinates, and the view
-// along an axis is a permutation that puts this axis last. Seen from the opposite side or mirrored, the mesh covers as
-// many pixels.
+// along an axis is a permutation that puts this axis last. Seen from the opposite side or mirrored, the mesh covers the
+// same number of pixels.
 constexpr const char* vertex_shader = R"(#version 450 core
 layout(location = 0) in vec3 position;
 layout(location = 0) uniform vec3 centre;
@@ -37,7 +37,7 @@ Queries::Queries(GLenum target, std::size_t count)
 
 std::span<const GLuint> Queries::read(std::size_t count)
 {
-    // Into a buffer first, so that there is one wait instead of one per query.
+    // The results go into a buffer first, so that there is one wait instead of one per query.
     for (std::size_t i = 0; i < count; ++i)
         glGetQueryBufferObjectuiv(names_[i], results_.name(), GL_QUERY_RESULT,
                                   static_cast<GLintptr>(i * sizeof(GLuint)));

@@ -58,9 +58,9 @@ void main()
 }
 )";
 
-// The same arithmetic as octant_kernel.cpp, operation by operation, and `precise` forbids fusing it, so the results
-// have the same bits. There a lane is an octant; here a lane is a tile. The symmetry of the octants saves work: along
-// the cross product of an edge and an axis their centres project only to d, t, -t and -d.
+// This is the arithmetic of octant_kernel.cpp, operation by operation. `precise` forbids fusing operations, so the
+// results have the same bits. In that kernel a lane is an octant; here a lane is a tile. The octants are symmetric,
+// which saves work: along the cross product of an edge and an axis, their centres project only to d, t, -t and -d.
 constexpr const char* test_main = R"(
 uint apart(float lo, float hi, float shift, float r) { return lo - shift > r || hi - shift < -r ? none : 0u; }
 

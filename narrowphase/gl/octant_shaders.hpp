@@ -21,8 +21,8 @@ constexpr unsigned packed = 3, jobs = 4; ///< for pack and read, which use neith
 /// Words per item in each buffer.
 namespace words {
 constexpr unsigned primitive = 12, list = 9, row = 12, cursors = 9, tile = 5;
-constexpr unsigned header = 4; ///< of the out buffer: tiles wanted, entries wanted, two spare words; then one byte per
-                               ///< row
+constexpr unsigned header = 4; ///< words at the start of the out buffer: tiles wanted, entries wanted, two spare words;
+                               ///< then one byte per row
 } // namespace words
 
 } // namespace oncollide::gl

@@ -38,7 +38,7 @@ public:
 private:
     VertexArray array_;
     Buffer vertices_;
-    Buffer indices_;                     ///< of triangles or strips, for the whole mesh; soup: none
+    Buffer indices_;                     ///< indices of triangles or strips, for the whole mesh; none for a soup
     std::vector<std::uint32_t> corners_; ///< vertex numbers, three per triangle; soup: empty, as vertices are already
                                          ///< in this order
     GLenum mode_ = GL_TRIANGLES;

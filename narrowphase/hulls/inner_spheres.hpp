@@ -14,7 +14,7 @@ namespace oncollide {
 
 /// Spheres inside the surface of a mesh, and points on the surface as spheres of radius 0. They prove, without a test
 /// of any triangle, that the surfaces of two deeply overlapping meshes meet, and how far the meshes would have to move
-/// to separate. Only for a surface in one piece; a surface with open edges has points only.
+/// to separate. The spheres exist only for a surface in one piece; a surface with open edges has points only.
 ///
 /// Proof. Let a point be enclosed by both surfaces, and let each surface, which is connected, have a point outside a
 /// sphere around the other surface. Suppose that the surfaces do not meet. Then each lies in one region of the
@@ -34,7 +34,7 @@ public:
     std::size_t enclosed() const { return enclosed_; }
     std::size_t count() const { return count_; }
     const Eigen::Vector3d& centre() const { return centre_; }
-    double radius() const { return radius_; } ///< of the sphere around the mesh
+    double radius() const { return radius_; } ///< radius of the sphere around the mesh
     /// Sphere number `i`, relative to the centre.
     Eigen::Vector3d ball(std::size_t i) const { return {column_[0][i], column_[1][i], column_[2][i]}; }
     double radius(std::size_t i) const { return column_[3][i]; }

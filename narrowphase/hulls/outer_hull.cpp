@@ -87,7 +87,7 @@ OuterHull::OuterHull(const Mesh& mesh) : centre_(mesh.bounds.centre())
                 if (!chosen[i]) chosen[i] = true, add(all, i);
             }
     const double allowed = most_cover * mesh.bounds.diagonal();
-    Simplex4 last; // of the previous vertex, which is usually close by
+    Simplex4 last; // simplex of the previous vertex, which is usually close by
     for (std::size_t i = 0; i < all.size(); ++i) {
         if (chosen[i]) continue;
         const Vector3d p = point(all, i);
@@ -141,7 +141,7 @@ double covered_by(const OuterHull& a, const OuterHull& b, const RelativePose& b_
     return (a.cover() + b.cover()) * (1 + 0x1p-18) + rounding;
 }
 
-/// The vector from A's support point along `n` to B's against it, and A's.
+/// The vector from A's support point along `n` to B's support point along -n, and A's support point.
 ConvexDifference::Point supports(const OuterHull& a, const OuterHull& b, const RelativePose& b_to_a, const Vector3d& n)
 {
     const Vector3d of_a = a.farthest(n.cast<float>());

@@ -38,12 +38,12 @@ private:
 
 struct HullGap {
     double gap;             ///< lower bound of the meshes' distance, m; 0: their solids were not found to be apart
-    Eigen::Vector3f across; ///< from A to B, in A's frame: the direction of the largest gap found
+    Eigen::Vector3f across; ///< direction of the largest gap found, from A to B, in A's frame
 };
 
 /// A lower bound of the distance of two meshes: at least nine tenths of the distance of their solids. Cost: 0.1 to 1
 /// microseconds.
-/// @param first  the direction to try first; a direction that separated them before mostly does again
+/// @param first  the direction to try first; a direction that separated them before usually does so again
 HullGap hull_gap(const OuterHull& a, const OuterHull& b, const RelativePose& b_to_a, const Eigen::Vector3f& first,
                  double enough = std::numeric_limits<double>::infinity());
 

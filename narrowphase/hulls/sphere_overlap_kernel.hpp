@@ -9,7 +9,7 @@ namespace oncollide {
 struct SphereColumns {
     const float *x, *y, *z, *r;
     std::uint32_t count;
-    float radius; ///< of the sphere around all of them, centred at 0
+    float radius; ///< radius of the sphere around all of them, centred at 0
 };
 constexpr std::uint32_t most_spheres = 48;
 

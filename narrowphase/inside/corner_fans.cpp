@@ -16,7 +16,7 @@ std::vector<FanCorner> fans_of(const Mesh& mesh, std::span<const std::uint8_t> f
         while (corners[k].fan != k) k = corners[k].fan = corners[corners[k].fan].fan;
         return k;
     };
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> at_edge; // from the common corner
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> at_edge; // edges that leave the common corner
     for (std::uint32_t k = 0; k < corners.size(); ++k) {
         const Triangle& t = mesh.triangles[corners[k].triangle];
         const std::size_t i = corners[k].corner;

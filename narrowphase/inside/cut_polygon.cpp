@@ -15,7 +15,7 @@ class Polygon {
 public:
     explicit Polygon(std::span<const Vector2d> points) : points_(points) {}
 
-    /// Connects all loops to one that passes the connections twice; false if that fails.
+    /// Joins all loops into one, which passes each connection twice; false if that fails.
     bool connect(std::vector<Loop>& loops)
     {
         const auto around = std::ranges::find_if(loops, [&](const Loop& l) { return area(l) > 0; });
@@ -47,7 +47,9 @@ public:
                 continue;
             }
             triangles.push_back({loop_[(at + n - 1) % n], loop_[at], loop_[(at + 1) % n]});
-            loop_.erase(loop_.begin() + static_cast<std::ptrdiff_t>(at)), failed = 0, ++at; // ears all around
+            loop_.erase(loop_.begin() + static_cast<std::ptrdiff_t>(at)), failed = 0, ++at; // continues after this ear,
+                                                                                            // so that ears are cut all
+                                                                                            // around
         }
         if (loop_.size() != 3 || turn(loop_[0], loop_[1], loop_[2]) <= 0) return {};
         triangles.push_back({loop_[0], loop_[1], loop_[2]});
@@ -83,7 +85,7 @@ private:
                 continue;
             }
             if (side_u * side_v > 0 || turn(u, v, p) * turn(u, v, q) > 0) continue;
-            if (side_u == 0 && side_v == 0) { // in one line
+            if (side_u == 0 && side_v == 0) { // both ends are on the line
                 const Vector2d way = points_[q] - points_[p];
                 const auto at = [&](std::uint32_t w) { return way.dot(points_[w] - points_[p]); };
                 if (std::max(at(u), at(v)) < 0 || std::min(at(u), at(v)) > way.squaredNorm()) continue;

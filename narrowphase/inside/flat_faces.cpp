@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 constexpr std::uint32_t nothing = MeshLinks::none;
-constexpr std::size_t most_corners = 1000; ///< of a polygon
+constexpr std::size_t most_corners = 1000; ///< most corners of a polygon
 
 /// An edge of a polygon: the interior is to its left.
 struct Side {
@@ -37,7 +37,8 @@ public:
             if (polygon_of_[t] == nothing) collect(t);
         if (2 * first_.size() > mesh_.triangles.size()) return {};
         find_sides();
-        for (bool failed = true; failed;) { // a polygon that stays as it is keeps its corners, so others do
+        for (bool failed = true; failed;) { // a polygon that stays as it is keeps its corners, so its neighbours must
+                                            // keep them, too
             find_droppable();
             triangles_.clear(), face_.clear(), failed = false;
             for (std::uint32_t p = 0; p < first_.size(); ++p)
@@ -94,10 +95,11 @@ private:
     {
         return std::span(sides_).subspan(offsets_[polygon], offsets_[polygon + 1] - offsets_[polygon]);
     }
-    /// A corner may go if it is on a straight edge of one polygon, or of the two on both sides of the edge.
+    /// A corner may be dropped if it is on a straight edge of one polygon, or of both polygons beside the edge.
     void find_droppable()
     {
-        std::vector<std::array<std::uint32_t, 2>> beside(mesh_.vertices.size(), {nothing, nothing}); // before and after
+        std::vector<std::array<std::uint32_t, 2>> beside(mesh_.vertices.size(), {nothing, nothing}); // corners before
+                                                                                                     // and after
         for (const Side& s : sides_) {
             for (const auto& [v, other] : {std::pair(s.from, s.to), std::pair(s.to, s.from)}) {
                 auto& [one, two] = beside[v];
@@ -123,7 +125,8 @@ private:
         }
     }
 
-    /// The loops around a polygon, of the corners that are left; none if it has too many, or touches itself at one.
+    /// The loops around a polygon, made of the corners that are left; none if there are too many corners, or if the
+    /// polygon touches itself at one.
     std::optional<std::vector<std::vector<std::uint32_t>>> loops_of(std::uint32_t polygon) const
     {
         const auto own = sides(polygon);
@@ -159,7 +162,7 @@ private:
         }
         auto loops = loops_of(polygon);
         if (!loops) return false;
-        // In the plane of two axes, as seen from outside.
+        // Points are projected onto the plane of two axes, as seen from outside.
         const TrianglePoints plane = points(first_[polygon]);
         const Vector3d normal = (plane[1] - plane[0]).cross(plane[2] - plane[0]);
         int axis = 0;
@@ -213,13 +216,13 @@ private:
 
     const Mesh& mesh_;
     const MeshLinks& links_;
-    std::vector<std::uint32_t> polygon_of_;           ///< for each triangle
+    std::vector<std::uint32_t> polygon_of_;           ///< polygon of each triangle
     std::vector<std::uint32_t> first_;                ///< for each polygon: its first triangle
     std::vector<std::vector<std::uint32_t>> members_; ///< its triangles
     std::vector<bool> whole_;                         ///< it stays as it is
     std::vector<Side> sides_;                         ///< by polygon
     std::vector<std::size_t> offsets_;
-    std::vector<bool> droppable_; ///< for each vertex
+    std::vector<bool> droppable_; ///< true for each vertex that may be dropped
     std::vector<Triangle> triangles_;
     std::vector<std::uint32_t> face_;
 };

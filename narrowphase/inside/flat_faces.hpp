@@ -25,7 +25,7 @@ std::optional<FlatFaces> join_flat_faces(const Mesh& mesh, const MeshLinks& link
 struct FlatSurface {
     FlatFaces faces;
     MeshLinks links;
-    BoxTotals totals; ///< of the tree
+    BoxTotals totals; ///< box totals of the tree
     ObbTree tree;
 
     explicit FlatSurface(FlatFaces joined)

@@ -76,8 +76,8 @@ PointLocation PointLocator::place(const Eigen::Vector3d& point, const Mesh& mesh
     const double radius =
         0.5 * (mesh.bounds.max - mesh.bounds.min).stableNorm() * (1 + 0x1p-16) + 0x1p-46 * largest + 1e-30;
     if (from_centre.stableNorm() > radius) return PointLocation::outside;
-    // A short way out, but not along an axis, as edges of many meshes are along the axes. Directions that touch an edge
-    // have measure zero, so this ends.
+    // The ray leaves the mesh by a short way, but not along an axis, because edges of many meshes are along the axes.
+    // Directions that touch an edge have measure zero, so this ends.
     for (std::uint64_t attempt = 0;; ++attempt) {
         Eigen::Vector3d way = from_centre / radius;
         for (std::uint64_t k = 0; k < 3; ++k) way[int(k)] += 0.25 * double(attempt + 1) * (u01(1, attempt, k) - 0.5);

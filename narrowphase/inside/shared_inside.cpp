@@ -104,7 +104,7 @@ std::optional<Vector3d> SharedInside::beside_corners(const Side& side, const std
     const Mesh& mesh = side.tree->mesh();
     const std::vector<FanCorner> fans = fans_of(mesh, flags);
     enum : std::uint8_t { unknown, in, out };
-    std::vector<std::uint8_t> place(fans.size(), unknown); // of each fan, in the other mesh
+    std::vector<std::uint8_t> place(fans.size(), unknown); // place of each fan in the other mesh
     for (const auto& [t, corner, fan] : fans) {
         const TrianglePoints points = corners(side, t);
         const double far = largest(points);

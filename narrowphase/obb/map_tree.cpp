@@ -8,7 +8,7 @@ namespace oncollide {
 
 namespace {
 
-/// The octants of a cube that intersect or touch the box. Lowers `gap` to the distance of the others, in cells.
+/// The octants of a cube that intersect or touch the box. Lowers `gap` to the distance of the other octants, in cells.
 inline unsigned octants_at(const MapCell& cube, unsigned octants, const CellBox& box, int& gap)
 {
     constexpr unsigned highs[3] = {0xAA, 0xCC, 0xF0};
@@ -40,7 +40,7 @@ unsigned MapTree::solid(const Node& node) const
     return octants_at(node.cube, node.octants.solid, {bounds.low.array() + 1, bounds.high.array() - 1}, any);
 }
 
-/// Skips chains of single children, which an octree has above all where a map lies around the origin.
+/// Skips chains of single children; an octree has many of them where a map lies around the origin.
 MapTree::Node MapTree::forked(Node node) const
 {
     while (true) {
@@ -66,7 +66,7 @@ double MapTree::starts(const Aabb& box, double size, std::vector<Node>& nodes) c
     int gap = margin;                                             // cells
     nodes.clear();
 
-    // Descend to the cube around the box and its margin: the keys of their first and last cells share the bits above
+    // Descends to the cube around the box and its margin: the keys of their first and last cells share the bits above
     // it.
     const auto key = [](const Eigen::Vector3i& cell) -> Eigen::Array3i {
         return (cell.array() - CellTree::lowest).max(0).min(CellTree::side - 1);

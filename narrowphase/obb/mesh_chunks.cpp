@@ -222,7 +222,7 @@ void MeshChunks::opened(std::uint32_t node)
         need(chunk_of(from.begin[__builtin_ctz(left)]));
 }
 
-/// Adds a node to the tree of a loaded chunk. One thread at a time.
+/// Adds a node to the tree of a loaded chunk. Only one thread may call it at a time.
 std::uint32_t MeshChunks::add_node(std::uint32_t chunk, bool inner)
 {
     Chunk& c = chunks_[chunk];

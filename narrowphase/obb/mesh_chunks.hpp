@@ -14,7 +14,7 @@
 namespace oncollide {
 
 /// The triangles of a cooked mesh, numbered in the order of its tree; each chunk has its own pages, and is read when it
-/// is needed. Also holds the nodes, which are dropped with their chunk.
+/// is needed. The class also holds the nodes, which are dropped with their chunk.
 ///
 /// Many threads may read chunks concurrently; chunks are dropped only while no traversal runs.
 class MeshChunks {
@@ -53,8 +53,8 @@ public:
     bool there(std::uint32_t chunk) const { return chunks_[chunk].there.load(std::memory_order_acquire); }
     /// Reads the chunk unless it is loaded, and checks the boxes above it. Throws ChunkFault.
     void need(std::uint32_t chunk);
-    /// A traversal opens the node: reads the chunks of its leaves. For a node below the upper levels, marks its chunk
-    /// as needed now.
+    /// Call it when a traversal opens a node: it reads the chunks of the node's leaves. For a node below the upper
+    /// levels, marks its chunk as needed now.
     void opened(std::uint32_t node);
 
     void add_held(std::vector<HeldChunks::Held>& to) const
@@ -62,7 +62,7 @@ public:
         for (std::uint32_t c = 0; c < chunks_.size(); ++c)
             if (there(c)) to.push_back({chunks_[c].needed.load(std::memory_order_relaxed), c});
     }
-    /// Not while a traversal runs.
+    /// Call it only while no traversal runs.
     void drop(std::uint32_t chunk);
 
     std::size_t bytes() const { return held_.load(std::memory_order_relaxed); }

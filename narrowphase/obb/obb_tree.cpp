@@ -254,7 +254,7 @@ ObbTree::Node ObbTree::add_nodes(const GridPart& part, std::uint32_t begin)
     return index;
 }
 
-/// Adds the next box. It holds the triangles [from, to) of the node, whose triangles begin at position `begin`.
+/// Adds the next box. The box holds the triangles [from, to) of the node, whose triangles begin at position `begin`.
 void ObbTree::add_lane(BoxNode& node, std::size_t from, std::size_t to, std::uint32_t begin)
 {
     const unsigned k = node.lanes;

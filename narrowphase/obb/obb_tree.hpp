@@ -46,7 +46,11 @@ public:
 
     /// Boxes and nodes are relative to this point of the mesh's frame.
     const Eigen::Vector3d& centre() const { return centre_; }
-    const Aabb& bounds() const { return chunked_ ? chunked_->mesh().bounds() : mesh_->bounds; } ///< in the mesh's frame
+    const Aabb& bounds() const
+    {
+        return chunked_ ? chunked_->mesh().bounds() : mesh_->bounds;
+    }                                         ///< the bounds in the
+                                              ///< mesh's frame
     double radius() const { return radius_; } ///< upper bound of the distance of the triangles' corners from the centre
 
     /// A node whose only box is the box of the whole mesh.
@@ -100,7 +104,7 @@ public:
 
     /// The triangle at a position of the tree's order, by number in the mesh.
     std::uint32_t triangle(std::uint32_t place) const { return order_[place]; }
-    /// Not for a cooked mesh.
+    /// Not available for a cooked mesh.
     const Mesh& mesh() const
     {
         ONCOLLIDE_ASSERT(mesh_);
@@ -208,7 +212,7 @@ private:
     NodeLine** blocks_;                    ///< table for all possible blocks; a block is null until used
     LargeVector<std::uint32_t> own_order_; ///< storage of order_ and blocks_, unless the mesh is cooked
     std::vector<NodeLine*> own_blocks_;
-    std::atomic<std::uint32_t> lines_ = 0, nodes_ = 0; ///< in use, in these blocks
+    std::atomic<std::uint32_t> lines_ = 0, nodes_ = 0; ///< lines and nodes in use, in these blocks
     OrderedMutex<LockRank::obb_tree> growing_;
     std::uint32_t grows_in_ = 0; ///< the chunk of a cooked mesh that is growing
 };

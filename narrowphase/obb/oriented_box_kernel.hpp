@@ -44,7 +44,7 @@ struct OrientedBoxKernel {
                              float (&gaps)[8], float (&nearest)[8]);
     Compare* compare;
     /// The same, but `gaps` gets an order instead: the gap plus twice the distance of the centres. The contents of the
-    /// box with the least of it are the likeliest to meet the other box's.
+    /// box with the least value are the likeliest to meet the contents of the other box.
     Compare* compare_likely;
     /// The same with two more axes, the line of centres and `line`: for boxes far apart the gaps are then much closer
     /// to the distances, above all along the line that joins the nearest points.

@@ -20,7 +20,7 @@ public:
 
     const Convex& shape() const { return shape_; }
     const Eigen::Vector3d& centre() const { return centre_; }
-    const Eigen::Vector3d& half() const { return half_; } ///< of the box around it, along the shape's axes
+    const Eigen::Vector3d& half() const { return half_; } ///< half-extents of the box around it, along the shape's axes
     double radius() const { return radius_; }
     LaneMasks open(Node, const BoxPlacement* placement, OpenBoxes& boxes) const;
     Node child(Node node, unsigned) const { return node; }

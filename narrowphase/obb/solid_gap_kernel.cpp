@@ -67,7 +67,7 @@ unsigned of_boxes(const OpenBoxes& boxes, const SolidReach& solid, const BoxLine
 {
     const Vec c{load(boxes.c[0]), load(boxes.c[1]), load(boxes.c[2])};
     const Vec d{c.x - solid.centre[0], c.y - solid.centre[1], c.z - solid.centre[2]};
-    Vec out{splat(0), splat(0), splat(0)}; // from the solid's centre to the box
+    Vec out{splat(0), splat(0), splat(0)}; // vector from the solid's centre to the box
     F32x8 length2 = splat(0), least = along(line.direction, c);
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
@@ -95,7 +95,8 @@ inline F32x8 slab_gap(const TerrainBlocks& blocks, const F32x8 (&from)[3], const
     const F32x8 sx = load(blocks.slope_x), sy = load(blocks.slope_y), low = load(blocks.slab_low),
                 high = load(blocks.slab_high);
     const F32x8 hx = 0.5f * (to[0] - from[0]), hy = 0.5f * (to[1] - from[1]), thick = 0.5f * (high - low);
-    F32x8 dx = hx - blocks.half_x, dy = hy - blocks.half_y; // from the point where the heights of the planes are given
+    F32x8 dx = hx - blocks.half_x, dy = hy - blocks.half_y; // offset from the point where the heights of the planes are
+                                                            // given
     if (blocks.one_slope) {
         dx = dx + blocks.half_x * F32x8{-1, 1, -1, 1, -1, 1, -1, 1};
         dy = dy + blocks.half_y * F32x8{-3, -3, -1, -1, 1, 1, 3, 3};

@@ -134,14 +134,14 @@ private:
     struct Block {
         std::uint32_t x, y;
     };
-    static constexpr float nothing = std::numeric_limits<float>::infinity(); ///< as `low`: no cell exists
+    static constexpr float nothing = std::numeric_limits<float>::infinity(); ///< stored as `low` where no cell exists
     static constexpr float range_rounding = 0x1p-20f; ///< error bound of stored heights, as a share of half the
                                                       ///< terrain's height
     /// Eight by eight squares: a block of level 4.
     static constexpr std::uint32_t part_level = 4;
     struct Part {
         Square squares[64];
-        Bounds bounds[8]; ///< of the blocks of level 3
+        Bounds bounds[8]; ///< bounds of the blocks of level 3
     };
 
     // A block of the next level is this many blocks wide and high.
@@ -224,7 +224,7 @@ private:
     std::vector<Square> squares_;             ///< blocks of level 2, row by row
     std::vector<std::vector<Bounds>> bounds_; ///< by level from 3, row by row
     std::uint32_t parts_across_ = 0;
-    mutable std::vector<std::atomic<Part*>> parts_; ///< of a cooked terrain, instead of squares_ and level 3
+    mutable std::vector<std::atomic<Part*>> parts_; ///< parts of a cooked terrain, instead of squares_ and level 3
     mutable std::atomic<std::size_t> held_ = 0;     ///< bytes held by parts_
     mutable OrderedMutex<LockRank::terrain_tree> making_;
 };

@@ -8,12 +8,12 @@ namespace oncollide {
 // Certified bounds on the depth of pairs of all kinds: Penetration::depth and depth_upper.
 
 /// Bounds the depth of two bounded bodies that are not two terrains. A terrain is solid below its surface. The trees
-/// must exist. Cost: for a sphere or a capsule of a distance; for other bodies of up to some hundred points of each,
-/// located in the other.
+/// must exist. Cost: one distance for a sphere or a capsule; for other bodies, locating up to some hundred points of
+/// each in the other.
 Penetration depth_of_bounded(PairWorker& worker, const PairTask& task);
 
-/// An upper bound on the depth of two bounded bodies: the shortest translation found that parts them. The part
-/// below a terrain has no end, so only translations upward count.
+/// An upper bound on the depth of two bounded bodies: the shortest translation found that parts them. A terrain is
+/// solid without end below its surface, so only translations upward count.
 /// @param normals  directions in the world frame to try besides the axes of the bodies and of the world; unit vectors
 double parting_translation(const PairTask& task, std::span<const Eigen::Vector3d> normals = {});
 

@@ -56,7 +56,7 @@ Finding compare(const Test& test, double clearance, DistanceGoal goal, ContactKi
     return {Verdict::within, kind, placed.above(d.upper) + 0x1p-1000};
 }
 
-/// For bodies that do not meet: separate beyond the clearance, or near.
+/// The result for bodies that do not meet: separate if they are farther apart than the clearance, else near.
 template <class Test>
 Finding by_distance(const Test& test, double clearance)
 {

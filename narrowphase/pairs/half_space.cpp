@@ -10,7 +10,7 @@
 
 namespace oncollide {
 
-namespace half_space { // named: lambdas of exported templates hold it
+namespace half_space { // named, because lambdas of exported templates refer to it
 
 using Eigen::Vector3d;
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -128,7 +128,7 @@ Vector3d shared_point(const RelativePose& to_plane)
     return point.allFinite() ? point : Vector3d(0, 0, 0);
 }
 
-/// As HalfSpacePair::lowest(), of another half-space.
+/// As HalfSpacePair::lowest(), for another half-space.
 Vector3d lowest_of_plane(const RelativePose& to_plane)
 {
     // They meet unless their planes are parallel and they face away from each other.

@@ -39,7 +39,7 @@ private:
 
     /// The body's lowest point, without the radius around a core.
     Eigen::Vector3d lowest(double enough) const;
-    double radius() const;   ///< around the core of a shape
+    double radius() const;   ///< radius around the core of a shape
     double rounding() const; ///< error bound of the body's height
     double low() const; ///< lower bound of the height of a body with a tree, rounding included; unknown for a shape
 

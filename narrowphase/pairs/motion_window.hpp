@@ -16,21 +16,22 @@ struct SweepTask {
     bool solid = false;       ///< the inside of a closed mesh belongs to the mesh
     bool other_order = false; ///< this is the same task with its bodies swapped
     double until = 1;         ///< the search ends as soon as no earlier contact is possible
-    /// The bodies have no contact at time 0, and only the bound `clear_until` is wanted: of one window, or of the first
-    /// one in which the bodies may meet.
+    /// Only the bound `clear_until` is wanted, for one window or up to the first window in which the bodies may meet;
+    /// the bodies have no contact at time 0.
     bool bound_only = false;
-    bool parts_by_poses = false; ///< parts that meet at time 0 do not depend on hints either; costs a decision
+    bool parts_by_poses = false; ///< parts that meet at time 0 must not depend on hints either; costs a decision
     // Hints: results do not depend on them, except for parts that meet at time 0.
-    bool begins_apart = false;    ///< probably: examine a window before the poses at time 0
+    bool begins_apart = false;    ///< the bodies are probably apart, so a window is examined before the poses at time 0
     PairMemory* memory = nullptr; ///< witnesses of a pose that is probably near; set by a contact at time 0
 };
 
 /// A body during a window of time.
 struct MovingBody {
     Model& model;
-    RigidMotion::State state; ///< in the middle
-    Eigen::Vector3d centre;   ///< of a ball around it, in the middle of the window, world frame; not of a half-space
-    double radius;            ///< of the ball; 0 for a half-space
+    RigidMotion::State state; ///< in the middle of the window
+    Eigen::Vector3d centre;   ///< centre of a ball around the body, in the middle of the window, world frame; unused
+                              ///< for a half-space
+    double radius;            ///< radius of the ball; 0 for a half-space
 };
 
 /// Both bodies from `begin` to `end`, between keys of their motions.

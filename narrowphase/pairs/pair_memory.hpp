@@ -24,8 +24,8 @@ struct PairMemory {
         std::uint8_t walks = 0;   ///< skip the test for this many more traversals
         std::uint8_t in_vain = 0; ///< consecutive tests without result; sets `walks`
     };
-    Rest hulls{};             ///< of the outer hulls
-    Rest inner_spheres{};             ///< of the inner spheres
+    Rest hulls{};             ///< when to test the outer hulls again
+    Rest inner_spheres{};     ///< when to test the inner spheres again
     bool near = false;        ///< the last traversal did not separate them
     bool meets = false;       ///< the pair probably met at the last poses
     bool met = false;         ///< `triangles` met, or came within the cutoff

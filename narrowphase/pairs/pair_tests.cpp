@@ -69,7 +69,7 @@ constexpr PairTests walked()
             .near_features = nullptr};
 }
 
-/// The distance of a shape from a mesh or a terrain, B: of the shape as a solid, unless it has too many points.
+/// The distance of a shape, as a solid, from a mesh or a terrain, B; of the shape's surface if it has too many points.
 template <class Shape, class B, bool swapped>
 Distance shape_distance(PairWorker& worker, const PairTask& task, const DistanceOptions& options, bool solid)
 {
@@ -116,8 +116,8 @@ constexpr PairTests map_and_polytope()
     return tests;
 }
 
-/// Two shapes are taken in an order that does not depend on which of them is called a: all columns agree on whether
-/// they meet, as rounding in the other frame could give another result.
+/// Two shapes are taken in an order that does not depend on which of them is called a, so that all columns agree on
+/// whether they meet: rounding in the other frame could give another result.
 template <class Test, bool swapped>
 Test test_of(const PairTask& task)
 {

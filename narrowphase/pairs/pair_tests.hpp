@@ -48,7 +48,7 @@ struct PairTests {
     /// As Pairs::manifold(). Null: unsupported.
     void (*manifold)(PairWorker&, const PairTask&, const ManifoldOptions&, Manifold&);
 
-    /// Appends, as Pairs::near_features(). Null: unsupported.
+    /// Appends features as Pairs::near_features() does. Null: unsupported.
     void (*near_features)(PairWorker&, const PairTask&, double dhat, std::vector<NearFeatures>&);
 };
 

@@ -17,7 +17,7 @@
 
 namespace oncollide {
 
-/// A part of a body in the user's numbering: the tree of a cooked mesh has its own.
+/// A part of a body in the user's numbering; the tree of a cooked mesh has a numbering of its own.
 inline auto source_of(const auto& tree, const auto& part)
 {
     if constexpr (requires { tree.source(part); })

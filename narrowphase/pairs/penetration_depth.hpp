@@ -32,7 +32,7 @@ private:
     void find_deepest(const Side& outer, bool of_a, Penetration& found);
     Distance to_surface(const Side& outer, const Eigen::Vector3d& point);
 
-    PointLocator* locator_ = nullptr; ///< of the current call, like walk_
+    PointLocator* locator_ = nullptr; ///< locator of the current call, like walk_
     Traversal* walk_ = nullptr;
     std::vector<std::uint8_t> meets_;
     std::vector<std::uint32_t> roots_, inside_; ///< inside_: vertices of one mesh

@@ -47,7 +47,7 @@ private:
     std::optional<MeetingHint<A, B>> place_;
 };
 template <>
-class RememberedHint<TerrainTree, TerrainTree> { // few and large
+class RememberedHint<TerrainTree, TerrainTree> { // such pairs are few and large, so no place is kept
 public:
     explicit RememberedHint(PairMemory*) {}
     std::optional<MeetingHint<TerrainTree, TerrainTree>>* get() { return nullptr; }
@@ -76,7 +76,7 @@ Finding decide(PairWorker& worker, const PairTask& task, const PairOptions& opti
         bound = gap;
     } else {
         // Closed meshes that only touch in all pairs of triangles may still share an interior point. For a mesh and its
-        // copy, a point beside the first contact is one.
+        // copy, a point beside the first contact is such a point.
         constexpr bool meshes = std::same_as<decltype(walk), Traversal&>;
         const auto have_insides = [&] { return task.a->has_inside() && task.b->has_inside(); };
         const auto overlap = [&](TrianglePair pair) {

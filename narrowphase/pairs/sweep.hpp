@@ -15,7 +15,7 @@ using FindEntry = FunctionRef<PartsEntry(const MotionWindow&, PairMemory&)>;
 /// The contact of two parts that a decision left in a PairMemory; nothing: it left none.
 using FindContact = FunctionRef<std::optional<Contact>(const PairTask&, const PairMemory&)>;
 
-/// Advances through the motion window by window: the next one begins at the bound that the last one gave, and is the
+/// Advances through the motion window by window. The next window begins at the bound that the last one gave; it is
 /// smaller the nearer the contact is. The exact test decides at the poses of single times.
 SweepResult sweep(PairWorker& worker, const SweepTask& task, FindEntry entry, FindContact contact);
 

@@ -101,8 +101,9 @@ inline PartsEntry entry_in(const direct_tests::TwoShapes& test, const SweepTask&
     return first_entry(parts, -1, after_window, line, apart, between);
 }
 
-/// A half-space and another body: from the body's height at the beginning of the window. The height changes by the
-/// motion along the normal of the body's centre relative to the half-space, and by the relative rotation.
+/// A half-space and another body. The entry follows from the body's height at the beginning of the window. The height
+/// changes by the motion along the normal of the body's centre relative to the half-space, and by the relative
+/// rotation.
 template <class Body>
 PartsEntry entry_in(const direct_tests::OnHalfSpace<Body>& test, const SweepTask& task, const MotionWindow& window)
 {
@@ -119,7 +120,7 @@ PartsEntry entry_in(const direct_tests::OnHalfSpace<Body>& test, const SweepTask
     const bool at_once = std::same_as<Body, operand::Plane> && turn_a + turn_b > 0;
     if (!(height > 0) || at_once) return {-1, -1, {0, 0, 1}};
     const double turn = (motion.b.turn - motion.a.turn).norm() + 0x1p-50 * (turn_a + turn_b);
-    // The change of the speeds, of the normal and of the centre's place in the window, in all less than these.
+    // Upper bound of the changes of the speeds, of the normal and of the centre's place in the window, in all.
     const double bent = (turn_a + turn_b) * (2 * speed.norm() + of_plane.norm() + of_body.norm()) + motion.slack -
                         task.clearance + turn * turn_b * body.radius;
     const double fall = -speed.z() * (1 + 0x1p-30) + turn * body.radius + bent * (1 + 0x1p-10);
@@ -129,7 +130,7 @@ PartsEntry entry_in(const direct_tests::OnHalfSpace<Body>& test, const SweepTask
         -1 + height / fall * (1 - 0x1p-40), speed.z() < 0 ? std::min(-1 - height / speed.z(), 1.0) : 1.0, {0, 0, 1}};
 }
 
-/// Bodies that need no walk. Test: of direct_tests.hpp.
+/// Bodies that need no walk. `Test` is one of direct_tests.hpp.
 template <class Test, bool swapped>
 SweepResult direct(PairWorker& worker, const SweepTask& task)
 {

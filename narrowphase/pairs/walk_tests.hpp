@@ -1,5 +1,5 @@
 // Tests of two bodies by a walk of their hierarchies, for each two operands (pair_worker.hpp) that a PairWorker has a
-// walk for. Included by the table alone, which makes functions of them.
+// walk for. Only the table includes this header, and makes functions of the templates.
 #pragma once
 #include <algorithm>
 #include <concepts>
@@ -119,15 +119,15 @@ struct WalkPair : OrderedPair {
     double cutoff(double distance) const { return (distance + off) * (1 + 4 * rigid); }
 };
 
-/// The pair as its decisions and distances take it. Two bodies of one model are taken in the other order: either order
-/// would do, but the bits of the results depend on it.
+/// The pair as its decisions and distances take it. Two bodies of one model are taken in the other order: both orders
+/// would be correct, but the bits of the results depend on the order.
 template <class A, class B>
 WalkPair<A, B> walk_pair(PairWorker& worker, const PairTask& task, bool swap)
 {
     return {worker, task, swap || task.a == task.b};
 }
 
-/// For bodies that do not meet: separate beyond the clearance, or near.
+/// The result for bodies that do not meet: separate if they are farther apart than the clearance, else near.
 template <class A, class B>
 Finding by_distance(const WalkPair<A, B>& p, double clearance)
 {

@@ -42,8 +42,8 @@ void take(SegmentEntry& first, const SegmentEntry& next)
     first.lower = std::min(first.lower, next.lower), first.upper = std::min(first.upper, next.upper);
 }
 
-/// Both in one plane, or a triangle without area, which meet. Their first common point is the segment's start, a corner
-/// of the triangle, a crossing of an edge, or the segment's end.
+/// The segment meets a triangle in whose plane it lies, or a triangle without area. Their first common point is the
+/// segment's start, a corner of the triangle, a crossing of an edge, or the segment's end.
 SegmentEntry entry_in_plane(const Segment& segment, const TrianglePoints& triangle)
 {
     const Vector3d &p = segment.from, &q = segment.to;
@@ -118,7 +118,8 @@ std::optional<SegmentEntry> entry_of(const Segment& segment, const Convex& solid
     if (whole > 0) return {};
     const int start = sign(0);
     if (start < 0) return at_start;
-    // Up to `apart` certainly no common point, at `meets` certainly one, at `open` from and to rounding hides it.
+    // Up to `apart` there is certainly no common point, and at `meets` there is one. Between `from` and `to` rounding
+    // hides whether there is one.
     double apart = 0, meets = 1, from = whole < 0 ? 2 : 1, to = from;
     if (start == 0) from = 0, to = whole < 0 ? 0 : 1;
     while (from > 1 && meets - apart > 0x1p-42) {

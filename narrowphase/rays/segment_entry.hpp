@@ -24,9 +24,9 @@ std::optional<SegmentEntry> entry_of(const Segment& segment, const Aabb& cell); 
 /// The half-space z <= 0.
 std::optional<SegmentEntry> entry_in_half_space(const Segment& segment);
 
-/// A solid: certain except for rounding, as ConvexPair::meeting(). The bounds are at most 2^-40 apart if the segment
-/// does not graze the solid; otherwise they enclose the part of the segment in which rounding hides the entry.
-/// Cost: 45 decisions.
+/// For a solid the result is certain except for rounding, as for ConvexPair::meeting(). The bounds are at most 2^-40
+/// apart if the segment does not graze the solid; otherwise they enclose the part of the segment in which rounding
+/// hides the entry. Cost: 45 decisions.
 std::optional<SegmentEntry> entry_of(const Segment& segment, const Convex& solid);
 
 /// The unit normal that faces the segment's first point; 0 if the segment is in the plane, or the triangle has no area.

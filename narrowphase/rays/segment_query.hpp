@@ -11,7 +11,7 @@ namespace oncollide {
 struct SegmentHit {
     SegmentEntry entry;
     BodyPart part;          ///< the smallest of the parts whose entries may be the first
-    Eigen::Vector3d normal; ///< of the part, unit, facing the segment's first point; 0: not defined
+    Eigen::Vector3d normal; ///< normal of the part, unit, facing the segment's first point; 0: not defined
 };
 
 /// Tests segments against models. One thread's working memory.
@@ -42,7 +42,7 @@ private:
     struct Candidate {
         SegmentEntry entry;
         BodyPart part;
-        std::uint32_t number; ///< of the triangle in the tree
+        std::uint32_t number; ///< number of the triangle in the tree
     };
     bool begins_inside(Model& model, const Segment& segment, bool solid);
     template <class Tree, class Entry>

@@ -44,7 +44,8 @@ private:
     }
     void open(Tree& tree, const typename Tree::Node& node, const SegmentLine& line, float last);
 
-    std::vector<Box> boxes_ = std::vector<Box>(64); ///< the first `waiting_` are to visit, the last of them next
+    std::vector<Box> boxes_ = std::vector<Box>(64); ///< the first `waiting_` boxes are still to be visited, the last of
+                                                    ///< them next
     std::size_t waiting_ = 0;
 };
 
@@ -88,7 +89,7 @@ void SegmentWalk<Tree>::walk(Tree& tree, const Segment& segment, Take take, doub
     const std::optional<SegmentPart> part = part_in(segment, bounds_of(tree));
     if (!part) return;
     const SegmentLine line = line_of(*part, centre, 4 * tree.radius()); // corners of boxes lie farther out
-    // Entries are in the part: -1 is its begin, 1 its end.
+    // Entries are relative to the part: -1 is its beginning, 1 its end.
     const double length = part->end - part->begin;
     const auto last_entry = [&](double allowed) {
         if (allowed < part->begin || !(length > 0)) return allowed < part->begin ? -2.0f : 2.0f;

@@ -26,7 +26,7 @@ struct Convex {
     std::uint32_t count = 0;
     std::span<const Triangle> faces;
 
-    double radius = 0;      ///< of the sphere that is swept over the core
+    double radius = 0;      ///< radius of the sphere that is swept over the core
     double extent = 0;      ///< the core is within this distance of the origin, rounded up
     Eigen::Vector3d centre; ///< a point inside
     double inner = 0;       ///< the core holds a sphere of this radius around `centre`, rounded down; 0 for flat cores

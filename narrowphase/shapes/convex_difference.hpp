@@ -15,8 +15,8 @@ public:
         // With u = 2^-53: a placed point of B errs by at most 9 u of its magnitude; a round support point by 6 u of the
         // core's size before that; the difference by u; its product with a direction, divided by the direction's
         // length, by 8 u. A direction rotated into B's frame errs by 6 u of its length, and may therefore choose a
-        // point that is too near by 12 u of B's size. Together below 64 u = 2^-47. The slack applies to round solids: a
-        // polytope is defined by its vertices as placed.
+        // point that is too near by 12 u of B's size. Together the errors are below 64 u = 2^-47. The slack applies to
+        // round solids: a polytope is defined by its vertices as placed.
         const auto round_size = [](const Convex& c) { return c.radius + (c.flat_sided ? 0 : c.extent); };
         const double size = a.extent + b.extent;
         rounding_ =

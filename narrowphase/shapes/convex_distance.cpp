@@ -35,7 +35,7 @@ bool look_along_normals(const ConvexDifference& cores, const DistanceGoal& goal,
     for (int look = 0; look < most_newton_steps; ++look) {
         const ConvexDifference::Point p = cores.support(-n);
         const double apart = n.dot(p.w), upper = p.w.norm() + rounding;
-        if (!(apart > last)) break; // faces, edges, or the limit of doubles
+        if (!(apart > last)) break; // faces, edges, or the limit of doubles stop the progress
         last = apart, v = n;
         found.lower = std::max(found.lower, apart - rounding);
         if (upper < found.upper) found.upper = upper, found.on_a = p.a, found.on_b = p.a + p.w;

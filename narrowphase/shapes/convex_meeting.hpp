@@ -9,8 +9,8 @@ struct ConvexMeeting {
     double bound; ///< sign 1: a lower bound of the distance, > 0; otherwise an upper bound, which for sign -1 is 0
 };
 
-/// Undecided are only contacts as shallow, or gaps as narrow, as 2^-47 of the sizes. Cost: 0.05 to 0.3 microseconds for
-/// boxes and hulls of few points.
+/// Only contacts and gaps smaller than 2^-47 of the sizes stay undecided. Cost: 0.05 to 0.3 microseconds for boxes and
+/// hulls of few points.
 ///
 /// A ray from a point inside the difference b - a through 0 leaves the difference through a triangle of its points, the
 /// portal. The portal is moved outward until 0 is on its inner side or separated from the difference. Source: Snethen,

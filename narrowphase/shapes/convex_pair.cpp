@@ -50,8 +50,8 @@ ConvexDistance ConvexPair::distance(DistanceGoal goal) const
 {
     goal.cutoff += radius_, goal.below += radius_;
     ConvexDistance d = convex_distance(cores_, goal);
-    // The direction between bodies that almost touch is lost in rounding. A portal's direction is not; and where the
-    // meeting is certain, the distance must say the same.
+    // The direction between bodies that almost touch is lost in rounding. A portal's direction is not lost; and where
+    // the meeting is certain, the distance must agree with it.
     if (radius_ == 0 ? d.lower < 0x1p-20 * d.upper : d.lower <= radius_ && d.upper > radius_) {
         const ConvexMeeting m = meeting();
         if (m.sign > 0) d.lower = std::min(std::max(d.lower, radius_ + m.bound), d.upper);

@@ -17,8 +17,8 @@ public:
     ConvexMeeting meeting() const;
 
     /// Bounds of the distance, both 0 if they certainly meet. The points are on the bodies and, within rounding,
-    /// `upper` apart; if they meet, one point of both. If goal.below is -infinity, swept spheres that meet return
-    /// their point of deepest overlap.
+    /// `upper` apart; if the bodies meet, both are one common point. If goal.below is -infinity, swept spheres that
+    /// meet return their point of deepest overlap.
     ConvexDistance distance(DistanceGoal goal) const;
 
 private:

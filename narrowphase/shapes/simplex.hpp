@@ -10,7 +10,7 @@ namespace oncollide {
 /// Up to four points of a ConvexDifference, and the point of their hull nearest to 0.
 struct Simplex4 {
     std::array<ConvexDifference::Point, 4> corner;
-    std::array<double, 4> weight; ///< of the nearest point; each at least 0, with the sum 1
+    std::array<double, 4> weight; ///< weights of the nearest point; each at least 0, with the sum 1
     int count = 0;
 
     /// Finds the nearest point and drops the corners that it does not need. In spite of rounding the point is in the

@@ -24,7 +24,7 @@ public:
     {
         surfaces_.find(rows, {}, threads);
         results_.resize(rows.size());
-        // In the order of the rows, so that the lists do not depend on threads.
+        // Lists are stored in the order of the rows, so that they do not depend on threads.
         for (std::size_t i = 0; i < rows.size(); ++i) results_[i] = find(rows[i], i);
     }
 

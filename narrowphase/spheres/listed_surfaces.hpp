@@ -17,7 +17,7 @@ public:
     bool attached(std::uint32_t tree) const { return tree < trees_.size() && trees_[tree]; }
     void detach(std::uint32_t tree);
     const Surface& surface(std::uint32_t tree) const { return trees_[tree]->surface; }
-    std::size_t bytes() const; ///< of surfaces and kept lists
+    std::size_t bytes() const; ///< bytes of surfaces and kept lists
 
     /// How find() tests triangles, and which results it stores.
     struct Find {

@@ -42,7 +42,7 @@ struct BatchWork {
     double gpu_ms = 0;         ///< between the first and the last command of the batch, by the GPU's clock
     double wait_ms = 0;        ///< the caller waited for the GPU
     std::uint64_t queries = 0; ///< occlusion queries
-    std::uint64_t bytes = 0;   ///< to the GPU and back
+    std::uint64_t bytes = 0;   ///< bytes moved to the GPU and back
     std::uint64_t repeats = 0; ///< repetitions of the batch because a buffer was too small
 };
 
@@ -87,15 +87,16 @@ public:
 
     /// Releases a list whose cell was dropped.
     virtual void release(std::uint32_t tree, ListId list) = 0;
-    /// Appends the triangles of each read to `triangles`, ascending, and their ends to `ends`. One call for many reads,
-    /// as lists may be on the GPU.
+    /// Appends the triangles of each read to `triangles`, ascending, and their ends to `ends`. One call serves many
+    /// reads, because lists may be on the GPU.
     virtual void read(std::span<const ListRead> reads, std::vector<std::uint32_t>& triangles,
                       std::vector<std::size_t>& ends) = 0;
     /// Memory held for surfaces and lists.
     virtual std::size_t bytes() const = 0;
 };
 
-/// Per triangle: its box against the octants' planes by table, then separating axes against the eight octants at once.
+/// For each triangle it tests the triangle's box against the octants' planes by a table, then separating axes against
+/// all eight octants at once.
 std::unique_ptr<OcclusionBackend> make_cpu_backend();
 
 } // namespace oncollide

@@ -58,7 +58,7 @@ public:
     /// Calls `visit` for every known cell, parents first: stored cells, and the leaves under expanded parents. The
     /// children of an expanded cell are known; below other cells nothing is known yet, and leaves have no children.
     void for_each_cell(const std::function<void(CellKey, bool expanded)>& visit) const;
-    Eigen::Vector3d centre(CellKey cell) const; ///< of its sphere, geometry frame
+    Eigen::Vector3d centre(CellKey cell) const; ///< centre of its sphere, geometry frame
 
     const OcstNode* nodes() const { return nodes_.data(); }
     OcstNode* nodes() { return nodes_.data(); }

@@ -9,7 +9,7 @@ namespace oncollide {
 /// A cell in the form that the octant tests of all backends use.
 struct OctantCell {
     float centre[3]; ///< relative to the root's centre
-    float half[3];   ///< of the cell
+    float half[3];   ///< half-extents of the cell
     float slack;     ///< RootCell::slack()
 };
 

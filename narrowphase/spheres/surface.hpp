@@ -13,7 +13,7 @@ struct RootCell {
     Eigen::Vector3d centre; ///< geometry frame; kept in double, everything else is relative to it
     std::array<float, 3>
         half;      ///< half-extents, rounded up; at least 1/64 of the largest, so that flat bodies get real cells
-    double radius; ///< of the sphere around the cell
+    double radius; ///< radius of the sphere around the cell
     double scale;  ///< largest half-extent: the M of every rounding argument
     /// An octant test may report grey this far outside a cell: 2^-18 M. The test's octants are grown by it.
     double slack() const { return scale * 0x1p-18; }

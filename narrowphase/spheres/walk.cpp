@@ -29,7 +29,8 @@ double side(unsigned octant, int axis)
     return octant >> axis & 1 ? 1.0 : -1.0;
 }
 
-/// The levels reached at step s on each side: the larger sphere is descended, both if within a factor of sqrt 2.
+/// The levels reached at step s on each side: each step descends the larger sphere, or both if their sizes are within a
+/// factor of sqrt 2.
 struct Descent {
     double ra, rb;
     int left_a, left_b, level_a = 0, level_b = 0;

@@ -73,7 +73,7 @@ public:
     ~Walker();
     Walker(Walker&&) noexcept;
 
-    /// Starts a pair. If it parks, the rest is appended to this walker's list of parked work.
+    /// Starts a pair. If the traversal parks, the remaining work is appended to this walker's list of parked work.
     WalkResult start(const WalkPair& pair, std::uint32_t frame, ParkedWork& parked);
     /// Continues work parked in `from` (another walker or round), given the last result.
     /// @param round    1 for the first resumption in a frame

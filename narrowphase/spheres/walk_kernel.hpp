@@ -11,7 +11,7 @@ constexpr int most_steps = 2 * deepest_level;
 
 /// One step down. All pairs of cells at step s have the same two levels.
 struct WalkStep {
-    float scale_a, scale_b; ///< of the child offsets; 0: that side is not descended
+    float scale_a, scale_b; ///< scales of the child offsets; 0: that side is not descended
     float cutoff2;          ///< squared distance up to which the children's spheres touch, enlarged for rounding
 };
 
@@ -19,7 +19,7 @@ struct WalkStep {
 struct WalkPlan {
     alignas(32) float ax[8], ay[8], az[8]; ///< offsets of A's octants from their cell's centre, at the root
     alignas(32) float bx[8], by[8], bz[8]; ///< B's, rotated into A's frame
-    float d[3];                            ///< from A's root centre to B's
+    float d[3];                            ///< vector from A's root centre to B's
     int count;                             ///< steps
     WalkStep steps[most_steps];
     OcstNode *nodes_a, *nodes_b;
@@ -29,7 +29,7 @@ struct WalkPlan {
 /// Two cells whose spheres touch, still to be expanded.
 struct WalkEntry {
     std::uint32_t a, b; ///< stored nodes; meaningless on a side that has reached its leaves
-    float d[3];         ///< from a's centre to b's
+    float d[3];         ///< vector from a's centre to b's
     std::int32_t step;
     CellKey key_a, key_b;
 };
@@ -53,7 +53,8 @@ struct WalkKernel {
     /// Depth first from the stack's entries until a pair of leaves touches (hit), nothing is left (empty), or `parked`
     /// has no room (full: the stack holds the rest).
     WalkEnd (*walk)(const WalkPlan& plan, WalkState& state);
-    /// True if the traversal from the root to this pair of leaves passes every test: the same arithmetic on one path.
+    /// True if the traversal from the root to this pair of leaves passes every test; uses the same arithmetic on one
+    /// path.
     bool (*replay)(const WalkPlan& plan, CellKey a, CellKey b);
 };
 

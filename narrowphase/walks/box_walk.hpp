@@ -57,8 +57,8 @@ public:
     /// the cutoff: lower > cutoff, upper = inf. Otherwise both are finite.
     DistanceBounds<Pair> distance(A& a, B& b, const RelativePose& b_to_a, double tolerance, double cutoff);
 
-    /// A lower bound of the time at which primitives first meet during a motion. Cost: of the boxes that may meet
-    /// before that.
+    /// A lower bound of the time at which primitives first meet during a motion. Cost: proportional to the number of
+    /// boxes that may meet before that time.
     FirstEntry<Pair> first_entry(A& a, B& b, const RelativePose& b_to_a, const SweptMotion& motion);
 
     Leaves& leaves() { return leaves_; }
@@ -73,7 +73,7 @@ private:
     /// a load that spans several recent stores stalls the processor.
     struct Entry {
         std::uint64_t boxes = 0; ///< 8 * slot + lane; B's in the upper half
-        float gap = 0;           ///< from Gaps::likely: the order
+        float gap = 0;           ///< the gap; with Gaps::likely, the order instead
 
         Entry() = default;
         Entry(std::uint32_t slot_a, std::uint32_t lane_a, std::uint32_t slot_b, std::uint32_t lane_b)
@@ -121,7 +121,7 @@ private:
         reset();
         stack_[top_++] = {};
     }
-    /// As start(), for primitives within `cutoff`: of a large geometry only the surroundings of the other one.
+    /// As start(), for primitives within `cutoff`; in a large geometry it starts only around the other one.
     void start_near(A& a, B& b, const RelativePose& b_to_a, const WalkFrame& frame, double cutoff)
     {
         const auto around = [&](const Eigen::Vector3d& centre, double radius) {
@@ -212,8 +212,8 @@ private:
     /// Sets the place around the pair, which waited or is in the boxes of an entry.
     void set_place(const A& a, const B& b, std::optional<Place>* place, const Pair& pair, const Entry* from = nullptr)
     {
-        constexpr int levels = 2; // up to a hundred triangles: mostly they meet there again, for a quarter of the cost
-                                  // of a traversal
+        constexpr int levels = 2; // up to a hundred triangles: a pair mostly meets there again, for a quarter of the
+                                  // cost of a traversal
         if (!place) return;
         for (std::size_t i = 0; i < from_.size(); ++i)
             if (waiting_[i].a == pair.a && waiting_[i].b == pair.b) from = &from_[i];
@@ -223,7 +223,7 @@ private:
         place->emplace(a, a_[slot_a].node, lane_a, b, b_[slot_b].node, lane_b);
     }
     bool both_leaves(Entry e) const { return a_[e.slot_a()].leaf(e.lane_a()) && b_[e.slot_b()].leaf(e.lane_b()); }
-    /// True if the box of A is to be opened: the larger box is, unless it is single.
+    /// True if the box of A is opened next: the larger box is opened, unless it is single.
     bool opens_a(Entry e) const
     {
         return b_[e.slot_b()].single(e.lane_b()) ||
@@ -263,7 +263,8 @@ private:
     };
     /// Upper bound of the projection of a box's contents onto a direction, relative to the origin: of a leaf's
     /// primitives, or of the boxes in the child node of a mesh with many triangles, which follow the contents better
-    /// than the box does. Opens the node. Kept until the line changes, because each box is compared with many.
+    /// than the box does. Opens the node. Bounds are kept until the line changes, because each box is compared with
+    /// many others.
     double reach_of(auto& nodes, std::vector<Reaches>& kept, std::uint32_t slot, unsigned k,
                     const float (&direction)[3], auto of_leaf)
     {
@@ -301,7 +302,7 @@ private:
         return reach_of(b_, reaches_b_, e.slot_b(), e.lane_b(), toward_a,
                         [&] { return origin_along_line_ - low_b(b_.primitives(e.slot_b(), e.lane_b()), line_); });
     }
-    /// A gap of the contents of two boxes: along the line.
+    /// The gap along the line between the contents of two boxes.
     float line_gap(Entry e) { return static_cast<float>(-reach_of_a(e) - reach_of_b(e)); }
     /// The direction from the other box towards the parts of this one, and the reach of the other box.
     BoxLine line_to(Entry e, bool down_a)
@@ -384,12 +385,12 @@ private:
     std::vector<Pair> waiting_;                  ///< pairs to be tested together
     std::vector<Entry> from_;                    ///< the boxes that contain them
     alignas(32) float nearest_[8];               ///< least gaps of the rejected boxes
-    Eigen::Vector3d origin_;                     ///< of the boxes' coordinates, in A's frame
-    WalkLine line_;                              ///< from A's nearest point found so far to B's
-    std::uint32_t line_number_ = 0;              ///< of all lines so far
+    Eigen::Vector3d origin_;                     ///< origin of the boxes' coordinates, in A's frame
+    WalkLine line_;                              ///< the line from A's nearest point found so far to B's
+    std::uint32_t line_number_ = 0;              ///< number of the current line, counted over all lines so far
     std::vector<Reaches> reaches_a_, reaches_b_; ///< by slot
     double origin_along_line_;
-    SweptMotion swept_;              ///< of points in the boxes' coordinates
+    SweptMotion swept_;              ///< motion of points in the boxes' coordinates
     double turn_a_ = 0, turn_b_ = 0; ///< lengths of the rotations
     double box_rounding_ = 0;
     float toward_b_[3]; ///< line_ for boxes: a little shorter, so that rounding makes it no longer than 1

@@ -20,7 +20,7 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
     origin_ = frame.origin;
     start(a, b, b_to_a, frame);
     DistanceBounds<Pair> best{infinity, infinity, {}};
-    // A meeting is found early. The deepest overlaps first: their triangles are the first nearest pairs.
+    // A meeting is found early. Tests the deepest overlaps first: their triangles are the first nearest pairs.
     const std::uint64_t rows_before = box_rows;
     std::size_t batch = first_batch;
     const auto take_meeting = [&](Pair pair) {
@@ -32,8 +32,8 @@ DistanceBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::distance(A& a, B& b
         return test_if_enough(batch, take_meeting);
     });
     if (best.nearest || !leaves_.meeting(std::span<const Pair>(waiting_), take_meeting)) return best;
-    // Projections onto the line through the nearest points show nearly the distance of all primitives near them. The
-    // neighbours of the last pair show it on the line of that pair.
+    // Projections onto the line through the nearest points show nearly the distance of all primitives near them.
+    // Neighbours of the last pair show it on the line of the last pair.
     take_line(WalkLine(b_to_a(b.centre()) - a.centre(), b_to_a));
     WalkLine last_line = line_;
     Eigen::Vector3d near_a, near_b; // the nearest points so far

@@ -31,7 +31,8 @@ unsigned BoxWalk<A, B, Leaves>::open(Entry e, float gap_limit)
 }
 
 /// Pushes the boxes of the node in the slot, of A or of B, that are within `gap_limit` of the other box, the nearest or
-/// likeliest last; in time, boxes that may meet it by then, and the first last. Returns how many.
+/// likeliest last. With Gaps::in_time, pushes the boxes that may meet the other one in time, the first to meet last.
+/// Returns how many.
 template <BoxHierarchy A, BoxHierarchy B, LeafTests<A, B> Leaves>
 template <typename BoxWalk<A, B, Leaves>::Gaps how>
 unsigned BoxWalk<A, B, Leaves>::compare(Entry e, bool down_a, std::uint32_t slot, float gap_limit)
@@ -147,7 +148,7 @@ NearBounds<typename Leaves::Pair> BoxWalk<A, B, Leaves>::near(A& a, B& b, const 
     const double rounding = frame.leaf_rounding + 0x1p-18 * clearance;
     NearBounds<Pair> result{false, clearance + std::max(tolerance, 2 * rounding), {}};
     const double enough = result.bound - rounding;
-    const Entry* from = nullptr; // the entry of pairs that do not wait
+    const Entry* from = nullptr; // the entry of the pairs that are tested at once
     const auto take = [&](Pair pair) {
         result.near = true, result.witness = pair;
         set_place(a, b, place, pair, from);

@@ -8,9 +8,9 @@
 
 namespace oncollide {
 
-/// As first_entry(), for parts whose nearest points are so close that rounding turns the line between them: from
-/// parts that are lifted off each other, in several directions, it comes out exactly. An overlap counts as a gap if the
-/// slack is negative.
+/// As first_entry(), for parts whose nearest points are so close that rounding would turn the line between them. The
+/// parts are lifted off each other in several directions, which gives the line exactly. An overlap counts as a gap if
+/// the slack is negative.
 /// @param scales  of the smaller and the larger part, metres
 /// @param between  between(time, lift): a vector from A's nearest point to B's, after the linear motion until then and
 /// with B moved by `lift`
@@ -19,7 +19,7 @@ PartsEntry careful_entry(const SweptParts& parts, double from, double until, Eig
 {
     using Eigen::Vector3d;
     constexpr int most_tries = 16, refinements = 3;
-    constexpr double enough = 0x1p-12; // shares of the window
+    constexpr double enough = 0x1p-12; // times, as shares of the window
     const double small = scales.first, large = scales.second;
     const double least_lift = 4 * std::max(0.0, -parts.slack), lift = std::max(0x1p-4 * small, least_lift);
     PartsEntry found{from, from, Vector3d::Zero()};

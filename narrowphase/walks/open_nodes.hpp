@@ -31,7 +31,7 @@ public:
         hierarchy_ = &hierarchy, placement_ = placement;
         used_ = 0;
     }
-    /// Opens a node that is not the child of an open node; slot 0, the first, never is. Returns its slot.
+    /// Opens a node that is not the child of an open node, such as the first one, in slot 0. Returns its slot.
     std::uint32_t open(const typename Hierarchy::Node& node)
     {
         if (used_ == nodes_.size()) nodes_.resize(2 * std::size_t(used_) + 16);

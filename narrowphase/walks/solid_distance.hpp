@@ -14,7 +14,7 @@ namespace oncollide {
 ///
 /// BoxWalk tests the solid's box against every box. This class bounds the distance of a box along the direction to its
 /// point nearest to the solid's centre; for a distant body, or over flat ground, the bound is nearly the distance.
-/// Eight cells of a terrain, sixteen triangles, are tested at once without boxes. With bounds so close few nodes are
+/// Eight cells of a terrain (sixteen triangles) are tested at once without boxes. With such close bounds few nodes are
 /// opened, so a heap pays.
 template <class Tree>
 class SolidDistance {

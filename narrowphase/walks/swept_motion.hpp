@@ -14,7 +14,7 @@ struct SweptSide {
     [[gnu::always_inline]] Eigen::Vector3d at(const Eigen::Vector3d& x) const { return shift + turn.cross(x); }
 };
 
-/// How a window takes parts that nearly touch.
+/// How a window treats parts that nearly touch.
 struct NearTouch {
     bool careful = false; ///< look for directions that are exact there (careful_entry.hpp); slower
     double depth = 0;     ///< metres, only if careful: parts that overlap by no more do not count as meeting
@@ -39,7 +39,7 @@ constexpr double after_window = 2; ///< a time after the window
 /// When two parts first meet.
 struct PartsEntry {
     double time = after_window;         ///< lower bound
-    double likely = after_window;       ///< without the slack, where `time` is in the window
+    double likely = after_window;       ///< estimate without the slack, if `time` is in the window
     Eigen::Vector3d direction{0, 0, 0}; ///< unit, or 0: separates the parts until `time`, from A to B
 };
 
@@ -66,7 +66,7 @@ PartsEntry first_entry(const SweptParts& parts, double from, double until, Eigen
                        auto between)
 {
     constexpr int most_tries = 16;
-    constexpr double enough = 0x1p-12; // shares of the window
+    constexpr double enough = 0x1p-12; // times, as shares of the window
     PartsEntry found{from, from, Eigen::Vector3d::Zero()};
     const auto take = [&](const Eigen::Vector3d& direction) {
         const PartsEntry entry = entry_along(direction, apart(direction), parts, found.time);

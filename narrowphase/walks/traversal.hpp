@@ -61,7 +61,7 @@ public:
 
     /// Writes all pairs at most `clearance` apart to `out`, and perhaps others; each once, in any order; overwrites
     /// `out`.
-    /// @param meeting  as `out` of all_meeting(), unless null
+    /// @param meeting  overwritten with the pairs that meet, as `out` of all_meeting(); null: not needed
     void all_near(A& a, B& b, const RelativePose& b_to_a, double clearance, std::vector<TrianglePair>& out,
                   std::vector<TrianglePair>* meeting = nullptr);
 

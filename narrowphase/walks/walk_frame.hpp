@@ -21,7 +21,7 @@ namespace oncollide {
 /// |dx| - s apart. Together, a gap is at most the distance times 1 + 2^-17, plus 420 u s, plus box_rounding; the nodes'
 /// margins are at least 420 u s. RelativePose rounds in double, relative to the files' origins and to the bodies'
 /// distance: a placed coordinate errs by at most 7 u |p| + 6 u |translation| with u = 2^-53, a placed point by less
-/// than 2^-49 of the sum of both. Half of leaf_rounding covers that; the other half is for the measuring of placed
+/// than 2^-49 of the sum of both. Half of leaf_rounding covers this error; the other half is for measuring placed
 /// primitives.
 struct WalkFrame {
     BoxPlacement place_a, place_b;
@@ -38,7 +38,8 @@ struct WalkFrame {
         const Eigen::Vector3d d = b_to_a(b.centre()) - a.centre();
         const double both = a.radius() + b.radius(), length = d.norm(), m = length + both;
         const auto sum = [](const Eigen::Vector3d& v) { return std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]); };
-        const double at_most_far = sum(a.centre()) + sum(b.centre()) + sum(b_to_a.translation); // without roots
+        const double at_most_far = sum(a.centre()) + sum(b.centre()) + sum(b_to_a.translation); // sums of magnitudes,
+                                                                                                // without roots
         // The translation of B, which only corrects the origin's rounding, is shorter than 2^-17 of the distance.
         box_rounding =
             0x1p-18 * std::min(a.radius(), b.radius()) + 0x1p-37 * length + 0x1p-48 * (m + at_most_far) + 1e-30;
@@ -63,7 +64,7 @@ struct WalkFrame {
     }
     /// The lower bound of the distance of primitives whose distance as placed is at least `gap`. Poses may be 2^-20
     /// from rigid; that takes more from large gaps than the rounding of the placement does. Below this rounding only
-    /// placed primitives have a distance: the bound is theirs, > 0 unless they touch.
+    /// the placed primitives have a distance, so the bound is their distance, > 0 unless they touch.
     double placed_at_least(double gap) const
     {
         if (gap < 0x1p18 * placement) gap = std::max(gap - placement, std::min(gap, placement));

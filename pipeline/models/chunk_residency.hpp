@@ -27,8 +27,8 @@ public:
     template <class Work>
     auto with_room(Work work) const;
 
-    std::uint64_t nodes() const; ///< of the OBB trees
-    std::size_t bytes() const;   ///< of these trees, and of the trees of the grids
+    std::uint64_t nodes() const; ///< number of nodes of the OBB trees
+    std::size_t bytes() const;   ///< bytes of these trees, and of the trees of the grids
 
 private:
     void drop_chunks(std::size_t down_to) const;

@@ -10,8 +10,8 @@ namespace oncollide {
 
 /// The counters of OBB trees, which outlive the models.
 struct ObbCounters {
-    ChunkBudget chunks; ///< of cooked files of any kind
-    BoxTotals totals;   ///< of the trees that read no chunks
+    ChunkBudget chunks; ///< chunks of cooked files of any kind
+    BoxTotals totals;   ///< totals of the trees that read no chunks
 };
 
 /// Which OBB trees exist, under the budgets of nodes and bytes.
@@ -41,8 +41,8 @@ public:
     void look_ahead(std::vector<PrefetchPart> parts) { prepared_.prepare(std::move(parts)); }
     void begin(std::uint32_t frame) { prepared_.begin(frame); }
 
-    /// Drops the trees that no pair has needed for `age` frames. Returns the number of nodes dropped; nothing, and
-    /// drops nothing, if the prefetcher is busy.
+    /// Drops the trees that no pair has needed for `age` frames. Returns the number of nodes dropped; returns nothing,
+    /// and drops nothing, if the prefetcher is busy.
     std::optional<std::uint64_t> collapse(std::uint32_t frame, std::uint32_t age);
 
     /// Upper bounds on the size of trees.
@@ -50,9 +50,9 @@ public:
         std::uint64_t nodes = 0;
         std::size_t bytes = 0;
     };
-    const Room& reserved() const { return reserved_; } ///< for all trees, fully grown
+    const Room& reserved() const { return reserved_; } ///< the room for all trees, fully grown
     std::uint64_t nodes() const;
-    std::size_t bytes() const; ///< of the OBB trees, and of the trees of maps and terrains
+    std::size_t bytes() const; ///< bytes of the OBB trees, and of the trees of maps and terrains
 
 private:
     static Room all_grown(const Model& model);
@@ -63,7 +63,7 @@ private:
     ObbCounters& counters_;
     const SphereForest& spheres_;
     std::vector<Model*> with_trees_; ///< models with an OBB tree
-    Room reserved_;                  ///< for with_trees_
+    Room reserved_;                  ///< the room for with_trees_
     PreparedTrees prepared_;         ///< its thread uses the models
     ChunkResidency chunks_;
 };

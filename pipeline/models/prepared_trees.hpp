@@ -28,9 +28,9 @@ public:
     Lock lock() const { return Lock(guard_); }
     /// Gives away the prepared tree of a model; null: there is none.
     std::unique_ptr<ObbTree> take(const Model& model);
-    /// Drops the prepared tree of a model, and its waiting parts. During a pause.
+    /// Drops the prepared tree of a model, and its waiting parts. Call it during a pause.
     void forget(const Model& model);
-    /// Drops the trees that were not requested for `age` frames. During a pause.
+    /// Drops the trees that were not requested for `age` frames. Call it during a pause.
     void drop(std::uint32_t frame, std::uint32_t age);
     /// Calls visit(tree) for each prepared tree.
     template <class Visit>
@@ -49,7 +49,7 @@ private:
     std::vector<Prepared>::iterator find(const Model& model);
 
     ChunkBudget& chunks_;
-    mutable OrderedMutex<LockRank::obb_trees> guard_; ///< of trees_ and frame_
+    mutable OrderedMutex<LockRank::obb_trees> guard_; ///< guards trees_ and frame_
     std::vector<Prepared> trees_;
     std::uint32_t frame_ = 0;
     std::unique_ptr<Prefetcher> thread_; ///< null until needed; destroyed before the other members

@@ -21,8 +21,8 @@ public:
     {
     }
 
-    /// The tree of a model, deep enough for pairs with that error; created with only its root at first use. Not while
-    /// cells are being expanded.
+    /// The tree of a model, deep enough for pairs with that error; created with only its root at first use. Do not call
+    /// it while cells are being expanded.
     Ocst& tree(Model& model, double max_error);
     /// True if the tree exists and is deep enough.
     bool has_tree(const Model& model, double max_error) const
@@ -66,11 +66,11 @@ private:
     const ModelTable& models_;
     std::unique_ptr<OcclusionBackend> backend_;
     std::vector<std::uint32_t> trees_; ///< numbers of the models with a tree
-    std::vector<OctantRow> rows_;      ///< of the current batch
+    std::vector<OctantRow> rows_;      ///< rows of the current batch
     std::vector<OctantResult> results_;
-    std::vector<CellRequest> requests_; ///< of the batch, with those ahead
+    std::vector<CellRequest> requests_; ///< requests of the batch, with those ahead
     bool grows_ahead_ = false;
-    std::vector<CellRequest> ahead_; ///< for the next batch
+    std::vector<CellRequest> ahead_; ///< requests for the next batch
     int threads_ = 1;
     std::string lost_;
 };

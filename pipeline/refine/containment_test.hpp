@@ -24,7 +24,7 @@ private:
     struct Query {
         std::uint32_t task;
         bool outer_is_a;
-        ObbTree* tree; ///< of the outer mesh; null if a budget has no room
+        ObbTree* tree; ///< the tree of the outer mesh; null if a budget has no room
         bool holds;
     };
     void gather(const RefineContext& context, std::span<const PairTask> tasks, std::span<const std::uint8_t> apart);

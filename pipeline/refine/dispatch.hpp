@@ -41,7 +41,7 @@ public:
     {
     }
 
-    /// Makes the trees that the refiner needs. Not during traversals, unless there() returns true.
+    /// Makes the trees that the refiner needs. Do not call it during traversals, unless there() returns true.
     Refiner of(Level level, ModelStore& models, Model& a, Model& b, std::uint32_t frame) const
     {
         const auto room = [&] {

@@ -56,7 +56,7 @@ private:
     ContainmentTest containment_;
     std::vector<Refiner> refiners_;                               ///< by task
     std::array<std::vector<std::uint32_t>, refiner_count> taken_; ///< tasks by refiner
-    std::vector<PairTask> tasks_;                                 ///< of one refiner
+    std::vector<PairTask> tasks_;                                 ///< tasks of one refiner
     std::vector<Finding> results_;
     std::vector<std::uint8_t> apart_;
 };

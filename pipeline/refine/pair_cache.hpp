@@ -52,7 +52,7 @@ private:
     std::vector<PairMemory> memories_;
     std::vector<std::uint32_t> free_; ///< rows
     std::vector<BodyPair> pairs_, last_pairs_;
-    std::vector<std::uint32_t> rows_, last_rows_; ///< in memories_, by pair
+    std::vector<std::uint32_t> rows_, last_rows_; ///< the pairs' rows in memories_
     std::vector<PairRun> unchanged_;
 };
 

@@ -37,7 +37,7 @@ private:
         std::uint32_t pair, worker;
         int resumed;      ///< number of times the pair was resumed
         WalkResult found; ///< result so far
-        ParkedWork work;  ///< in the worker's walker
+        ParkedWork work;  ///< entries in the worker's walker
     };
     struct Worker {
         Walker walker;
@@ -60,7 +60,7 @@ private:
     static constexpr std::size_t pairs_worth_slices = 1024, slices = 8, most_in_slice = 16384;
 
     ModelStore& models_;
-    RefineContext* context_ = nullptr; ///< of the current run, like the next three members
+    RefineContext* context_ = nullptr; ///< the context of the current run, like the next three members
     std::span<const PairTask> tasks_;
     PairCache* cache_ = nullptr;
     std::span<Finding> results_;

@@ -122,7 +122,7 @@ private:
         alive_bit = 1,
         static_bit = 2,
         known_bit = 4,        ///< in the broad phase
-        known_static_bit = 8, ///< and static there
+        known_static_bit = 8, ///< static in the broad phase
         fresh_bit = 16,       ///< new, or with a new geometry
         moved_bit = 32,       ///< pose or filter changed
         listed_bit = 64,      ///< in changed_
@@ -161,7 +161,7 @@ private:
     const std::uint16_t world_;
     std::vector<std::uint32_t>
         motion_of_;                     ///< by slot: one more than the index of its motion; 0, or beyond its end: none
-    std::vector<RigidMotion> motions_;  ///< of this frame
+    std::vector<RigidMotion> motions_;  ///< motions of this frame
     std::vector<std::uint32_t> moving_; ///< their slots
     bool any_group_ = false;
     std::uint64_t filters_version_ = 1; ///< grows when a layer, a mask or a group changes

@@ -20,7 +20,7 @@ struct KeptCounts {
     }
 };
 
-/// Bodies by slot. Cost of clear(): of the bodies in it.
+/// Bodies by slot. Cost of clear(): proportional to the bodies in the set.
 class SlotSet {
 public:
     void resize(std::size_t slots) { marks_.resize(slots); }
@@ -57,7 +57,7 @@ struct Frame {
     BodyChanges changes; ///< as of this frame
     // Since the last frame:
     SlotSet fresh;                               ///< bodies that are new or have a new geometry
-    SlotSet changed;                             ///< these, and bodies with another pose or filter
+    SlotSet changed;                             ///< fresh bodies, and bodies with another pose or filter
     bool same_bodies = false;                    ///< since the last frame no body, filter or exclusion changed
     std::uint64_t exclusions_version = 0;        ///< as of this frame
     std::size_t moved = 0;                       ///< bodies that moved since the last frame
@@ -65,17 +65,17 @@ struct Frame {
     std::vector<DelimitationLevel> delimitation; ///< by level; empty when skipped
     std::vector<BodyPair> pairs;                 ///< candidates, sorted
     PairFilter filter;                           ///< empty: all candidates are refined
-    PairCache cache;                             ///< of the candidates
+    PairCache cache;                             ///< cache of the candidates
     std::vector<PairResult> results;             ///< one per pair, in the same order
-    std::vector<PairResult> last_results;        ///< of the last frame that ended
+    std::vector<PairResult> last_results;        ///< results of the last frame that ended
     std::vector<PairRun> kept;                   ///< pairs that keep their last result, ascending; all others are open
     std::vector<std::uint32_t> open;             ///< pairs to be decided
     std::vector<std::uint32_t> retested;         ///< without coherence, pairs at rest: tested, but without their memory
     std::vector<std::uint32_t> swept;            ///< pairs that sweeps alone decide, as they probably meet at time 0
-    std::vector<PairSweep> sweeps;               ///< of the pairs with a body on its way, ascending
+    std::vector<PairSweep> sweeps;               ///< sweeps of the pairs with a body on its way, ascending
     SweepOptions sweep_options;
     bool parts_by_poses = false; ///< for SweepTask
-    KeptCounts kept_counts;      ///< of the pairs in `kept`
+    KeptCounts kept_counts;      ///< counts of the pairs in `kept`
     bool keeps = false;          ///< the last frame ended, and no budget lets results depend on other pairs
     bool ended = true;           ///< `results` are of a frame that ended
     std::size_t undecided = 0;   ///< pairs of the last frame

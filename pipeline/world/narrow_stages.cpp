@@ -26,8 +26,8 @@ public:
     {
     }
 
-    /// Decides the open pairs whose result `wanted` selects. Without coherence, also pairs at rest, without their
-    /// memory, which must stay as if they had not been tested.
+    /// Decides the open pairs whose result `wanted` selects. Without coherence it also tests pairs at rest, without
+    /// their memory, which must stay as if they had not been tested.
     void run(const BodyTable& bodies, Frame& frame, StageStats& stats, auto wanted)
     {
         decide(bodies, frame, frame.open, &frame.cache, stats, wanted);
@@ -99,8 +99,8 @@ public:
     }
 
 private:
-    /// Fills the results: of a pair of which nothing changed with its last result, of all others with a bound from the
-    /// boxes. An undecided pair is tried again.
+    /// Fills the results: a pair of which nothing changed gets its last result, any other pair a bound from the boxes.
+    /// An undecided pair is tried again.
     static void begin(const BodyTable& bodies, Frame& frame)
     {
         frame.cache.begin_frame(frame.pairs, frame.changed.marks(), frame.fresh.marks());
@@ -126,7 +126,7 @@ private:
         frame.context.trees.kept = frame.kept_counts.pairs;
     }
 
-    /// Without Frame::keeps, only pairs of bodies that are asleep or static.
+    /// Without Frame::keeps, only pairs of bodies that are asleep or static keep their result.
     static void keep(const BodyTable& bodies, Frame& frame, PairRun run)
     {
         const PairResult* const last = frame.last_results.data() + run.before;
@@ -143,7 +143,7 @@ private:
         }
     }
 
-    /// Pairs that met, of which a body moves on: the poses at time 0 decide, not the last ones.
+    /// Handles pairs that met and of which a body moves on: the poses at time 0 decide them, not the last ones.
     static void leave_to_sweeps(const BodyTable& bodies, Frame& frame)
     {
         frame.swept.clear();

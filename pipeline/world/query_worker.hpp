@@ -17,14 +17,14 @@ struct WorldImpl::QueryWorker {
     QueryWorker(WorldImpl& impl, const Settings& settings);
     BothLevels levels;
     RefineContext context;
-    PairWorker pairs; ///< for distances, contacts and penetrations
+    PairWorker pairs; ///< working memory for distances, contacts and penetrations
     SegmentQuery segments;
     std::vector<Aabb> boxes;
     std::vector<AabbHit> hits;
-    std::vector<std::pair<double, std::uint32_t>> entries; ///< of a segment into AABBs: fraction, slot
+    std::vector<std::pair<double, std::uint32_t>> entries; ///< entries of a segment into AABBs: fraction, slot
     std::vector<CastHit> casts;
     std::vector<SweepHit> sweeps;
-    std::vector<Eigen::Isometry3d> poses; ///< of pairs given as columns
+    std::vector<Eigen::Isometry3d> poses; ///< poses of pairs given as columns
     std::vector<PairTask> tasks;
     std::vector<Finding> refined;
 };

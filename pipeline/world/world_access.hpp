@@ -16,11 +16,11 @@ struct WorldAccess {
 
     /// A World with this backend in place of settings.backend.
     static World make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
-    // As in WorldInfo, without the cost of the rest. Not beside queries.
+    // As in WorldInfo, without the cost of the rest. Do not call it while queries run.
     static std::string backend(const World& world);
     static std::string renderer(const World& world);
     static std::string backend_note(const World& world);
-    /// Puts another stage, which may call the old one, in the place of a stage. Before the first step.
+    /// Puts another stage, which may call the old one, in the place of a stage. Call it before the first step.
     static void replace(World& world, StageId stage,
                         const std::function<std::unique_ptr<Stage>(std::unique_ptr<Stage> old)>& make);
     /// Lets sphere-trees grow ahead of the traversals.

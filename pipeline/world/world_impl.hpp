@@ -14,7 +14,7 @@ namespace oncollide {
 /// The pairs of a query, checked.
 struct PairTasks {
     std::vector<PairTask> tasks;
-    std::vector<Eigen::Isometry3d> poses; ///< of pairs given as columns
+    std::vector<Eigen::Isometry3d> poses; ///< poses of pairs given as columns
 
     std::size_t size() const { return tasks.size(); }
     const PairTask& operator[](std::size_t i) const { return tasks[i]; }
@@ -42,11 +42,11 @@ struct ONCOLLIDE_LOCAL WorldImpl {
     MotionForecast forecast;
     std::vector<PairOfBodies> began, ended;
     std::string backend_note;
-    std::uint64_t hash = 0, frame_hash = 0; ///< of all frames; of the last frame
+    std::uint64_t hash = 0, frame_hash = 0; ///< hashes of all frames; of the last frame
 
     struct QueryWorker;                // query_worker.hpp
-    WorldMutex guard;                  ///< for const calls: of the models' trees
-    std::atomic<bool> taken_in{false}; ///< are all changes in the boxes and the broad phase?
+    WorldMutex guard;                  ///< guards the models' trees during const calls
+    std::atomic<bool> taken_in{false}; ///< true if all changes are in the boxes and the broad phase
     /// For const calls: a model with its tree, until bodies or models change or a step ends. Spares a lock.
     std::atomic<const Model*> with_tree{nullptr};
     IdleObjects<QueryWorker, LockRank::query_workers> idle_workers;
@@ -81,7 +81,7 @@ struct ONCOLLIDE_LOCAL WorldImpl {
 
     // Pairs of const queries.
     void check_side(const PairSide& side);                  ///< throws for an id or a pose that is refused
-    PairTask task_of(const PairSide& a, const PairSide& b); ///< of sides that were checked
+    PairTask task_of(const PairSide& a, const PairSide& b); ///< the task of two sides that were checked
     PairTask checked_task(const PairSide& a, const PairSide& b);
     PairTask task_of(const PairOfColumns& pairs, std::size_t i, Eigen::Isometry3d* poses);
     template <class Pair>

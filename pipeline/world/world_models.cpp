@@ -9,7 +9,7 @@ namespace oncollide {
 
 namespace {
 
-constexpr const char* kind_names[] = {"mesh", "shape", "map", "terrain", "mesh"}; // of the alternatives
+constexpr const char* kind_names[] = {"mesh", "shape", "map", "terrain", "mesh"}; // names of the alternatives
 
 std::shared_ptr<const Geometry> checked(std::string name, GeometryData data)
 {

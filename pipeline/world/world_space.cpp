@@ -110,7 +110,8 @@ void WorldImpl::refine_hits(QueryWorker& w, const Probe& probe, std::vector<Quer
     for (std::size_t i = 0; i < w.tasks.size(); ++i) {
         const std::uint32_t slot = w.tasks[i].number;
         Finding& found = w.refined[i];
-        if (probe.solid_box && found.verdict != Verdict::colliding) // parts of the body whose surface meets no face
+        if (probe.solid_box && found.verdict != Verdict::colliding) // looks for parts of the body whose surface meets
+                                                                    // no face of the box
             try {
                 if (models.with_room([&] { return has_point_in(bodies, slot, *probe.solid_box); }))
                     found = {Verdict::colliding, ContactKind::enclosed, 0};
@@ -172,9 +173,9 @@ Finding WorldImpl::on_segment(QueryWorker& w, std::uint32_t slot, const Segment&
 }
 
 /// Appends the hits of a segment. on_segment() decides hits alone; where the settings require more, or the model's kind
-/// is not covered, the tests of pairs decide, with a triangle of the segment's shape.
-/// Leaves in worker.hits the bodies in whose AABBs the segment may be. Few bodies need no search, and a single one that
-/// is tested exactly no test of its AABB.
+/// is not covered, the tests of pairs decide, with a triangle of the segment's shape. Leaves in worker.hits the bodies
+/// in whose AABBs the segment may be. Few bodies need no search, and a single body that is tested exactly needs no test
+/// of its AABB.
 void WorldImpl::find_boxes(QueryWorker& w, const Segment& segment)
 {
     constexpr std::uint32_t few = 4;

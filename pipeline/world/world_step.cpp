@@ -255,8 +255,8 @@ void WorldImpl::repeat_stages()
     frame.context.trees.kept = frame.results.size();
 }
 
-/// Examines the bodies, the memory of pairs, and the trees of one body's model, another one in each frame. Large ones
-/// are examined in every 16th frame.
+/// Examines the bodies, the memory of pairs, and the trees of one body's model, another one in each frame. Large
+/// structures are examined in every 16th frame.
 std::string WorldImpl::validate() const
 {
     constexpr std::size_t small = 4096;

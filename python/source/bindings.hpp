@@ -89,11 +89,11 @@ void define(Scope& scope, const char* name, Function function, const char* text,
 /// A NumPy type with the layout of one of the library's results.
 struct ResultType {
     py::dtype type;
-    std::size_t size; ///< of one result, bytes
+    std::size_t size; ///< size of one result, bytes
     struct Gap {
         std::size_t at, size;
     };
-    std::vector<Gap> gaps; ///< bytes of no field
+    std::vector<Gap> gaps; ///< bytes that belong to no field
 
     /// Sets the gaps to 0, so that equal results have equal bytes.
     void clear_gaps(void* results, std::size_t count) const;
@@ -152,8 +152,8 @@ concept InModule = std::is_same_v<T, Geometry> || requires
     typename T::InModule;
 };
 
-/// Passes objects of a class of the module. One whose __init__() was not called, as from Class.__new__(Class), holds
-/// nothing: TypeError, wherever it comes in.
+/// Passes objects of a class of the module. An object whose __init__() was not called, as from Class.__new__(Class),
+/// holds nothing: TypeError, wherever it comes in.
 template <class T>
 struct MadeObjects : py::detail::type_caster_base<T> {
     bool load(py::handle object, bool convert) { return this->template load_impl<MadeObjects>(object, convert); }

@@ -19,7 +19,7 @@ struct FrameResult {
     std::vector<PairSweep> sweeps;
     std::vector<StageStats> stages;
     TreeStats trees;
-    std::deque<std::string> texts; ///< of the stages of a frame from a pickle
+    std::deque<std::string> texts; ///< texts of the stages of a frame that came from a pickle
 
     FrameResult() = default;
     explicit FrameResult(const FrameView& view)

@@ -196,7 +196,7 @@ scene: a mesh, a shape, a map or a terrain by its data, a geometry in a cooked f
                      text += fmt::format(", {} faces, in its file", (*cooked)->triangles());
                  return text + ">";
              })
-        // It never changes.
+        // A geometry never changes.
         .def("__copy__", [](py::object self) { return self; })
         .def("__deepcopy__", [](py::object self, py::handle) { return self; })
         .def(

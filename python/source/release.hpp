@@ -15,8 +15,8 @@ public:
     /// Call it after the call: throws the exception that a handler raised meanwhile.
     void rethrow();
 
-    /// A call on another thread may have been cut short, too, if cuts() was odd before it, or is another number after
-    /// it: repeat it.
+    /// A call on another thread may have been cut short, too, if cuts() was odd before the call or has changed after
+    /// it; then repeat the call.
     unsigned cuts() const { return cuts_.load(std::memory_order_acquire); }
     /// True in a handler that runs in the middle of a call.
     bool in_handler() const
@@ -29,7 +29,7 @@ private:
     std::atomic<unsigned> cuts_ = 0; ///< odd: a handler raised in the current call; the exception is then the thread's
     std::atomic<bool> handling_ = false;
     bool caught_ = false;                   ///< in the last call
-    std::atomic<std::thread::id> caller_{}; ///< of the current call
+    std::atomic<std::thread::id> caller_{}; ///< the thread of the current call
     PyThreadState** state_ = nullptr;
     std::chrono::steady_clock::time_point last_look_;
 };

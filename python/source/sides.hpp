@@ -29,11 +29,11 @@ class Side {
 public:
     Side(py::handle value, const Place& place, Lengths& lengths, bool may_move = false);
 
-    /// If it is one. Valid as long as this object.
+    /// The side, if it is one and not many. Valid as long as this object.
     PairSide only() const { return models_ ? PairSide(placed_) : PairSide((*bodies_)[0]); }
     const std::optional<Ids>& bodies() const { return bodies_; }
     ModelColumns columns(const World& world); ///< bodies as models at their poses
-    /// Entry i as a motion, from its pose to its end; it rests without one.
+    /// Entry i as a motion, from its pose to its end; without an end it rests.
     MovingModel moving(const World& world, std::size_t i, MotionPath path) const;
 
 private:
@@ -41,7 +41,7 @@ private:
     std::optional<ModelArguments> models_;
     std::optional<Poses> poses_, ends_;
     PlacedModel placed_;
-    std::vector<ModelId> made_models_; ///< of bodies
+    std::vector<ModelId> made_models_; ///< models of bodies
     std::vector<double> made_poses_;
 };
 

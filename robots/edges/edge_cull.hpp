@@ -19,10 +19,10 @@ public:
     /// False: the pair of an item is certainly apart in its window, in the middle of which motion.place() put the
     /// links.
     bool is_open(const EdgeItem& item, const EdgeWays& ways);
-    /// The same of a part and a box, with a bound on the way of the part.
+    /// The same for a part and a box, with a bound on the motion of the part.
     bool is_open(std::uint32_t part, std::uint32_t box, double begin, double end, double bent);
 
-    /// Bodies that come into the boxes; sorted by boxes.
+    /// Bodies that overlap the boxes; sorted by boxes.
     std::span<const AabbHit> around(std::span<const Aabb> boxes, const CollisionFilter& filter)
     {
         return tests_.around(boxes, filter);
@@ -31,7 +31,7 @@ public:
     /// The number of a body's box.
     std::uint32_t box_of(std::uint32_t slot) { return bodies_.number_of(slot); }
     const PlacedBox& box(std::uint32_t number) const { return bodies_[number].box; }
-    double rounding() const { return rounding_; } ///< of lengths, as a share: poses are not quite rigid
+    double rounding() const { return rounding_; } ///< rounding of lengths, as a share: poses are not quite rigid
 
 private:
     const Robot::Impl& robot_;

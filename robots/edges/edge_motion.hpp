@@ -12,12 +12,12 @@ struct EdgeItem {
     std::uint32_t a, b; ///< parts; b of a body: no_part
     BodyId body;
     std::uint32_t seen_from; ///< the link from which motions are bounded
-    std::uint32_t box = 0;   ///< of the body: number in EdgeCull
+    std::uint32_t box = 0;   ///< box of the body: number in EdgeCull
     double middle() const { return 0.5 * (begin + end); }
 };
 constexpr std::uint32_t no_part = 0xffffffffu;
 
-/// The motion of both sides of an item in its window; of a body: at rest.
+/// The motion of both sides of an item in its window; a body is at rest.
 struct EdgeWays {
     BallTravel a, b;
     double turned() const { return a.turned + b.turned; }
@@ -25,7 +25,7 @@ struct EdgeWays {
 
 /// Parts that no joint moves against each other on an edge.
 struct RigidParts {
-    std::uint32_t link; ///< the highest one of theirs
+    std::uint32_t link; ///< the highest link of the parts
     CoverSphere ball;   ///< around them, in the frame of `link`, stretched by Impl::stretch()
     std::vector<std::uint32_t> parts;
 };
@@ -69,8 +69,8 @@ private:
     const Robot::Impl& robot_;
     std::vector<double> numbers_;
     std::vector<Placed> grid_, others_; ///< at multiples of 1 / 128; the last other ones
-    std::size_t next_ = 0;              ///< of others_: the one that a new share replaces
-    Placed own_;                        ///< of middle_, if that is not on the grid
+    std::size_t next_ = 0;              ///< index in others_ of the entry that a new share replaces
+    Placed own_;                        ///< poses at middle_, if that is not on the grid
     const Placed* middle_ = nullptr;
     const double *from_ = nullptr, *to_ = nullptr;
     std::vector<std::uint32_t> highest_, rigid_of_;

@@ -6,11 +6,11 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::uint32_t most_windows = 64; // of a pair, to begin with
-constexpr double first_turn = 1.2;         // rad, in a window of two parts to begin with
-constexpr double window_turn = 0.4;        // rad, in a window of a part and bodies
+constexpr std::uint32_t most_windows = 64; // windows of a pair at the beginning
+constexpr double first_turn = 1.2;         // radians: rotation in a first window of two parts
+constexpr double window_turn = 0.4;        // radians: rotation in a window of a part and bodies
 
-/// Calls take(item) for windows in which about as much is done as in `whole` divided by `excess`.
+/// Divides `whole` into windows in which the motion is about 1 / `excess` of the whole, and calls take(item) for each.
 template <class Take>
 void each_window(const EdgeItem& whole, double excess, Take take)
 {
@@ -105,7 +105,7 @@ void EdgeSearch::add_windows(const EdgeItem& whole, const EdgeWays& ways, double
                 [&](const EdgeItem& item) { items.push_back(item); });
 }
 
-/// In equal windows, the ball around rigid parts is tested with the boxes of bodies, then the solids of its parts.
+/// Tests the ball around rigid parts against the boxes of bodies in equal windows, then the solids of its parts.
 void EdgeSearch::search_environment(std::vector<EdgeItem>& items)
 {
     const std::uint32_t root = robot_.tree.root();

@@ -7,8 +7,8 @@
 
 namespace oncollide {
 
-/// Lists the pairs that may meet on an edge, each in the windows to begin with: bounding spheres and solids
-/// rule out the others. Rigid parts are ruled out together, then one by one.
+/// Lists the pairs that may meet on an edge, each with its first windows. Bounding spheres and solids rule out the
+/// other pairs. Rigid parts are ruled out together, then one by one.
 class EdgeSearch {
 public:
     /// @param own  sorted slots of the bodies that are not tested
@@ -21,7 +21,7 @@ public:
 private:
     void search_self(std::vector<EdgeItem>& items);
     void search_pair(const EdgeItem& whole, std::vector<EdgeItem>& items);
-    /// Adds the windows of two sides to begin with, the smaller of which has this radius.
+    /// Adds the first windows of two sides, the smaller of which has this radius.
     void add_windows(const EdgeItem& whole, const EdgeWays& ways, double radius, std::vector<EdgeItem>& items) const;
     void search_environment(std::vector<EdgeItem>& items);
     Aabb place_balls(std::uint32_t rigid);
@@ -35,7 +35,7 @@ private:
     JointCells::Scratch scratch_;
     const std::vector<std::uint32_t>& own_;
     std::vector<std::vector<std::uint32_t>> bundles_; ///< pairs of parts, by pairs of rigid parts
-    std::vector<EdgeItem> coarse_;                    ///< of rigid parts
+    std::vector<EdgeItem> coarse_;                    ///< items of rigid parts
     /// A ball around rigid parts in a window, with the clearance.
     struct Window {
         Eigen::Vector3d centre;

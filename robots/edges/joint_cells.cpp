@@ -91,8 +91,8 @@ bool JointCells::is_clear(const World& world, const Edge& edge, Level level, dou
     return state == clear;
 }
 
-/// True if the pair is certainly apart wherever each number is at most one width of a cell from its middle: so in any
-/// window that is no wider than a cell, and whose middle is in it.
+/// True if the pair is certainly apart while each number is at most one cell width from the cell's middle. The pair is
+/// then apart in every window that is no wider than a cell and whose middle is in the cell.
 bool JointCells::are_apart(const World& world, std::uint32_t p, double per_step, const Cell& cell,
                            Scratch& scratch) const
 {

@@ -10,10 +10,10 @@
 
 namespace oncollide {
 
-/// Pairs of parts between which one to three numbers act: how the parts lie to each other depends on these alone. A
-/// coarse and a fine grid over them hold where a pair is certainly apart. A cell is tested when an edge first needs it,
-/// and then serves all edges: contents depend on the robot and the clearance alone. A fine grid takes up to 70 kB.
-/// Calls from many threads are safe.
+/// Pairs of parts between which one to three numbers act: the pose of one part relative to the other depends on these
+/// numbers alone. A coarse and a fine grid over the numbers store where a pair is certainly apart. A cell is tested
+/// when an edge first needs it, and then serves all edges: contents depend on the robot and the clearance alone. A fine
+/// grid takes up to 70 kB. Calls from many threads are safe.
 class JointCells {
 public:
     JointCells(const Robot::Impl& robot, double clearance);
@@ -32,7 +32,8 @@ public:
                    Add add)
     {
         const Edge edge = edge_of(pair, from, to);
-        const auto search = [&](auto& self, double begin, double end, bool is_tested) -> bool { // true: all is open
+        const auto search = [&](auto& self, double begin, double end, bool is_tested) -> bool { // true: no part is
+                                                                                                // known to be apart
             const double width = edge.width * (end - begin);
             if (!is_tested && width <= 1) {
                 if (is_clear(world, edge, coarse, 0.5 * (begin + end), scratch)) return false;
@@ -61,7 +62,7 @@ private:
         bool is_periodic;
     };
     enum Level { coarse, fine };
-    /// Two bits each.
+    /// Cells of two bits each.
     struct Cells {
         std::int64_t per_step = 1; ///< along an axis: a power of two
         std::once_flag made;
@@ -74,7 +75,7 @@ private:
     };
     struct Edge {
         std::uint32_t pair;
-        double width; ///< the most steps that a number does
+        double width; ///< the most steps that a number moves
         std::array<double, most_axes> from, way;
     };
     using Cell = std::array<std::int64_t, most_axes>;

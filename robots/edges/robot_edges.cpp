@@ -67,7 +67,7 @@ private:
         for (EdgeItem item : tested_) {
             item.end = std::min(item.end, found_->contact_by);
             if (item.end <= item.begin) continue;
-            if (item.end - item.begin <= 0.5 * what_.tolerance) { // test_begins() looks as far behind it
+            if (item.end - item.begin <= 0.5 * what_.tolerance) { // test_begins() tests as far behind the item
                 open_.push_back(item);
                 continue;
             }
@@ -76,7 +76,7 @@ private:
             items_.push_back(item), items_.push_back(second);
         }
     }
-    /// One part and different bodies, in one window.
+    /// True if both items have one part, different bodies and one window.
     static bool is_same_way(const EdgeItem& x, const EdgeItem& y)
     {
         return x.b == no_part && y.b == no_part && x.a == y.a && x.begin == y.begin && x.end == y.end;
@@ -105,7 +105,7 @@ private:
             reaches_.push_back(reach), tested_.push_back(item), ways_.push_back(ways);
         }
     }
-    /// Looks for contacts in the middle of the windows: it takes less time than to show that there are none.
+    /// Looks for contacts in the middle of the windows: finding one takes less time than showing that there is none.
     void test_middles()
     {
         test_at([](const EdgeItem& item) { return item.middle(); });
@@ -146,8 +146,8 @@ private:
             }
         tested_.resize(left), ways_.resize(left), reaches_.resize(left), pairs_.resize(left);
     }
-    /// Leaves in tested_ the items whose pairs may meet on their way: along rigid motions, and as far from these as
-    /// joints that turn together bend the way.
+    /// Leaves in tested_ the items whose pairs may meet on their way: along rigid motions, widened by how far joints
+    /// that turn together bend the way.
     void test_motions()
     {
         if (is_done()) return;
@@ -187,7 +187,7 @@ private:
         }
         keep([&](std::size_t i) { return !clear_[i]; });
     }
-    /// Looks for contacts soon after the windows' begin, to which motions have moved it.
+    /// Looks for contacts soon after the beginning of each window, which the tests of motions have moved.
     void test_begins()
     {
         if (is_done() || !what_.first) return;
@@ -237,8 +237,9 @@ private:
     bool is_searched_ = false; ///< items_ come from search_
     RobotEdgeFinding* found_ = nullptr;
     std::size_t tests_ = 0;
-    std::vector<EdgeItem> items_, tested_, open_; ///< to test, not separate, too small to be halved
-    std::vector<EdgeWays> ways_;                  ///< of tested_, as are pairs_ and reaches_
+    std::vector<EdgeItem> items_, tested_, open_; ///< items to test; items that are not separate; items too small to be
+                                                  ///< halved
+    std::vector<EdgeWays> ways_;                  ///< the ways of tested_, as are pairs_ and reaches_
     std::vector<PairOfModels> pairs_;
     std::vector<PairOf<MovingModel>> moving_;
     std::vector<double> reaches_, margins_, until_;

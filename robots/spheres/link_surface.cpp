@@ -32,7 +32,7 @@ std::array<Corners, 2> halves_of(const Corners& t)
 
 namespace {
 
-/// Negative inside. Infinity for a shape that URDF has not.
+/// Negative inside. Infinity for a shape that URDF does not have.
 double distance_of(const Shape& shape, const Vector3d& p)
 {
     const auto outside_box = [](const auto& beyond) { // beyond the half sizes

@@ -34,7 +34,7 @@ private:
         std::size_t first, end;
         bool closed;
         const Shape* shape = nullptr;                           ///< used for distances in place of the mesh
-        Eigen::Isometry3d into = Eigen::Isometry3d::Identity(); ///< from the link's frame to the shape's
+        Eigen::Isometry3d into = Eigen::Isometry3d::Identity(); ///< moves from the link's frame to the shape's
     };
     double distance_squared(const Eigen::Vector3d& point, std::size_t first, std::size_t end,
                             Eigen::Vector3d* nearest) const;

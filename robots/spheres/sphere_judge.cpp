@@ -21,7 +21,7 @@ double beyond(const CoverSphere& sphere, const Vector3d& point)
     return (point - sphere.centre).norm() - sphere.radius;
 }
 
-/// A sphere is convex: a triangle lies in it if its corners do. Rounding may only deny it.
+/// A sphere is convex: a triangle lies in it if its corners do. Rounding may only make it return false.
 bool contains(const CoverSphere& sphere, const Corners& triangle)
 {
     const double radius = sphere.radius * (1 - 1e-14) - 1e-15 * sphere.centre.cwiseAbs().maxCoeff();
@@ -41,7 +41,7 @@ public:
     {
     }
 
-    /// Adds a triangle's areas to `result`. `near`: the spheres that may meet it.
+    /// Adds a triangle's areas to `result`. `near` holds the spheres that may meet the triangle.
     void area(const Corners& triangle, const std::vector<std::uint32_t>& near, CoverJudgement& result)
     {
         std::vector<std::uint32_t> mine;

@@ -9,10 +9,10 @@ namespace oncollide {
 
 /// The coverage of a link by a sphere model. All bounds are certified.
 struct CoverJudgement {
-    double area = 0;                          ///< of the surface, m^2
-    double uncovered = 0, uncovered_most = 0; ///< area in no sphere: between the two
+    double area = 0;                          ///< area of the surface, m^2
+    double uncovered = 0, uncovered_most = 0; ///< bounds of the area that is in no sphere
     double gap = 0,
-           gap_most = 0; ///< largest distance of a point of the surface from the nearest sphere: between the two
+           gap_most = 0; ///< bounds of the largest distance of a point of the surface from the nearest sphere
     Eigen::Vector3d worst = Eigen::Vector3d::Zero(); ///< the point with distance `gap`
     double over_reach = 0; ///< upper bound on the distance of the spheres' points from the geometry
     bool complete = false; ///< every triangle is covered: the collisions of the link are never missed

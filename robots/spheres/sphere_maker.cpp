@@ -166,7 +166,7 @@ std::vector<CoverSphere> SphereMaker::within(double max_error) const
 {
     if (surface_.triangles().empty()) return {};
     if (const CoverSphere one = single(); one.radius + surface_.signed_distance(one.centre) <= max_error) return {one};
-    // Patches a fraction of the error wide, but not more than memory has room for.
+    // Patches are a fraction of the error wide, but no more of them than memory has room for.
     const double edge = std::max(0.7 * max_error, std::sqrt(3 * surface_.area() / double(most_patches)));
     std::vector<Corners> patches;
     for (const Corners& triangle : surface_.triangles()) divide(triangle, edge, patches);

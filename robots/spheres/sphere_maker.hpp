@@ -16,7 +16,7 @@ public:
     /// cover chooses among them. Superfluous spheres are dropped, and the others shrink.
     std::vector<CoverSphere> within(double max_error) const;
 
-    /// The fewest spheres within any error: one.
+    /// A single sphere, the fewest for any error.
     CoverSphere single() const;
 
 private:

@@ -14,7 +14,8 @@ struct BodyHere {
     std::uint32_t layer, mask, group;
     bool is_static;
     Eigen::Isometry3d pose;
-    std::vector<RigidMotion::Key> way{};   ///< to `pose`, from its pose in the last frame; empty: there is none
+    std::vector<RigidMotion::Key> way{};   ///< the motion to `pose` from the pose in the last frame; empty: there is
+                                           ///< none
     std::string name{};                    ///< as from csv_field if rows are written; else empty
     std::vector<std::uint32_t> excluded{}; ///< bodies that it never collides with
 };

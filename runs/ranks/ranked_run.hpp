@@ -34,10 +34,11 @@ struct RankStatistics {
     std::uint64_t frames = 0;
     std::uint64_t bodies = 0, ghosts = 0, pairs = 0; ///< home bodies; ghosts; pairs decided here
     std::uint64_t work = 0;                          ///< units: 4 per body, 1 per pair, 1 per 8 pairs of cells or OBBs
-    std::uint64_t sent_bytes = 0, came = 0;          ///< to other ranks; bodies whose home moved to this rank
+    std::uint64_t sent_bytes = 0, came = 0;          ///< bytes sent to other ranks; bodies whose home moved to this
+                                                     ///< rank
     std::uint64_t ghost_bytes = 0, row_bytes = 0;    ///< parts of sent_bytes: ghosts, results
     std::uint64_t most_bodies = 0;                   ///< largest number of home bodies in a frame
-    double step_ms = 0, move_ms = 0;                 ///< in World::step(); moving and packing
+    double step_ms = 0, move_ms = 0;                 ///< time in World::step(); time for moving and packing
     double wait_ms = 0;                              ///< exchanging and waiting for other ranks
     std::uint64_t peak_memory = 0;                   ///< bytes of the process, set by the caller
 };
@@ -127,15 +128,15 @@ private:
     RankWorld world_;
     std::vector<BodyRecord>& home_; ///< scene_.records
     std::vector<BodyHere> ghosts_;
-    std::uint64_t checksum_ = 0; ///< of the whole scene, independent of the number of ranks
+    std::uint64_t checksum_ = 0; ///< checksum of the whole scene, independent of the number of ranks
     std::vector<Bytes> out_, in_;
 
     int frame_ = 0, moved_to_ = 0;
     bool partitioned_ = false, repartition_now_ = false;
     int uneven_frames_ = 0, rebuilds_ = 0;
-    std::vector<Row> rows_;                            ///< of this frame, with first bodies in this rank's share
-    std::uint64_t hash_ = 0;                           ///< of all frames so far; valid on the last rank
-    std::uint64_t last_work_ = 0, last_pair_work_ = 0; ///< of the last frame: all work, and the part due to pairs
+    std::vector<Row> rows_;                            ///< rows of this frame, with first bodies in this rank's share
+    std::uint64_t hash_ = 0;                           ///< hash of all frames so far; valid on the last rank
+    std::uint64_t last_work_ = 0, last_pair_work_ = 0; ///< work of the last frame: all work, and the part due to pairs
     std::array<std::uint64_t, 4> verdicts_{};
     std::array<std::uint64_t, 5> kinds_{};
     RankStatistics statistics_;
@@ -143,7 +144,7 @@ private:
     Clock::time_point began_, phase_began_;
     std::optional<SharedFile> csv_;
     std::uint64_t csv_end_ = 0; ///< offset of the next frame's rows
-    int slot_ = 0;              ///< of the next checkpoint, 0 or 1
+    int slot_ = 0;              ///< number of the next checkpoint, 0 or 1
     bool finished_ = false;
 };
 

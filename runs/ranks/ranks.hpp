@@ -15,7 +15,7 @@ namespace oncollide {
 class Ranks {
 public:
     virtual ~Ranks() = default;
-    virtual int rank() const = 0; ///< from 0
+    virtual int rank() const = 0; ///< counted from 0
     virtual int size() const = 0;
 
     /// Sends out[r] to rank r and receives in[r] from rank r. Both have size() elements.
@@ -30,7 +30,7 @@ public:
     /// Sends one number. Does not wait for the receiver.
     virtual void send(int to, std::uint64_t number) = 0;
     virtual std::uint64_t receive(int from) = 0;
-    /// Ends all processes at once with this exit code. Ranks that are threads continue: the caller throws.
+    /// Ends all processes at once with this exit code. Ranks that are threads continue, and the caller throws.
     virtual void abort(int code) = 0;
 };
 

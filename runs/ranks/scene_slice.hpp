@@ -19,11 +19,11 @@ struct SceneSlice {
     std::string name;
     int frames = 1;
     double pace = 1;
-    std::uint32_t bodies = 0; ///< of the whole scene
+    std::uint32_t bodies = 0; ///< number of the whole scene
     GeometryList geometries;
     std::shared_ptr<Recording> recording;
     std::vector<BodyRecord> records; ///< this rank's bodies, by index
-    std::vector<NameMark> names;     ///< of this rank's bodies that have one
+    std::vector<NameMark> names;     ///< names of this rank's bodies that have one
     std::vector<std::string> warnings;
 
     // Checksums, to verify that all ranks have read the same scene.

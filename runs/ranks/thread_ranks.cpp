@@ -16,7 +16,7 @@ namespace {
 struct Shared {
     explicit Shared(int ranks) : size(ranks), slots(std::size_t(ranks), nullptr) {}
 
-    /// Waits until all ranks have arrived. Throws if one has failed.
+    /// Waits until all ranks have arrived. Throws if a rank has failed.
     void meet()
     {
         std::unique_lock lock(mutex);

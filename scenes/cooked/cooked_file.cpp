@@ -30,8 +30,8 @@ std::string_view text_of(std::span<const std::byte> bytes)
 
 } // namespace
 
-/// Read with pread, never mapped: truncating a mapped file ends the program (SIGBUS), and checked data could change
-/// afterwards.
+/// The file is read with pread, never mapped: truncating a mapped file ends the program (SIGBUS), and checked data
+/// could change afterwards.
 class CookedFile::Handle {
 public:
     explicit Handle(const fs::path& path) : path_(path), at_(open_it()) {}

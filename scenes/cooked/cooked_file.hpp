@@ -70,7 +70,7 @@ public:
     void check_parts(std::span<const CookedPart> parts, const Aabb& bounds) const;
     [[noreturn]] void refuse(const std::string& why) const;
     [[noreturn]] void refuse_entry(std::size_t chunk) const;
-    /// Records a chunk's fault. Throws it as ChunkFault.
+    /// Records a chunk's fault. Throws the fault as ChunkFault.
     [[noreturn]] void refuse_chunk(std::size_t chunk, std::size_t count, const std::string& why) const;
 
     static constexpr std::size_t whole = ~std::size_t{0}; ///< the index under which faults of the file itself are
@@ -91,7 +91,7 @@ private:
 /// The kind of a cooked file, from its header. Throws as CookedFile::open() does.
 CookedKind cooked_kind(const std::filesystem::path& path);
 
-/// Removes a value from the front of bytes. The caller knows that the bytes suffice.
+/// Removes a value from the front of bytes. The caller must have checked that the bytes suffice.
 template <class Value>
 Value take(std::span<const std::byte>& bytes)
 {

@@ -27,15 +27,15 @@ struct CookedHeader {
     CookedKind kind;
     std::uint32_t coordinate_bytes; ///< 4: all coordinates are floats; 8: doubles
     std::uint64_t file_bytes;
-    std::uint64_t triangles, vertices, zero_area; ///< of the source; in a map: nodes, then 0
+    std::uint64_t triangles, vertices, zero_area; ///< counts of the source; in a map: nodes, then 0
     double low[3], high[3];                       ///< bounds
-    double radius;                                ///< of the tree
+    double radius;                                ///< radius of the tree
     CookedTopology topology;
     std::uint32_t parts_known; ///< 1: the top contains the points of all `parts`
     std::uint64_t parts;
     std::uint32_t nodes, chunks;
     std::uint64_t top_checksum;
-    std::uint64_t header_checksum; ///< of all bytes before this member
+    std::uint64_t header_checksum; ///< checksum of all bytes before this member
 };
 static_assert(sizeof(CookedHeader) == 152);
 

@@ -312,7 +312,7 @@ private:
             if (node.inner >> k & 1) nodes += below(cells_.below(node, k));
         return nodes;
     }
-    /// Puts its octants into the top or into a chunk.
+    /// Puts the octants of a node into the top or into a chunk.
     void divide(const Node of, std::size_t number, bool grid)
     {
         Node& node = grid ? grid_ : top_[number];

@@ -31,7 +31,11 @@ public:
     explicit CookedMap(const std::filesystem::path& path);
 
     const CookedFile& file() const { return file_; }
-    std::uint64_t checksum() const { return checksum_; } ///< from the header; covers the checksums of all other data
+    std::uint64_t checksum() const
+    {
+        return checksum_;
+    } ///< read from the header; covers the checksums of all other
+      ///< data
     const CookedMapRecord& record() const { return record_; }
     const Node& grid() const { return grid_; } ///< its octant 0 is the grid: CellTree::top()
     const std::vector<Node>& top() const { return top_; }
@@ -95,7 +99,7 @@ public:
 private:
     CookedMapChunks(std::shared_ptr<const CookedMap> cooked, std::unique_ptr<ChunkBudget> own, ChunkBudget* budget);
     void need(std::uint32_t chunk) const override;
-    std::size_t bytes_of(std::uint32_t chunk) const; ///< in memory
+    std::size_t bytes_of(std::uint32_t chunk) const; ///< bytes in memory
 
     std::shared_ptr<const CookedMap> cooked_;
     std::unique_ptr<ChunkBudget> own_;

@@ -19,7 +19,7 @@ namespace oncollide {
 /// Properties of a cooked mesh that an index of tiles repeats, so that they are known before the file is read.
 struct CookedOutline {
     Aabb bounds;
-    double radius = 0; ///< of the sphere around the bounds' centre that contains the triangles' corners
+    double radius = 0; ///< radius of the sphere around the bounds' centre that contains the triangles' corners
     std::uint64_t triangles = 0, vertices = 0, zero_area = 0;
     std::uint64_t header_checksum = 0;
 
@@ -44,8 +44,8 @@ public:
     /// Throws Error{no_input} if the file cannot be read, Error{bad_data} if it is not a cooked mesh, has another
     /// version or byte order, or is damaged or cut off. Cost: reading the top, 35 bytes per thousand triangles.
     explicit CookedMesh(const std::filesystem::path& path);
-    /// A tile: does not access the file. The functions below throw ChunkFault if the file cannot be read or contradicts
-    /// the outline; after the first such error, they always throw the same error.
+    /// Makes a tile; does not access the file. The functions below throw ChunkFault if the file cannot be read or
+    /// contradicts the outline; after the first such error, they always throw the same error.
     CookedMesh(const std::filesystem::path& path, const CookedOutline& outline);
     ~CookedMesh();
     CookedMesh(const CookedMesh&) = delete;
@@ -89,7 +89,7 @@ public:
     struct Chunk {
         std::vector<Eigen::Vector3d> vertices;
         std::vector<std::uint32_t> vertex_numbers; ///< in the source
-        std::vector<Triangle> triangles;           ///< of the chunk's vertices
+        std::vector<Triangle> triangles;           ///< triangles of the chunk's vertices
         std::vector<std::uint32_t> numbers;        ///< in the source
     };
     /// Throws ChunkFault; later calls for this chunk throw the same error.
@@ -112,7 +112,7 @@ private:
     std::unique_ptr<const CookedFile> file_;
     CookedOutline outline_;
     std::shared_ptr<const Top> kept_;       ///< null: a tile
-    mutable std::weak_ptr<const Top> open_; ///< of a tile
+    mutable std::weak_ptr<const Top> open_; ///< the top of a tile
     mutable std::atomic<bool> contradicts_ = false;
     mutable OrderedMutex<LockRank::cooked_mesh> mutex_;
 };

@@ -35,7 +35,7 @@ CookedTerrain::Extent CookedTerrain::extent(const Terrain& terrain, std::size_t 
     return extent;
 }
 
-/// Tiles, their heights, and diagonals if each cell has its own.
+/// Bytes of the heights in tiles, and of the diagonals if each cell has its own.
 std::uint64_t CookedTerrain::bytes_of(const Terrain& terrain, std::size_t chunk)
 {
     const std::uint64_t tiles = extent(terrain, chunk).tiles, each = std::uint64_t(terrain.bytes_per_height());

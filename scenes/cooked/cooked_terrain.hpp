@@ -25,20 +25,24 @@ public:
     explicit CookedTerrain(const std::filesystem::path& path);
 
     const CookedFile& file() const { return file_; }
-    std::uint64_t checksum() const { return checksum_; } ///< from the header; covers the checksums of all other data
+    std::uint64_t checksum() const
+    {
+        return checksum_;
+    } ///< read from the header; covers the checksums of all other
+      ///< data
     /// The terrain without its heights and diagonals.
     const Terrain& outline() const { return *outline_; }
     std::uint32_t across() const { return across_; } ///< chunks in a row
     std::size_t chunks() const { return table_.size(); }
-    std::uint32_t blocks_across() const { return blocks_across_; }     ///< of 64 by 64 cells
-    const std::vector<CookedRange>& ranges() const { return ranges_; } ///< of these blocks, row by row
+    std::uint32_t blocks_across() const { return blocks_across_; }     ///< blocks of 64 by 64 cells in a row
+    const std::vector<CookedRange>& ranges() const { return ranges_; } ///< bounds of these blocks, row by row
     std::size_t bytes() const { return table_.size() * sizeof(table_[0]) + ranges_.size() * sizeof(ranges_[0]); }
 
     const std::optional<std::vector<CookedPart>>& parts() const { return parts_; } ///< empty: not known
 
     /// Throws ChunkFault; later calls for this chunk throw the same error.
     std::unique_ptr<TerrainChunk> read(std::size_t chunk) const;
-    std::size_t chunk_bytes(std::size_t chunk) const; ///< in the file
+    std::size_t chunk_bytes(std::size_t chunk) const; ///< bytes in the file
     [[noreturn]] void refuse_chunk(std::size_t chunk, const std::string& why) const;
 
     static CookedTerrainRecord record_of(const Terrain& terrain);

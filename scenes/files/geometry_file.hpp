@@ -11,7 +11,7 @@
 
 namespace oncollide {
 
-// Files of one geometry: a mesh, an occupancy map or a terrain.
+// Files that hold one geometry: a mesh, an occupancy map or a terrain.
 
 /// Reads a mesh, a map or a terrain from a file of any format, with default options, as load_mesh, load_octomap and
 /// load_terrain do; its name is the path. A cooked mesh stays in its file: tests read the parts that they need. Throws
@@ -79,7 +79,7 @@ ONCOLLIDE_API void save_octomap(const OccupancyMap& map, const std::filesystem::
 /// Options of load_terrain.
 struct TerrainOptions {
     std::optional<Eigen::Vector2d> spacing{};         ///< metres; default: from the file, else 1
-    Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< of the first column and row, and of height 0
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< position of the first column and row, and of height 0
     double vertical_scale = 1;                        ///< metres per unit of the file's heights; > 0
     std::optional<double> no_data{};                  ///< in the file's units; may be NaN; default: from the file
     int bytes = 0;                                    ///< as TerrainGrid::bytes
@@ -100,9 +100,9 @@ struct TerrainOptions {
 /// file's first row becomes row 0, at the least y. In GDAL's files the first row is the northernmost: there the order
 /// is reversed, so that y points north. Throws Error{no_input} if the file is missing, unreadable or a folder;
 /// Error{bad_data} if it is empty, too large (over 8 GiB), cut off, malformed, of an unknown kind, or refused by
-/// make_terrain; Error{usage} for options out of range or given for a cooked file (.cooked, whose chunks are read on
-/// first use), and for a file of GDAL in a build without it. Allocates nothing for sizes in a header that exceed the
-/// file. Cost: reading the file; 8 more bytes per height.
+/// make_terrain; Error{usage} for options that are out of range, that do not apply to a cooked file (.cooked, whose
+/// chunks are read on first use), or that need GDAL in a build without it. Allocates nothing for sizes in a header that
+/// exceed the file. Cost: reading the file; 8 more bytes per height.
 ONCOLLIDE_API Terrain load_terrain(const std::filesystem::path& path, const TerrainOptions& options = {});
 
 /// The extensions that load_terrain accepts, lower case, without the dot.

@@ -28,8 +28,8 @@ GeometryId add_geometry(SceneInfo& scene, std::string_view name, const Node& ent
 /// without a recipe gets the entry of the file `made_file`, which the caller must write.
 Json entry_of(const Geometry& geometry, const std::filesystem::path& folder, const std::string& made_file);
 
-/// Prevents a short file from filling the memory: limits the total size of geometries that take no text or file of
-/// their own, which are generated geometries and files used before.
+/// Prevents a short file from filling the memory: limits the total size of geometries that are generated, or whose file
+/// was used before.
 class Expansion {
 public:
     static constexpr std::uint64_t most_triangles = 20'000'000, most_cells = 10'000'000;

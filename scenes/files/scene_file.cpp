@@ -53,7 +53,7 @@ Keyed read_keys(const Node& node, std::vector<std::string>& warnings)
 {
     Keyed motion;
     motion.keys.reserve(node.size());
-    // row.place() would take linear time, and each row may need a warning.
+    // row.place() takes linear time, and each row may need a warning.
     const auto place = [&] { return fmt::format("{}[{}]", node.place(), motion.keys.size()); };
     for (const Node& row : node) {
         Eigen::Matrix<double, 8, 1> n;
@@ -190,7 +190,8 @@ void reserve(SceneBuilder& scene, const Node& bodies)
 {
     if (bodies.size() > most_bodies)
         bodies.fail(fmt::format("{} bodies, at most {} are allowed", bodies.size(), most_bodies));
-    constexpr std::size_t least_bytes = 16; // of a body: so a list of commas cannot reserve much memory
+    constexpr std::size_t least_bytes = 16; // least bytes of a body, so that a list of commas cannot reserve much
+                                            // memory
     scene.reserve(std::min(bodies.size(), bodies.source().size() / least_bytes));
 }
 
@@ -217,7 +218,7 @@ void read_tiles(SceneBuilder& scene, const Node& sets, const fs::path& folder, c
     }
 }
 
-/// True if bodies are given by name. Then all names must be stored.
+/// True if bodies are given by name. True if all names must be stored.
 bool excludes_names(const Node& root)
 {
     if (!root.has("exclude")) return false;

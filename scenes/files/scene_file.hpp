@@ -51,11 +51,11 @@ ONCOLLIDE_API void save_scene(const Scene& scene, const std::filesystem::path& p
 
 /// A mesh at a pose. Parts of an assembly may have equal names.
 struct AssemblyPart {
-    std::string name;    ///< of its node, else of its mesh, else "node 17"; for other files the file name without
-                         ///< extension. The middle of a name longer than 200 bytes is left out
+    std::string name;    ///< the name of its node, else of its mesh, else "node 17"; for other files the file name
+                         ///< without extension. A name longer than 200 bytes loses its middle
     std::string path;    ///< the names of its ancestors and its own, separated by '/': the nearest 63 (7 in a file of
                          ///< more than 100,000 parts), and fewer beyond 1,000 bytes
-    std::uint32_t above; ///< the number of its parent node; no_node_above: it has none
+    std::uint32_t above; ///< the number of its parent node; no_node_above: it has no parent
     std::size_t mesh;    ///< in Assembly::meshes
     Eigen::Isometry3d pose;
 };
@@ -75,7 +75,8 @@ struct AssemblyOptions {
     double scale = 1; ///< metres per unit of the file; finite, > 0
     int threads = 1;
     bool objects = false; ///< an OBJ file is divided into its objects (`o`), or without any into its groups (`g`)
-    /// Instances of instances make 2^n parts of n lines: a file may have this many parts, or as many as it writes.
+    /// Instances of instances can make 2^n parts with n lines: a file may have this many parts, or as many as it writes
+    /// one by one.
     std::size_t most_parts = 100'000;
 };
 

@@ -67,7 +67,7 @@ Entry body_entry(const Scene& scene, std::size_t i)
     if (!scene.names[i].empty()) body["name"] = scene.names[i];
     body["geometry"] = scene.geometries[index(scene.geometry[i])].name;
     const Eigen::Isometry3d implied = default_pose(motion);
-    // Omitted for keyed bodies whose keys give the position.
+    // The position is omitted for keyed bodies whose keys give it.
     if (!std::holds_alternative<Keyed>(motion) ||
         !same_bits(Eigen::Vector3d(pose.translation()), implied.translation()))
         body["position"] = list(pose.translation());

@@ -28,7 +28,7 @@ IndexedTile index_tile(const std::filesystem::path& folder, const std::string& f
 /// Adds a geometry and a static body for each tile of an index, both named `name`/STEM, where STEM is the stem of the
 /// tile's file name.
 /// @param like  the other properties of these bodies; its name and geometry are ignored
-/// @param reading  on demand: the tiles stay in their files; else all are read
+/// @param reading  on demand: the tiles stay in their files; otherwise all are read
 void add_tiles(SceneBuilder& scene, const std::string& name, const std::filesystem::path& index, const BodyInit& like,
                const SceneReading& reading);
 

@@ -39,7 +39,7 @@ std::array<double, 8> numbers_of(const std::string& place, std::string_view line
         if (word.front() == '+') word.remove_prefix(1);
         const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), numbers[count]);
         if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(numbers[count]))
-            fail(count == 0 ? "its first word is not a number" // of another kind of file, it is not quoted
+            fail(count == 0 ? "its first word is not a number" // another kind of file is not quoted
                             : fmt::format("'{}' is not a finite number", word.substr(0, 40)));
     }
     if (count != numbers.size()) fail(fmt::format("{} numbers instead of eight", count));

@@ -131,8 +131,8 @@ Hull convex_hull(std::span<const Eigen::Vector3d> points)
     std::vector<double> coordinates = normalised(points, bounds);
     if (coordinates.empty()) return all_points(points.size());
 
-    // First exact, if possible (merged facets, then cut into triangles); else with joggled points. Both results are
-    // proved below.
+    // Tries an exact result first, if possible (merged facets, then cut into triangles), then joggled points. Both
+    // results are proved below.
     for (const char* options : {"qhull Qt Pp", "qhull QJ Pp"}) {
         Qhull qhull(coordinates, options);
         if (qhull.flat()) break;
@@ -140,7 +140,9 @@ Hull convex_hull(std::span<const Eigen::Vector3d> points)
         std::vector<Triangle> triangles = qhull.triangles();
         const auto neighbours = neighbours_of(triangles);
         std::vector<std::uint32_t> vertices = used_vertices(triangles);
-        if (!neighbours || 2 * vertices.size() != triangles.size() + 4) continue; // not a topological sphere
+        if (!neighbours || 2 * vertices.size() != triangles.size() + 4)
+            continue; // the surface is not a topological
+                      // sphere
         const double volume = signed_volume(coordinates, triangles);
         if (volume == 0) break;
         if (volume < 0)

@@ -113,7 +113,7 @@ double prove_slack(std::span<const Eigen::Vector3d> points, std::span<const std:
                    std::span<const Triangle> triangles, std::span<const std::array<std::uint32_t, 3>> neighbours)
 {
     if (points.size() == vertices.size()) return 0; // every point is a vertex
-    // First relative to a vertex, so that coordinates far from the origin cost no accuracy; then relative to the mean.
+    // Coordinates are taken relative to a vertex first, so that large ones cost no accuracy, then relative to the mean.
     std::vector<Eigen::Vector3d> relative;
     relative.reserve(points.size());
     for (const Eigen::Vector3d& p : points) relative.push_back(p - points[vertices[0]]);

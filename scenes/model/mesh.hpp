@@ -19,7 +19,7 @@ using Triangle = std::array<std::uint32_t, 3>;
 struct Mesh {
     std::vector<Eigen::Vector3d> vertices;
     std::vector<Triangle> triangles;
-    Aabb bounds;               ///< of the vertices that triangles use
+    Aabb bounds;               ///< bounds of the vertices that triangles use
     std::size_t zero_area = 0; ///< triangles without area: kept, they still collide
 };
 

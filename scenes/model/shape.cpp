@@ -76,11 +76,12 @@ BoundingMesh enclose_capsule(const Capsule& capsule)
     if (capsule.length == 0) return enclose_sphere(capsule.radius);
     const BallCover& cover = ball_cover();
     const double half = 0.5 * capsule.length;
-    const double rounding = 4 * epsilon * (half + 2 * capsule.radius); // of moving the halves
+    const double rounding = 4 * epsilon * (half + 2 * capsule.radius); // error bound of moving the halves
     const double radius = (capsule.radius + rounding) * cover.factor;
 
     std::vector<Eigen::Vector3d> points;
-    std::vector<std::uint32_t> lower(cover.points.size()); // index of an equator vertex's lower copy; else its own
+    std::vector<std::uint32_t> lower(cover.points.size()); // index of an equator vertex's lower copy; for other
+                                                           // vertices, of the vertex itself
     for (std::size_t i = 0; i < cover.points.size(); ++i) {
         Eigen::Vector3d p = radius * cover.points[i];
         const double z = p.z();
@@ -183,7 +184,7 @@ BoundingMesh enclose_hull(const std::string& name, const std::vector<Eigen::Vect
                                  points.size()));
     const Eigen::Vector3d inner = mean_of(points, hull.vertices);
     std::vector<Eigen::Vector3d> corners;
-    double rounding = 0; // of a vertex's coordinates
+    double rounding = 0; // rounding of a vertex's coordinates
     for (const std::uint32_t v : hull.vertices) {
         corners.push_back(points[v]);
         rounding = std::max(rounding, 2 * epsilon * points[v].cwiseAbs().maxCoeff());

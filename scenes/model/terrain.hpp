@@ -23,7 +23,7 @@ enum class CellDiagonal : std::uint8_t { rising, falling };
 
 /// Layout and storage of heights, for make_terrain.
 struct TerrainGrid {
-    std::uint32_t columns = 0, rows = 0;              ///< of heights: at least two each
+    std::uint32_t columns = 0, rows = 0;              ///< numbers of heights: at least two each
     Eigen::Vector2d spacing{1, 1};                    ///< metres between columns and between rows
     Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< position of column 0, row 0 and height 0, metres
     std::optional<double> no_data{};                  ///< heights of this value are holes; may be NaN
@@ -31,8 +31,9 @@ struct TerrainGrid {
                                                       ///< exact
     double unit = 0;                                  ///< heights are probably integer multiples of it; 0: unknown
     double error = 0; ///< bound on the error of the given heights, metres; the error of storing them is added
-    CellDiagonal diagonal = CellDiagonal::rising; ///< of all cells,
-    std::vector<bool> falling{};                  ///< of each cell, row by row, if it is not empty
+    CellDiagonal diagonal = CellDiagonal::rising; ///< diagonal of all cells,
+    std::vector<bool> falling{};                  ///< if not empty, true for each cell, row by row, that has the
+                                                  ///< falling diagonal
 };
 
 /// A surface over a regular grid of heights, in its own frame: column c, row r is at origin + (c spacing, r spacing,
@@ -52,7 +53,7 @@ public:
     std::uint32_t cells_y() const { return rows_ - 1; }
     const Eigen::Vector2d& spacing() const { return spacing_; }
     const Eigen::Vector3d& origin() const { return origin_; }
-    const Aabb& bounds() const { return bounds_; } ///< of the surface, both as given and as stored
+    const Aabb& bounds() const { return bounds_; } ///< bounds of the surface, both as given and as stored
     /// Bound, in metres, on the difference of a true height from the stored one, and of the true surface from the
     /// stored surface. 0: exact.
     double error() const { return error_; }
@@ -108,7 +109,7 @@ private:
     bool mixed_ = false; ///< true if each cell has its own diagonal
     int bytes_ = 0;      ///< per height
     std::shared_ptr<const TerrainHeights> heights_;
-    std::shared_ptr<TerrainChunks> chunks_; ///< instead of heights_
+    std::shared_ptr<TerrainChunks> chunks_; ///< holds the heights of a terrain in a cooked file
 };
 
 /// @param name     names the terrain in errors

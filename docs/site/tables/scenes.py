@@ -146,7 +146,7 @@ DISTANCES = {**{f"{p} %": lambda by, p=p: short(by[p]["ratio"]) for p in PERCENT
 
 
 def by_environment(rows, column):
-    """One row per environment and kind of bodies; `column` of the data tells the columns of the table apart."""
+    """One row per environment and kind of bodies; the columns of the table come from `column` of the data."""
     made = pivot(rows, lambda r: (r["environment"], r["bodies"]), column)
     return [dict(made[e, bodies], environment=title, bodies=bodies) for e, title in ENVIRONMENTS.items()
             for bodies in ("meshes", "shapes")]

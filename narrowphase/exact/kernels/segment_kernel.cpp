@@ -91,7 +91,7 @@ inline I64 segment(TwoCorners triangles, const RigidMap& place, unsigned first_p
     const Vec magnitude_a = normal_magnitude(a), magnitude_b = normal_magnitude(b);
     const auto error_of = [&](const Vec& magnitude) { return dot(magnitude, box) * (10 * 0x1p-53) + 0x1p-900; };
     const F64 error_a = error_of(magnitude_a),
-              error_b = error_of(magnitude_b); // of heights above the planes of a, of b
+              error_b = error_of(magnitude_b); // error bound of heights above the planes of a, of b
     // Sizes for which nothing below underflows or overflows unnoticed.
     I64 sure = of_a.known() & of_b.known() & ~of_a.apart() & ~of_b.apart() & (size > 0x1p-100) & (size < 0x1p200);
 

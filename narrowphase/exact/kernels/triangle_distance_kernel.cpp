@@ -5,9 +5,9 @@
 // nearly parallel, rounding leaves them twice as many digits as differences of products. An undefined quotient
 // (parallel edges, or points) counts as 0.
 //
-// The points found are points of the triangles, to rounding, so their distance is an upper bound. That no other points
-// are nearer is shown by a slab between the triangles, whose width is a lower bound of the distance for any direction:
-// nearly parallel edges and triangles that are nearly segments may give wrong points, and then no slab is as wide.
+// The points found are points of the triangles, to rounding, so their distance is an upper bound. A slab between the
+// triangles shows that no other points are nearer: for any direction, its width is a lower bound of the distance.
+// Nearly parallel edges and triangles that are nearly segments may give wrong points, and then no slab is as wide.
 #include <oncollide/narrowphase/exact/kernels/triangle_lanes.hpp>
 
 #include <oncollide/narrowphase/exact/kernels/triangle_distance_kernel.hpp>
@@ -57,7 +57,7 @@ inline void take_edges(Nearest& nearest, const Edge& a, const Edge& b)
 
 /// A triangle, prepared for comparison with corners.
 struct Face {
-    Vec from, u, v, across_u, across_v; ///< in the triangle's plane, orthogonal to u and to v
+    Vec from, u, v, across_u, across_v; ///< all lie in the triangle's plane, orthogonal to u and to v
     F64 n2, per_n2;
 
     explicit Face(const Corners& t) : from(t.p), u(t.q - t.p), v(t.r - t.p)

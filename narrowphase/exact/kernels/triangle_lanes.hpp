@@ -146,7 +146,7 @@ inline Vec gather(const double* const* v)
 #endif
 }
 
-/// As RelativePose, operation by operation.
+/// Moves a point as RelativePose does, operation by operation.
 inline Vec moved(const Vec& p, const double* rotation, const double* translation)
 {
     const auto row = [&](int i) {

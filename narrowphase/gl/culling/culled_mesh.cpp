@@ -23,7 +23,7 @@ void main()
 )";
 constexpr const char* culling_fragments = "#version 450 core\nvoid main() {}\n";
 
-/// Relative to the centre of the mesh's bounds, in their largest half-extents.
+/// Coordinates are relative to the centre of the mesh's bounds, in units of their largest half-extent.
 struct Vertex {
     float position[3], outward[3];
 };

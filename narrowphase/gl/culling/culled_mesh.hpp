@@ -21,7 +21,7 @@ public:
     };
 
     /// @param most     triangles in a run
-    /// @param fattened draw a box around each triangle, which drawing enlarges
+    /// @param fattened draw a box around each triangle; place() enlarges the boxes
     CulledMesh(const Mesh& mesh, std::size_t most, bool fattened);
 
     const Run& whole() const { return whole_; }

@@ -186,7 +186,7 @@ private:
             asked_.push_back(&(items_[i].*certified));
         }
         glDepthMask(GL_TRUE), glDepthFunc(GL_LESS);
-        for (std::size_t i = begin, last; i < end; i = last) { // runs that follow each other in one call
+        for (std::size_t i = begin, last; i < end; i = last) { // draws consecutive runs in one call
             std::uint32_t count = 0;
             for (last = i; last < end && items_[last].first == items_[i].first + count;) count += items_[last++].count;
             drawn.draw(items_[i].first, count);
@@ -203,9 +203,9 @@ private:
     }
 
     CullideOptions options_;
-    gl::Context context_; ///< first, as all members below live in it
+    gl::Context context_; ///< comes first, because all members below live in this context
     gl::CullingView view_;
-    std::optional<gl::Queries> queries_; ///< replaced by more
+    std::optional<gl::Queries> queries_; ///< replaced when more queries are needed
     gl::BatchClock clock_;
     std::map<std::uint32_t, gl::CulledMesh> meshes_;
 

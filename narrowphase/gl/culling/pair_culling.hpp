@@ -27,7 +27,7 @@ struct CullingWork {
 class PairCulling {
 public:
     virtual ~PairCulling() = default;
-    virtual std::string name() const = 0; ///< with its options
+    virtual std::string name() const = 0; ///< the method's name and options
     virtual std::string renderer() const = 0;
     /// Sets a mesh, before it is used. Keeps no reference to it.
     virtual void attach(std::uint32_t number, const Mesh& mesh) = 0;
@@ -57,7 +57,7 @@ std::unique_ptr<PairCulling> make_cullide(const CullideOptions& options = {});
 struct ViewingVolumesOptions {
     int gpu = -1;
     int viewport = 64; ///< pixels per side, 1 to 1024
-    int volumes = 8;   ///< of a body
+    int volumes = 8;   ///< number of viewing volumes of a body
 };
 std::unique_ptr<PairCulling> make_viewing_volumes(const ViewingVolumesOptions& options = {});
 

@@ -109,7 +109,7 @@ private:
     }
 
     ViewingVolumesOptions options_;
-    gl::Context context_; ///< first, as all members below live in it
+    gl::Context context_; ///< comes first, because all members below live in this context
     gl::CullingView view_;
     gl::Queries queries_;
     gl::BatchClock clock_;

@@ -23,7 +23,8 @@ inline const BoxFitKernel& box_fit_kernel()
 class BoxFit {
 public:
     static constexpr std::uint32_t most = 1 << 14; ///< triangles of a box
-    /// Boxes of more triangles are fitted one by one: in a cache, and without the rows that a smaller box leaves empty.
+    /// Boxes of more triangles are fitted one by one: they then stay in a cache, and no rows are empty because another
+    /// box is smaller.
     static constexpr std::uint32_t most_together = 256;
 
     /// @param counts   triangles of each box; 0: no box
@@ -64,7 +65,7 @@ private:
     }
 
     std::unique_ptr<EightTriangles[]> rows_; ///< not initialised, which would take longer than to fill them
-    std::uint32_t number_ = 0, room_ = 0;    ///< rows in use, and made
+    std::uint32_t number_ = 0, room_ = 0;    ///< rows in use; rows allocated
 };
 
 /// Axes of the box around one triangle, the columns of a rotation: along its longest side or, with a right angle, a

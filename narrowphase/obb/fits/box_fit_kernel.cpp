@@ -53,7 +53,7 @@ struct Rows {
     const EightTriangles* rows;
     std::uint32_t number;
     int first;  ///< lane
-    I64 counts; ///< of triangles, by lane
+    I64 counts; ///< number of triangles, by lane
 
     Vec corner(std::uint32_t row, int c) const
     {
@@ -168,7 +168,7 @@ inline Spread spread_of(const Sums& sums)
     return spread;
 }
 
-/// Joins the lanes of both halves: all become `join` of the eight.
+/// Joins the eight lanes of both halves by `join`, and sets all of them to the result.
 inline void join_lanes(F64& first, F64& second, auto join)
 {
     F64 all = join(first, second);
@@ -358,7 +358,7 @@ void fit(const EightTriangles* rows, const std::uint32_t (&counts)[8], const Sto
     if constexpr (one_box) join_lanes(along);
     alignas(32) std::int32_t turned[8];
     for (int half = 0; half < 2; ++half) {
-        // These fit better where geometry is built along the axes; but a thicker box bounds a curved surface worse.
+        // The frame's axes fit geometry built along them better; but a thicker box bounds a curved surface worse.
         const Extent &all = straight[half], &fitted = along[half];
         const I64 along_frame = (all.area() < 0.95 * fitted.area()) & (all.least() <= 1.25 * fitted.least());
         for (int i = 0; i < 3; ++i) {

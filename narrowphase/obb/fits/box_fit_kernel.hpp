@@ -19,7 +19,7 @@ struct StoredBoxes {
 struct StoredFrame {
     float origin[3], unit;
 };
-constexpr double most_place = 32767, most_half = 65535, quaternion_steps = 32767; ///< of StoredBoxes
+constexpr double most_place = 32767, most_half = 65535, quaternion_steps = 32767; ///< largest numbers in StoredBoxes
 
 struct BoxFitKernel {
     /// Fits eight boxes, each around triangles of its own. Its axes follow the spread of the triangles' surface

@@ -56,7 +56,7 @@ public:
         }
         const std::size_t cell = index(at[0], at[1], at[2]);
         ++counts_[cell];
-        Aabb box; // one change of the cell's box per triangle: the next triangle waits for it
+        Aabb box; // the cell's box changes once per triangle, because the next triangle waits for the change
         for (const Vector3d& p : corners) box.add(p);
         boxes_[cell].min = boxes_[cell].min.cwiseMin(box.min), boxes_[cell].max = boxes_[cell].max.cwiseMax(box.max);
         return static_cast<std::uint16_t>(cell);

@@ -168,8 +168,8 @@ void TriangleParts::part(std::span<Item> items, auto first)
     std::copy_n(above_.begin(), above, items.begin() + static_cast<std::ptrdiff_t>(below));
 }
 
-/// Partially sorts, so that the first `half` items come before() the others. Most of many items are separated by
-/// counting the items in each slice.
+/// Partially sorts, so that the first `half` items come before() the others. If there are many items, most are
+/// separated by counting the items in each slice.
 void TriangleParts::halve(std::span<Item> items, std::size_t half, const Slices& slices)
 {
     constexpr std::size_t many = 8192;
@@ -189,8 +189,8 @@ void TriangleParts::halve(std::span<Item> items, std::size_t half, const Slices&
                      [this, axis = slices.axis](const Item& x, const Item& y) { return before(x, y, axis); });
 }
 
-/// Writes the order of the items along the axis. Each item is compared with all of them, as a sort would mispredict its
-/// branches.
+/// Writes the order of the items along the axis. Compares each item with all others, because a sort would mispredict
+/// its branches.
 void TriangleParts::sort(std::span<const Item> items, int axis, Order& order) const
 {
     const std::size_t size = items.size();
@@ -252,7 +252,7 @@ TriangleParts::Cut TriangleParts::best_of_slices(std::span<const Item> items, st
     Eigen::Array4f scale = float(few) / places.extent(); // as in Slices::of()
     scale[3] = 0;
     for (const Item& item : items) {
-        const I32x4 place = std::bit_cast<I32x4>(item) & I32x4{-1, -1, -1, 0}; // without the number
+        const I32x4 place = std::bit_cast<I32x4>(item) & I32x4{-1, -1, -1, 0}; // clears the number
         const Eigen::Array4f along = ((four(place) - places.low) * scale).min(float(few - 1));
         F32x4 steps;
         std::memcpy(&steps, along.data(), sizeof steps);

@@ -26,7 +26,7 @@ public:
     };
     /// Starts with these triangles. Coordinates are relative to the centre.
     void start(const Source& mesh, const Eigen::Vector3d& centre, std::span<const std::uint32_t> triangles);
-    /// Sorts them into at most eight parts, none of them empty.
+    /// Sorts the triangles into at most eight parts, none of them empty.
     void split(unsigned parts);
     /// Part k is [end(k - 1), end(k)) of the resulting order.
     std::size_t end(unsigned k) const { return ends_[k]; }

@@ -58,8 +58,9 @@ Distance distance_of_core(PairWorker& worker, const Side& round, const Side& oth
     }
 }
 
-/// True if the core of a sphere or a capsule, which does not meet the other body's surface, may be inside it. Above a
-/// terrain it must also be within the terrain's sides, through which a way out of it would not meet its surface.
+/// True if the core of a sphere or a capsule, which does not meet the other body's surface, may be inside it. Over a
+/// terrain the core must also be within the terrain's sides, because a way out through a side would not meet the
+/// surface.
 bool may_be_inside(PairWorker& worker, const Side& round, const Side& other)
 {
     const Vector3d centre = round.pose.translation();

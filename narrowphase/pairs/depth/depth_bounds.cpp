@@ -14,7 +14,7 @@ namespace oncollide {
 namespace depth_bounds {
 
 using Eigen::Isometry3d, Eigen::Vector3d;
-constexpr std::size_t most_points = 256; ///< of a body, located in the other
+constexpr std::size_t most_points = 256; ///< points of one body that are located in the other
 
 /// Calls visit(point) for points of a body, in its own frame, that may be deep in the other.
 /// @param box  around the other body, in this one's frame
@@ -24,7 +24,7 @@ void each_point(const Side& side, const Aabb& box, const Vector3d& towards, auto
         return (p.array() >= box.min.array()).all() && (p.array() <= box.max.array()).all();
     };
     if (const Mesh* const mesh = side.model.surface_mesh()) {
-        std::vector<bool> seen(mesh->vertices.size()); // vertices of no triangle are no points of the body
+        std::vector<bool> seen(mesh->vertices.size()); // vertices that no triangle uses are not points of the body
         for (const Triangle& triangle : mesh->triangles)
             for (const std::uint32_t v : triangle) {
                 if (!seen[v] && in_box(mesh->vertices[v])) visit(mesh->vertices[v]);
@@ -52,7 +52,7 @@ void each_point(const Side& side, const Aabb& box, const Vector3d& towards, auto
 void find_deep(PairWorker& worker, const Side& inner, const Side& outer, bool of_a, const Vector3d& towards,
                Penetration& found)
 {
-    if (inner.model.kind() == Kind::terrain) return; // its surface has no end of points
+    if (inner.model.kind() == Kind::terrain) return; // its surface would have too many points
     const Aabb box = outer.model.bounds().box(inner.pose.inverse(Eigen::Isometry) * outer.pose);
     // A terrain is solid below its surface.
     const Aabb wanted = outer.model.kind() == Kind::terrain ? bounds_of(inner.model.geometry()) : box;

@@ -53,7 +53,7 @@ double distance_from_surface(PairWorker& worker, const Side& outer, const Vector
     auto& tree = Operand::tree(outer.model);
     const Isometry3d here(Eigen::Translation3d{point});
     const double scale = bounds_of(outer.model.geometry()).diagonal() + (point - outer.pose.translation()).norm();
-    const double radius = 0x1p-40 * scale; // of a ball instead of the point
+    const double radius = 0x1p-40 * scale; // radius of the ball that replaces the point
     const Convex ball = convex_of(Shape(Sphere{radius}));
     const ShapeTree shape(ball, {Vector3d::Constant(-radius), Vector3d::Constant(radius)});
     const double slack = stretch(outer.pose);

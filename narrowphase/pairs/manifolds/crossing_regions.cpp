@@ -46,7 +46,7 @@ struct CrossingRegions::Builder {
     const ManifoldJob& job;
     const OverlapPatches& overlap;
     RegionMaker& maker;
-    bool keeps_curve = false; ///< of a round solid whose support points do not reach the other body
+    bool keeps_curve = false; ///< true for a round solid whose support points do not reach the other body
 
     /// @param whole   the part is the whole lump
     /// @param others  points of the curve that are no candidates
@@ -221,7 +221,7 @@ void CrossingRegions::Builder::add_directions(const Lump& lump, const LumpPart& 
 
 void CrossingRegions::add(const ManifoldJob& job, const OverlapPatches& overlap, RegionMaker& maker)
 {
-    std::vector<std::uint32_t> lumps; // that have regions
+    std::vector<std::uint32_t> lumps; // lumps that have regions
     for (std::uint32_t i = 0; i < overlap.lumps.size(); ++i)
         if (overlap.lumps[i].has_volume(job.rounding)) lumps.push_back(i);
     if (lumps.empty()) return;
@@ -236,7 +236,7 @@ void CrossingRegions::add(const ManifoldJob& job, const OverlapPatches& overlap,
         if (!overlap.lumps[lumps[i]].open && !job.any_round())
             facings[i] = facings_.find(overlap, parts_[lumps[i]], job.options.normal_spread);
     using manifold_limits::most_spread;
-    // More directions than regions: faces of one region differ more.
+    // If there are more directions than regions, the faces of one region may differ more.
     for (double spread = std::max(job.options.normal_spread, manifold_limits::least_widened);
          count_regions() > job.most_regions() && spread < most_spread;) {
         spread = std::min(manifold_limits::widening * spread, most_spread);

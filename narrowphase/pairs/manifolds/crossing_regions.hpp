@@ -4,7 +4,7 @@
 
 namespace oncollide {
 
-/// Regions of bodies that overlap. Keeps its memory.
+/// Regions of bodies that overlap. Keeps its memory between calls.
 class CrossingRegions {
 public:
     /// Appends the regions of all lumps that have a volume.

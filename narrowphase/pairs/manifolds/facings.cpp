@@ -94,7 +94,7 @@ LumpFacings PatchFacings::find(const OverlapPatches& overlap, const LumpPart& lu
     const auto matches = [&](const Facing& f) { return f.matched() > matched_share * largest; };
     for (const Facing& f : all)
         if (matches(f)) thinnest = std::min(thinnest, f.thickness());
-    // Opposite sides of the overlap of two boxes are no contact.
+    // Opposite sides of the overlap of two boxes are not a contact.
     const auto thin = [&](const Facing& f) {
         return f.thickness() <= thick_factor * thinnest || f.thickness() <= thin_share * std::sqrt(f.matched());
     };

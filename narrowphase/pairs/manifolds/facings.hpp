@@ -13,7 +13,7 @@ struct LumpPart {
     std::span<const std::uint32_t> a, b, curve;
 };
 
-/// The part of each lump. Keeps its memory.
+/// The part of each lump. Keeps its memory between calls.
 class LumpParts {
 public:
     void set(const OverlapPatches& overlap);
@@ -24,7 +24,7 @@ private:
     struct Order {
         std::vector<std::uint32_t> numbers, offsets;
     };
-    std::array<Order, 3> orders_; ///< of patches of a, of patches of b, of points of the curve
+    std::array<Order, 3> orders_; ///< orders of patches of a, of patches of b, and of points of the curve
 };
 
 /// A direction in which faces of both bodies are opposite each other.
@@ -51,7 +51,7 @@ struct LumpFacings {
 /// Joins directions within `spread` (radians) of a larger one.
 void join_facings(LumpFacings& facings, double spread);
 
-/// Sorts the patches of lumps by directions. Keeps its memory.
+/// Sorts the patches of lumps by directions. Keeps its memory between calls.
 class PatchFacings {
 public:
     static constexpr std::uint32_t none = ~0u;
@@ -69,7 +69,7 @@ public:
     }
 
 private:
-    std::array<std::vector<std::uint32_t>, 2> found_; ///< for each patch of a and of b
+    std::array<std::vector<std::uint32_t>, 2> found_; ///< for each patch of a and of b, the direction found
     std::vector<std::pair<double, std::uint32_t>> by_area_;
 };
 

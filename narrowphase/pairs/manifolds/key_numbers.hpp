@@ -14,11 +14,11 @@ public:
 
     void clear()
     {
-        const int bits = std::max<int>(6, std::bit_width(2ull * count_)); // as large as the last use
+        const int bits = std::max<int>(6, std::bit_width(2ull * count_)); // as large as its last use needed
         slots_.assign(std::size_t{1} << bits, {}), shift_ = 64 - bits, count_ = 0;
     }
     std::uint32_t count() const { return count_; }
-    /// The key's number; count() - 1, and `is_new`, if it is new.
+    /// Returns the key's number. A new key gets the number count() - 1, and sets `is_new`.
     std::uint32_t add(std::uint64_t key, bool& is_new)
     {
         if (2 * std::size_t{count_} >= slots_.size()) grow();

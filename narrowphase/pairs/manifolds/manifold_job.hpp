@@ -11,7 +11,7 @@ struct ManifoldJob {
     const PlacedSurface &a, &b;
     const ManifoldOptions& options;
     Manifold& manifold;
-    double rounding = rounding_of(a, b); ///< of coordinates, metres
+    double rounding = rounding_of(a, b); ///< rounding of coordinates, metres
 
     const PlacedSurface& surface(int side) const { return side == 0 ? a : b; }
     bool solid() const { return a.solid() && b.solid(); }

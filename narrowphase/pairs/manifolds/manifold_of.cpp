@@ -53,7 +53,7 @@ void add_enclosed_region(PairWorker& worker, const ManifoldJob& job, bool inner_
     Manifold& manifold = job.manifold;
     const PlacedSurface &inner = inner_is_a ? a : b, &outer = inner_is_a ? b : a;
     double gap = 0;
-    Vector3d way = Vector3d::Zero(); // of the inner body
+    Vector3d way = Vector3d::Zero(); // direction in which the inner body moves
     a.with_tree([&](auto& tree_a) {
         b.with_tree([&](auto& tree_b) {
             const auto found = worker.traversal(tree_a, tree_b).distance(tree_a, tree_b, b_to_a, 0);
@@ -75,7 +75,7 @@ void add_enclosed_region(PairWorker& worker, const ManifoldJob& job, bool inner_
     region.open = !inner.solid();
     const Vector3d last = inner.farthest(-way), first = outer.farthest(way);
     const double last_along = way.dot(last);
-    // To the plane through the nearest point of the wall.
+    // The distance to the plane through the nearest point of the wall.
     const double to_wall = way.dot(inner.farthest(way)) + gap - last_along;
     const Vector3d wall_point = last + to_wall * way;
     region.depth_upper = std::max(way.dot(first) - last_along, to_wall) + 4 * rounding;
@@ -95,7 +95,7 @@ void add_enclosed_region(PairWorker& worker, const ManifoldJob& job, bool inner_
 void drop_repeated(Manifold& manifold)
 {
     std::vector<ManifoldPoint> kept;
-    std::vector<double> same; // distance within which a point is that one
+    std::vector<double> same; // distance within which two points count as the same
     for (ManifoldRegion& r : manifold.regions) {
         const auto own = std::span<const ManifoldPoint>(manifold.points).subspan(r.first, r.count);
         const std::size_t before = kept.size();
@@ -174,7 +174,9 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
     if (std::ranges::none_of(manifold.regions, crosses)) {
         const bool a_in_b = is_held(a, b, worker.locator);
         if (a_in_b || is_held(b, a, worker.locator)) {
-            for (ManifoldRegion& r : manifold.regions) r.normal_error = std::numbers::pi; // touches from inside
+            for (ManifoldRegion& r : manifold.regions)
+                r.normal_error = std::numbers::pi; // the body touches from
+                                                   // inside
             add_enclosed_region(worker, job, a_in_b, b_to_a);
         }
     }
@@ -182,7 +184,7 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
         memory.near.add_round(worker, task, job, b_to_a, memory.maker);
     else if (options.margin > 0)
         memory.near.add(job, !memory.meeting.empty(), memory.maker);
-    // A joined face is flat; its first triangles, moved with rounding, may stick out of it by that.
+    // A joined face is flat; its original triangles, moved with rounding, may stick out of it by the rounding.
     if (manifold.regions.empty() && (a.joined() || b.joined()))
         if (const Finding found = tests_for(task).decide(worker, task, {}, nullptr); found.verdict != Verdict::separate)
             find(worker, task, options, manifold, false);

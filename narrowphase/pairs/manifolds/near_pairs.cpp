@@ -147,7 +147,7 @@ void NearSearch::Side::set(const PlacedSurface& of, std::span<const TrianglePair
             const auto [low, high] = std::minmax(v[k], v[(k + 1) % 3]);
             if (vertices.add(v[k], is_new), is_new) face.corners |= 1u << k;
             if (edges.add(std::uint64_t{low} << 32 | high, is_new), is_new) face.edges |= 1u << k;
-            // No distance has a minimum at a feature that does not stick out unless it has one beside it, too.
+            // If the distance has a minimum at a feature that does not stick out, it also has one beside it.
             const bool all = which == Which::all;
             if (all || of.corner_sticks_out(v[k])) face.tried_corners |= face.corners & 1u << k;
             if (all || of.edge_sticks_out(face.triangle, k)) face.tried_edges |= face.edges & 1u << k;

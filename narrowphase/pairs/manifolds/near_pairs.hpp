@@ -31,12 +31,12 @@ public:
     /// @param near  all pairs of triangles within dhat + rounding, and perhaps others, in any order
     void find(const PlacedSurface& a, const PlacedSurface& b, std::span<const TrianglePair> near, double dhat,
               double rounding, Which which, std::vector<NearPair>& found);
-    /// The least distance that find() has seen, also of features that are no minima.
+    /// The least distance that find() has seen, also for features that are not minima.
     double least() const { return least_; }
 
 private:
-    /// A triangle of some near pairs. A vertex or an edge that several of them share belongs to the first: if it is
-    /// near a feature of the other body, then so is each of them.
+    /// A triangle of some near pairs. A vertex or an edge that several faces share belongs to the first of them: if it
+    /// is near a feature of the other body, each of these faces is, too.
     struct Face {
         std::uint32_t triangle;
         TrianglePoints points;
@@ -50,8 +50,8 @@ private:
     struct Side {
         const PlacedSurface* surface;
         KeyNumbers triangles, vertices, edges;
-        std::vector<std::uint32_t> number; ///< of each triangle, in the order of their first use
-        std::vector<Face> faces;           ///< in this order
+        std::vector<std::uint32_t> number; ///< the number of each triangle, in the order of their first use
+        std::vector<Face> faces;           ///< faces in the order of `number`
 
         void set(const PlacedSurface& of, std::span<const TrianglePair> near, bool is_a, Which which);
     };

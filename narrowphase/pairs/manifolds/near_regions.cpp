@@ -56,7 +56,7 @@ void NearRegions::add_round(PairWorker& worker, const PairTask& task, const Mani
                 .all_near(tree_a, tree_b, b_to_a, margin + near_rounding(job.a, job.b), triangles);
         });
     });
-    std::vector<std::uint32_t> numbers; // of triangles of the other body
+    std::vector<std::uint32_t> numbers; // numbers of triangles of the other body
     for (const TrianglePair& pair : triangles) numbers.push_back(of_a ? pair.b : pair.a);
     std::ranges::sort(numbers);
     numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
@@ -92,7 +92,7 @@ void NearRegions::add_round(PairWorker& worker, const PairTask& task, const Mani
 }
 
 /// A region of the nearest two triangles, where no pair of features is certainly a minimum: slivers, and triangles that
-/// are so near that rounding hides their direction. Integers find one then.
+/// are so near that rounding hides their direction. Exact integers then find a direction.
 void NearRegions::add_nearest(const ManifoldJob& job, RegionMaker& maker) const
 {
     const PlacedSurface &a = job.a, &b = job.b;
@@ -158,7 +158,7 @@ void NearRegions::add(const ManifoldJob& job, bool meets, RegionMaker& maker)
             p.point_a += 0.5 * p.depth * region.normal, p.point_b -= 0.5 * p.depth * region.normal;
         }
     }
-    // Where edges are nearly parallel, a minimum may be certain that is not quite the least.
+    // Where edges are nearly parallel, a certain minimum may be not quite the least.
     const auto nearest = std::ranges::max_element(regions.begin() + std::ptrdiff_t(begin), regions.end(), {},
                                                   &ManifoldRegion::depth_upper);
     if (nearest != regions.end()) nearest->depth_upper = std::max(nearest->depth_upper, 2 * rounding - search_.least());

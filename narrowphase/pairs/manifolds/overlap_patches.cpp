@@ -59,7 +59,7 @@ struct EdgeSides {
     }
 };
 
-/// How the edges of a turn around the edges of b. Each turn is computed when it is first needed.
+/// The directions in which the edges of a turn around the edges of b. Each turn is computed when it is first needed.
 class EdgeTurns {
 public:
     EdgeTurns(const TrianglePoints& a, const TrianglePoints& b) : a_(a), b_(b) {}
@@ -161,7 +161,7 @@ void OverlapPatches::cross(std::uint32_t number, TrianglePair pair)
     if (sides[1].in_plane()) in_planes_.push_back(number);
     if (sides[0].on_one_side() || sides[1].on_one_side()) return;
     EdgeTurns turns(t[0], t[1]);
-    std::array<EdgeCrossing, 2> ends; // of the segment, as seen from a
+    std::array<EdgeCrossing, 2> ends; // the ends of the segment, as seen from a
     std::array<int, 2> found{};
     for (const int body : {0, 1})
         for (int edge = 0; edge < 3; ++edge) {
@@ -170,7 +170,7 @@ void OverlapPatches::cross(std::uint32_t number, TrianglePair pair)
             const int end = outward == (body == 0) ? 0 : 1;
             ends[end] = {body == 0, edge, outward, sides[body].crossing(t[body], t[1 - body], edge)}, ++found[end];
         }
-    if (found[0] == 1 && found[1] == 1) add_segment(pair, t, ends[0], ends[1]); // else one has no area
+    if (found[0] == 1 && found[1] == 1) add_segment(pair, t, ends[0], ends[1]); // otherwise a triangle has no area
 }
 
 void OverlapPatches::add_segment(TrianglePair pair, const std::array<TrianglePoints, 2>& t, const EdgeCrossing& from,
@@ -286,7 +286,7 @@ void OverlapPatches::connect()
             Lump& lump = lumps[p.lump];
             lump.open |= p.conflict;
             (side == 0 ? lump.area_a : lump.area_b) += p.area * p.normal;
-            const Vector3d middle = lump.box.centre(); // on the curve, so terms are small
+            const Vector3d middle = lump.box.centre(); // a point on the curve, so terms are small
             lump.volume += p.area * p.normal.dot(p.points[0] - middle) / 3;
             double round = 0, reach = 0;
             for (int k = 0; k < 3; ++k) {
@@ -311,8 +311,8 @@ void OverlapPatches::find_pieces(int side)
         if (roots_[i] == i) (side == 0 ? lumps[all[i].lump].pieces_a : lumps[all[i].lump].pieces_b) += areas_[i].norm();
 }
 
-/// Faces of both that lie in one plane, on one side of both bodies: whose face borders the overlap depends on the
-/// displacement. Half of it counts.
+/// Handles faces of both bodies that lie in one plane, with both bodies on one side of it: whose face borders the
+/// overlap depends on the displacement. Half of their area counts.
 void OverlapPatches::balance(std::span<const TrianglePair> pairs)
 {
     for (const std::uint32_t number : in_planes_) {

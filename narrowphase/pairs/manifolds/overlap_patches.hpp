@@ -20,7 +20,7 @@ struct Patch {
     Eigen::Vector3d normal;                           ///< unit, outward; 0 for a triangle without area
     double area = 0;                                  ///< m^2
     Eigen::Vector3d moment = Eigen::Vector3d::Zero(); ///< area times centre
-    std::array<int, 3> entries{}, crossed{};          ///< of each edge: crossings inward less outward; crossings
+    std::array<int, 3> entries{}, crossed{};          ///< for each edge: inward minus outward crossings; all crossings
     std::array<int, 3> inside{};                      ///< for each corner: how often the other body winds around it
     bool conflict = false;                            ///< the windings around its corners contradict each other
 };
@@ -39,15 +39,15 @@ struct Lump {
     double rounding = 0;               ///< error bound of the area vectors, m^2
     bool open = false;                 ///< the surfaces certainly do not enclose it
     double pieces_a = 0, pieces_b = 0; ///< sums of the lengths of the area vectors of connected pieces
-    Aabb box;                          ///< of the curve
+    Aabb box;                          ///< bounding box of the curve
 
     /// False if rounding alone may have made it: the surfaces only touch there.
     /// @param of_coordinates  the rounding of coordinates, metres
     bool has_volume(double of_coordinates) const;
 };
 
-/// All overlaps of two surfaces: behind a surface that is not closed counts as inside, near it. Body b counts as moved
-/// by an infinitely small distance (exact/moved_apart.hpp).
+/// All overlaps of two surfaces. If a surface is not closed, the space behind it counts as inside, near the surface.
+/// Body b counts as moved by an infinitely small distance (exact/moved_apart.hpp).
 ///
 /// The crossings of edges and triangles are exact. By the divergence theorem the area and the moment of a triangle's
 /// part follow from its boundary: the segments shared with the other surface, and the parts of its edges inside the
@@ -62,7 +62,7 @@ public:
     void find(const PlacedSurface& a, const PlacedSurface& b, std::span<const TrianglePair> pairs,
               PointLocator& locator);
 
-    std::array<std::vector<Patch>, 2> patches; ///< of a and of b
+    std::array<std::vector<Patch>, 2> patches; ///< patches of a and of b
     std::vector<CurvePoint> curve;             ///< two for each pair of triangles that cross, in turn
     std::vector<Lump> lumps;
     std::vector<std::uint32_t> crossing; ///< for each pair of triangles: the patch of a, if they cross; else none
@@ -71,7 +71,7 @@ private:
     using Joins = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
     /// Disjoint sets of vertices with the difference of their windings.
     struct Windings {
-        KeyNumbers numbers; ///< of vertices
+        KeyNumbers numbers; ///< numbers of vertices
         std::vector<std::uint32_t> parent, vertex;
         std::vector<int> above; ///< winding less the parent's
 
@@ -95,10 +95,10 @@ private:
     std::array<const PlacedSurface*, 2> surfaces_{};
     std::array<KeyNumbers, 2> patch_of_;   ///< by triangle
     std::vector<std::uint32_t> in_planes_; ///< pairs of triangles in one plane
-    std::vector<std::uint32_t> roots_;     ///< of patches, by disjoint sets
+    std::vector<std::uint32_t> roots_;     ///< roots of patches, by disjoint sets
     Joins joins_;                          ///< a patch of a and one of b that cross
     std::array<Joins, 2> inside_joins_;    ///< patches of one body that share an edge wholly inside
-    std::array<Joins, 2> crossed_joins_;   ///< and an edge that crosses the other surface
+    std::array<Joins, 2> crossed_joins_;   ///< patches of one body that share an edge that crosses the other surface
     Windings windings_;
     std::vector<std::array<std::uint32_t, 3>> nodes_; ///< for each patch: its corners in windings_
     std::vector<int> least_, most_, base_;

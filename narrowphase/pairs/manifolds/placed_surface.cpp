@@ -91,7 +91,7 @@ void PlacedSurface::add_cells(const Aabb& other)
     for (std::uint32_t v = 0; v < own_mesh_.vertices.size(); ++v) own_links_.vertex.push_back(v);
     own_links_.neighbours.assign(own_mesh_.triangles.size(), {none, none, none});
     std::ranges::sort(sides, {}, [](const Side& s) { return std::tuple(s.low, s.high, s.cell, s.triangle); });
-    // Two sides at an edge, or four if two cells share the edge alone, where each cell connects its own two.
+    // An edge has two sides, or four if two cells share only the edge; each cell then connects its own two.
     for (std::size_t i = 0; i + 1 < sides.size(); i += 2) {
         own_links_.neighbours[sides[i].triangle][sides[i].corner] = sides[i + 1].triangle;
         own_links_.neighbours[sides[i + 1].triangle][sides[i + 1].corner] = sides[i].triangle;

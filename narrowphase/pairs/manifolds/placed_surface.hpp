@@ -21,7 +21,7 @@ public:
     /// Reversed triangles begin with corner 1: their edges are these stored edges.
     static constexpr int reversed_edges[] = {0, 2, 1};
 
-    /// @param into   to the frame of the pair
+    /// @param into   moves the body into the frame of the pair
     /// @param other  around the other body, in this body's frame
     /// @param joins  triangles of a mesh in one plane are joined to larger ones (inside/flat_faces.hpp)
     PlacedSurface(Model& model, const RelativePose& into, const Aabb& other, bool joins);
@@ -98,10 +98,10 @@ private:
     TerrainTree* terrain_ = nullptr;
     bool solid_ = true;
     double error_ = 0;
-    Mesh own_mesh_; ///< of the cells or the plane
+    Mesh own_mesh_; ///< mesh of the cells or the plane
     MeshLinks own_links_;
     std::optional<ObbTree> own_tree_;
-    std::vector<MapCell> corners_; ///< of the cells: for each vertex, with the side of its cells
+    std::vector<MapCell> corners_; ///< corners of the cells: for each vertex, with the side of its cells
     std::vector<std::pair<MapCell, std::uint32_t>> faces_; ///< for each triangle: its cell, and which of its box
 };
 

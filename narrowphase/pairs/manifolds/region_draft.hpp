@@ -13,8 +13,8 @@ struct RegionDraft {
     ManifoldRegion region{};
     std::vector<ManifoldCandidate> candidates;          ///< each feature, or pair of features, once
     std::vector<Eigen::Vector3d> contacts;              ///< exact contacts of the region
-    std::array<std::vector<NumberedTriangle>, 2> faces; ///< of a and of b: where opposite points are
-    double rounding = 0;                                ///< of positions, metres
+    std::array<std::vector<NumberedTriangle>, 2> faces; ///< faces of a and of b: where opposite points are
+    double rounding = 0;                                ///< rounding of positions, metres
     double least_depth = 0;                             ///< shallower points are dropped if others are left
 
     void begin(RegionKind kind, bool open, double rounding_of_positions);

@@ -68,11 +68,11 @@ void RegionMaker::resolve(const ManifoldJob& job, bool all_angles, ManifoldCandi
     double depth;
     if (const auto* found = ahead_[other].nearest(c.at, depth)) {
         c.depth = depth, c.error = draft.rounding * found->error;
-        const Vector3d across = (of_a ? 1 : -1) * found->depth.normalized(); // of the face, from a to b
+        const Vector3d across = (of_a ? 1 : -1) * found->depth.normalized(); // normal of the face, from a to b
         c.normal = of_a ? normal_across(c.normal, across) : normal_across(across, c.normal);
         if (all_angles && c.normal.isZero(0)) c.normal = across;
         (of_a ? c.b : c.a) = job.surface(other).face(found->triangle);
-    } else { // as at the end of a region
+    } else { // treats the point as at the end of a region
         c.depth = 0, c.error = draft.region.depth_upper + draft.rounding, c.opposite = false;
         if (c.normal.dot(draft.region.normal) < manifold_limits::facing_cosine) c.normal.setZero();
     }
@@ -94,7 +94,8 @@ std::span<const std::uint32_t> RegionMaker::choose_resolved(const ManifoldJob& j
 }
 
 /// A lower bound of the way along a direction from a point inside a surface to the surface; at most `most`. The faces
-/// of a region do not suffice: the way may leave the overlap, and the other body elsewhere.
+/// of a region do not suffice: the way may leave the overlap, and then the body through a face that is not in the
+/// region.
 double RegionMaker::way_out(const PlacedSurface& surface, const Vector3d& from, const Vector3d& along, double most)
 {
     const Segment way{surface.placed_back(from), surface.placed_back(from + most * along)};

@@ -27,7 +27,8 @@ private:
     ManifoldPoint point_of(const ManifoldJob& job, const ManifoldCandidate& c);
 
     std::array<FacesAhead, 2> ahead_; ///< the draft's faces
-    bool curved_ = false;             ///< as on a thread: the normal of the region is none of a point
+    bool curved_ = false;             ///< the faces are curved, as on a screw thread: no point has the normal of the
+                                      ///< region
     PointChoice choice_;
     SegmentWalk<ObbTree> ways_out_;
     SegmentWalk<TerrainTree> ways_out_of_terrain_;

@@ -33,7 +33,8 @@ struct Width {
     double overlap;
 };
 
-/// Apart: from point to point. Overlapping: the direction of least overlap, by descent from several starts.
+/// If the solids are apart, the direction from nearest point to nearest point. If they overlap, the direction of least
+/// overlap, by descent from several starts.
 Width least_width(const Convex& a, const Convex& b, const RelativePose& into, const ConvexDistance& nearest, bool apart,
                   double size)
 {
@@ -56,7 +57,7 @@ Width least_width(const Convex& a, const Convex& b, const RelativePose& into, co
             for (const double sign : {-1.0, 1.0})
                 look(sign * Vector3d::Unit(axis)), look(sign * into.rotation.col(axis).normalized());
     }
-    int moves = 0; // of one step
+    int moves = 0; // moves with the current step
     for (double step = manifold_limits::first_step; step > manifold_limits::last_step; step /= 2) {
         const Vector3d from = n, u = n.unitOrthogonal(), v = n.cross(u);
         for (const Vector3d& side : {u, v, Vector3d(-u), Vector3d(-v)}) look((from + step * side).normalized());

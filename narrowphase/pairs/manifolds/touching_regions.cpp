@@ -44,8 +44,8 @@ FeatureBits feature_of(const PlacedSurface& surface, std::uint32_t triangle, uns
 struct Meeting {
     TrianglePair pair;
     Rank rank;
-    Vector3d normal; ///< from a to b
-    double area = 0; ///< of the common polygon
+    Vector3d normal; ///< unit, from a to b
+    double area = 0; ///< area of the common polygon
     Vector3d moment = Vector3d::Zero();
     std::vector<Vector3d> points; ///< corners of the overlap of the triangles
 };
@@ -154,8 +154,8 @@ void add_region(const ManifoldJob& job, RegionMaker& maker, const std::vector<co
 
 } // namespace
 
-/// Pairs that meet elsewhere than at lumps with a volume: without pairs of such a lump's triangles, or of neighbours of
-/// these, near the lump's curve.
+/// Returns the pairs that meet away from lumps with a volume. It leaves out pairs of such a lump's triangles, or of
+/// their neighbours, near the lump's curve.
 std::vector<TrianglePair> TouchingRegions::other_pairs(const ManifoldJob& job, std::span<const TrianglePair> meeting,
                                                        const OverlapPatches& overlap)
 {
@@ -215,7 +215,7 @@ void TouchingRegions::add(const ManifoldJob& job, std::span<const TrianglePair> 
         }
         for (const auto& direction : directions) {
             add_region(job, maker, direction, others);
-            others.clear(); // they count for the first
+            others.clear(); // they count for the first region
         }
     }
 }

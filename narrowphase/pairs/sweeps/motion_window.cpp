@@ -56,14 +56,14 @@ SweptMotion MotionWindow::motion(bool swap) const
     };
     SweptMotion motion{side(first.state), side(second.state), task_.clearance + bend(a_, half) + bend(b_, half),
                        touch_};
-    // In poses that are not quite rigid, motions turn by slightly other angles.
+    // Poses that are not quite rigid turn motions by slightly different angles.
     const double stretched = stretch(first.state.pose) + stretch(second.state.pose);
     const double turned = half * ((first.state.angular.norm() + second.state.angular.norm()) *
                                   (first.radius + second.radius + (first.centre - second.centre).norm()));
     const double far = a_.centre.norm() + b_.centre.norm() + a_.radius + b_.radius;
     motion.slack += 2 * stretched * (turned + half * (first.state.velocity - second.state.velocity).norm());
     motion.slack += 0x1p-48 * (far + motion.a.shift.norm() + motion.b.shift.norm());
-    // Round solids have other sizes in such frames; else the bounds of the tests hold that.
+    // Round solids have other sizes in such frames; for other bodies the bounds of the tests allow for it.
     if (touch_.careful) motion.slack += stretched * (first.radius + second.radius);
     return motion;
 }

@@ -49,7 +49,9 @@ public:
                 end_without_contact();
                 break;
             }
-            if (result_.steps == many_steps) touch_.careful = true; // nearly touching parts may let it creep
+            if (result_.steps == many_steps)
+                touch_.careful = true; // the sweep may creep between parts that nearly
+                                       // touch
             if (step(window_first && result_.steps == 0)) break;
         }
         return result_;
@@ -57,7 +59,7 @@ public:
 
 private:
     static constexpr double least_width = 0x1p-46;
-    static constexpr double most_turn = 0.25; ///< rad, of both bodies in one window
+    static constexpr double most_turn = 0.25; ///< radians: rotation of both bodies in one window
     static constexpr int many_steps = 256;
     static constexpr double widest_graze = 0x1p-6; ///< then poses are decided at the ends of windows
 
@@ -146,7 +148,7 @@ private:
         const bool moved_on = now > begin;
         if (likely - now <= 0.5 * tolerance_ || end - begin <= tolerance_) {
             if (const auto time = contact_soon(now, end, moved_on)) return end_at(*time);
-            // Parts get deeper than allowed, but where they meet, rounding hides it.
+            // Parts get deeper than allowed, but rounding hides where they meet.
             if (grazes_ && end - begin <= tolerance_) return leave_open();
         }
         const double rest = end - now;
@@ -165,7 +167,7 @@ private:
         if (simple != end && simple != soon && meets_at(simple)) return simple;
         return {};
     }
-    /// At the contact of the last decision. Returns true if it is the result.
+    /// Ends the sweep at the contact of the last decision. Returns true if this contact is the result.
     bool end_at(double time)
     {
         if (grazes_ || !presses() || found_.kind == ContactKind::enclosed) {
@@ -176,8 +178,8 @@ private:
         begin_graze(found_.bound + distance_moved(now_, time));
         return false;
     }
-    /// Where parts touch all the time, others that get deeper soon after the time show the direction of the contact; 0:
-    /// none do.
+    /// Where parts touch all the time, other parts that get deeper soon after `time` show the direction of the contact;
+    /// 0 if there are none.
     Vector3d closing_normal(double time)
     {
         constexpr double soon = 64; // times the tolerance
@@ -188,7 +190,7 @@ private:
         const PartsEntry entry = entry_(MotionWindow(task_, now_, end, touch), none);
         return entry.time > 1 ? Vector3d::Zero() : entry.direction;
     }
-    /// The bounds of windows do not show how the bodies go on. Returns true if nothing else does.
+    /// The bounds of windows do not show how the bodies move on. Returns true if nothing else does.
     bool end_of_bounds()
     {
         if (!touch_.careful) {
@@ -207,7 +209,7 @@ private:
         touch_ = graze_of(task_, now_);
         grazes_ = true, result_.gap = gap, result_.grazes_until = now_, tried_ = -1, width_ = widest();
     }
-    /// Only a graze, or rounding, was found.
+    /// Leaves the result open: only a graze, or rounding, was found.
     bool leave_open()
     {
         const double time = result_.clear_until;
@@ -227,7 +229,7 @@ private:
         else
             result_.verdict = Verdict::separate, result_.normal.setZero();
     }
-    /// A window that bounds leave free ends in a contact.
+    /// The bounds leave the window free, but it ends in a contact.
     bool set_contact_between(const MotionWindow& window)
     {
         const double tolerance = tolerance_in(window);
@@ -329,7 +331,7 @@ private:
     double now_ = 0;      ///< the next window begins here
     double tolerance_ = 1, width_ = 1, tried_ = -1;
     bool hinted_ = false; ///< the last decision had hints, on which the parts must not depend
-    bool inexact_;        ///< bodies within an error or the clearance are in contact
+    bool inexact_;        ///< bodies that are apart by no more than an error or the clearance are in contact
     Isometry3d pose_a_, pose_b_;
     PairTask at_{};
     Finding found_;

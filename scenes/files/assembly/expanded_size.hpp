@@ -10,7 +10,7 @@ namespace oncollide {
 /// The size of an element with all elements that it instances. Numbers stop at 2^40, beyond every limit.
 struct ExpandedSize {
     std::uint64_t nodes = 0;  ///< nodes, and meshes shown by them
-    std::uint64_t parts = 0;  ///< of these, the meshes
+    std::uint64_t parts = 0;  ///< number of meshes among them
     std::uint64_t pieces = 0; ///< vertices and triangles of these meshes, and 1 for each
     int levels = 0;
 
@@ -43,7 +43,7 @@ public:
             ++measured.levels;
             size = measured;
         }
-        // Without levels, it is being measured: it is among the elements below itself.
+        // An element without levels is still being measured, so it is among the elements below itself.
         if (size.levels == 0 || level + size.levels - 1 > most_levels_) too_deep();
         return size;
     }

@@ -12,7 +12,7 @@ namespace oncollide {
 /// file; and by the number of parts. Private to scenes.
 class ExpansionLimit {
 public:
-    static constexpr std::size_t any_parts = std::numeric_limits<std::size_t>::max(); ///< for a whole mesh
+    static constexpr std::size_t any_parts = std::numeric_limits<std::size_t>::max(); ///< most parts for a whole mesh
 
     /// @param most_parts  as in PartsReading
     ExpansionLimit(const MeshSource& source, std::size_t most_parts) : source_(source), most_parts_(most_parts) {}

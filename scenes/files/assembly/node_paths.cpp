@@ -10,7 +10,7 @@ namespace {
 
 bool is_inside_character(char c)
 {
-    return (static_cast<unsigned char>(c) & 0xc0) == 0x80; // of UTF-8
+    return (static_cast<unsigned char>(c) & 0xc0) == 0x80; // true within a character of UTF-8
 }
 
 /// Cuts between characters.

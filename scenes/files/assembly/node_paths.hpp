@@ -15,7 +15,7 @@ public:
 
     /// @param above    by node, the parent node or no_node
     /// @param name_of  empty: the node has no name
-    /// @param parts    of the file: of many, paths have fewer levels
+    /// @param parts    parts of the file; if there are many, paths have fewer levels
     NodePaths(std::span<const std::uint32_t> above, std::function<std::string_view(std::uint32_t)> name_of,
               std::size_t parts)
         : above_(above), name_of_(std::move(name_of)), levels_(parts <= 100'000 ? 64 : 8)

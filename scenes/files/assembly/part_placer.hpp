@@ -49,7 +49,8 @@ private:
     };
     std::pair<std::uint32_t, Eigen::Matrix3d> shared(std::uint32_t mesh, const Eigen::Matrix3d& linear);
 
-    std::vector<std::vector<std::uint32_t>> by_mesh_; ///< indices into placed_; short of the meshes not placed
+    std::vector<std::vector<std::uint32_t>> by_mesh_; ///< indices into placed_; meshes at the end that were not placed
+                                                      ///< have no entry
     std::vector<Placed> placed_;
     std::vector<RawPart> parts_;
 };

@@ -36,7 +36,7 @@ RawMesh whole_mesh(const MeshSource& source, const PlacedMeshes& placed, Expansi
 {
     const Adder add(source, placed);
     for (const PlacedMeshes::Show& show : placed.shows)
-        expansion.spend(placed.pieces(show.mesh)); // all before the work
+        expansion.spend(placed.pieces(show.mesh)); // spends all before the work begins
     WeldedMesh mesh;
     for (const PlacedMeshes::Show& show : placed.shows) add(show.mesh, show.pose, mesh);
     return mesh.take();

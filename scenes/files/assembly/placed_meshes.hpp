@@ -9,8 +9,8 @@ namespace oncollide {
 /// The visible meshes of a file and their poses, with instances resolved. Private to scenes.
 struct PlacedMeshes {
     struct Node {
-        std::uint32_t above; ///< in nodes, or no_node
-        std::uint32_t name;  ///< in names
+        std::uint32_t above; ///< index in nodes, or no_node
+        std::uint32_t name;  ///< index in names
     };
     /// A mesh of a node, with its pose in the world.
     struct Show {

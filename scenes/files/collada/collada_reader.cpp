@@ -64,7 +64,7 @@ private:
     struct Open {
         const XmlElement* element;
         std::uint32_t above;
-        Eigen::Affine3d pose; ///< of the parent node
+        Eigen::Affine3d pose; ///< pose of the parent node
     };
 
     /// Recursion; the reader limits the nesting of elements.
@@ -89,7 +89,7 @@ private:
         return *first;
     }
 
-    /// The node that a child of a node or scene is or instances; null: the child is no node.
+    /// The node that a child of a node or scene is, or instances; null: the child is not a node.
     const XmlElement* node_of(const XmlElement& child) const
     {
         if (child.name == "instance_node") return &nodes_.find(child, "url");
@@ -216,7 +216,7 @@ private:
     ColladaIds geometries_, controllers_, nodes_, scenes_;
     std::uint64_t shows_ = 0; ///< instances of meshes that the file writes
     std::uint64_t controllers_shown_ = 0;
-    ExpandedSizes sizes_{XmlReader::most_levels}; ///< of nodes
+    ExpandedSizes sizes_{XmlReader::most_levels}; ///< sizes of nodes
     std::unordered_map<const XmlElement*, std::uint32_t> definitions_, meshes_;
     PlacedMeshes placed_;
 };

@@ -31,7 +31,7 @@ public:
                                    Vectors kind);
 
     std::size_t size() const { return size_; }
-    /// Elements that the file holds one by one: all, or without an array only the replaced ones.
+    /// Elements that the file holds one by one: all of them, or only the replaced ones if there is no array.
     std::size_t written() const { return elements_.data ? size_ : replaced_; }
     std::size_t replaced() const { return replaced_; } ///< elements of the sparse part
     std::uint32_t corner(std::size_t i) const;         ///< i < size()

@@ -11,7 +11,7 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::uint64_t most_bytes = std::uint64_t(2) << 30; ///< of all files of buffers together
+constexpr std::uint64_t most_bytes = std::uint64_t(2) << 30; ///< most bytes of all files of buffers together
 
 int sextet(char c)
 {

@@ -26,7 +26,7 @@ struct GltfPrimitive {
 
     std::size_t corners() const { return indices ? indices->size() : positions.size(); }
     std::size_t count() const { return mode == triangles ? corners() / 3 : corners() - 2; }
-    std::size_t replaced() const; ///< elements of sparse accessors, which no array holds
+    std::size_t replaced() const; ///< elements of sparse accessors that no array holds
     /// The vertices of triangle i, with the winding that the format gives it. Throws Error{bad_data}.
     std::array<std::size_t, 3> triangle(std::size_t i) const;
     Eigen::Vector3d position(std::size_t vertex) const;
@@ -35,9 +35,9 @@ private:
     void read_moves(const GltfDocument& document, GltfBuffers& buffers, std::span<const double> weights);
 };
 
-/// The weights of the morph targets of a node's mesh: the node's own, else the mesh's; empty if nothing moves. The
-/// format says that a mesh has these displacements also where no animation runs. Throws Error{bad_data} unless there is
-/// a weight for each target.
+/// The weights of the morph targets of a node's mesh: the node's own weights, else the mesh's; empty if no target moves
+/// a vertex. The format applies these displacements even if no animation runs. Throws Error{bad_data} unless there is a
+/// weight for each target.
 std::vector<double> morph_weights(const Node& node, const Node& mesh);
 
 } // namespace oncollide

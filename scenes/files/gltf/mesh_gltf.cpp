@@ -45,8 +45,8 @@ public:
     }
 
 private:
-    /// Calls visit(node, mesh, pose) for each visible node with a mesh and each of its instances, from the roots down;
-    /// reads the mesh before.
+    /// Calls visit(node, mesh, pose) from the roots down, for each visible node with a mesh and for each of its
+    /// instances; reads the mesh first.
     template <class Visit>
     void each_mesh(Visit visit)
     {

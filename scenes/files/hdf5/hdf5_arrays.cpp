@@ -10,18 +10,18 @@ namespace {
 
 constexpr unsigned array_checksum_bytes = 4;
 
-/// Elements that follow each other.
+/// A run of consecutive elements.
 struct Run {
     Hdf5Walk& walk;
     VisitHdf5Element visit;
-    std::uint64_t element_bytes = 0, page_elements = 0; ///< of a page
+    std::uint64_t element_bytes = 0, page_elements = 0; ///< sizes of a page
 
     void elements(Hdf5Cursor& cursor, std::uint64_t first, std::uint64_t count) const
     {
         for (std::uint64_t i = 0; i < count; ++i) visit(first + i, cursor.part(element_bytes));
     }
     /// Pages at an address, each with a checksum. A page without a bit in `pages` was not written.
-    /// @param bit  of the first page; the highest bit of a byte is the first
+    /// @param bit  the bit of the first page; the highest bit of a byte is the first
     void paged(std::uint64_t address, std::uint64_t first, std::uint64_t count, std::string_view pages,
                std::uint64_t bit) const
     {

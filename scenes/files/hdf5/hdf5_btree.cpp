@@ -52,7 +52,7 @@ struct NewTree {
     unsigned type;
     std::uint64_t record_bytes, node_bytes;
     FunctionRef<void(Hdf5Cursor)> visit;
-    unsigned count_bytes = 0;                ///< of the number of records in a child
+    unsigned count_bytes = 0;                ///< bytes of the number of records in a child
     std::vector<unsigned> all_count_bytes{}; ///< by level: of the number of records below a node
 
     /// The sizes of the fields of nodes follow from the largest possible numbers.

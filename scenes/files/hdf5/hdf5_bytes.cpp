@@ -63,15 +63,15 @@ Hdf5Bytes::~Hdf5Bytes()
     ::close(file_);
 }
 
-/// As HDF5's library does: writers lock their files, and a file that is read alone stays locked. Not all file systems
-/// have locks.
+/// Locks the file as HDF5's library does: writers lock their files, and a file that is read alone stays locked. Not all
+/// file systems have locks.
 void Hdf5Bytes::lock(Access access)
 {
     if (::flock(file_, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK) incomplete();
     if (access == Access::while_written) ::flock(file_, LOCK_UN);
 }
 
-/// It follows a block of the user's own, of 0, 512, 1024, 2048, ... bytes.
+/// The superblock follows a block of the user's own, of 0, 512, 1024, 2048, ... bytes.
 void Hdf5Bytes::find_superblock()
 {
     const std::uint64_t whole = size_;
@@ -101,7 +101,7 @@ void Hdf5Bytes::read_superblock(Access access)
     Hdf5Cursor cursor = block.cursor(*this);
     cursor.skip(12);
     const std::uint64_t base = cursor.number(offset_);
-    cursor.address(); // of an extension
+    cursor.address(); // address of the superblock's extension
     const std::uint64_t end = cursor.number(offset_);
     root_ = cursor.address();
     if (!is_written_ && end - base > size_) incomplete();
@@ -121,9 +121,9 @@ void Hdf5Bytes::read_old_superblock()
     Hdf5Cursor cursor = block.cursor(*this);
     cursor.skip(fixed);
     const std::uint64_t base = cursor.number(offset_);
-    cursor.address(); // of free space
+    cursor.address(); // address of free space
     const std::uint64_t end = cursor.number(offset_);
-    cursor.address(), cursor.address(); // of a driver's data; of the root group's name
+    cursor.address(), cursor.address(); // addresses of a driver's data and of the root group's name
     root_ = cursor.address();
     if (end - base > size_) incomplete();
 }

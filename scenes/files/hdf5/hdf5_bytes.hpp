@@ -22,7 +22,7 @@ struct Hdf5Fault {
 /// @param arguments  of h5repack, which rewrites the file without the feature
 [[noreturn]] void hdf5_unread(std::string_view feature, std::string_view arguments = "");
 
-/// An HDF5 file, open for reading. Never mapped: truncating a mapped file ends the program.
+/// An HDF5 file, open for reading. The file is never mapped, because truncating a mapped file ends the program.
 class Hdf5Bytes {
 public:
     enum class Access {
@@ -35,10 +35,10 @@ public:
     Hdf5Bytes(const Hdf5Bytes&) = delete;
     Hdf5Bytes& operator=(const Hdf5Bytes&) = delete;
 
-    std::uint64_t size() const;                       ///< present size; of a file that is written, it grows
+    std::uint64_t size() const;                       ///< present size; it grows while the file is written
     bool is_written() const { return is_written_; }   ///< its writer has not closed it
     std::uint64_t root() const { return root_; }      ///< address of the root group's header
-    unsigned offset_bytes() const { return offset_; } ///< of an address
+    unsigned offset_bytes() const { return offset_; } ///< bytes of an address
     unsigned length_bytes() const { return length_; }
     /// Throws Hdf5Fault if the file ends before.
     void read(std::uint64_t address, std::uint64_t count, void* out) const;
@@ -75,7 +75,7 @@ public:
     void skip(std::uint64_t bytes) { take(bytes); }
     std::string_view text(); ///< up to a null character, which is skipped
     Hdf5Cursor part(std::uint64_t bytes);
-    /// Skips these characters; throws if others are there.
+    /// Skips these characters; throws if the next characters are others.
     void expect(std::string_view signature);
     /// Skips these characters and a version number of one byte.
     void expect(std::string_view signature, unsigned version);
@@ -98,8 +98,8 @@ struct Hdf5Block {
     Hdf5Cursor cursor(const Hdf5Bytes& file) const { return {file, bytes, address}; }
 };
 
-/// Reads the structures of one object. In a valid file each byte belongs to one structure, so the bytes of all blocks
-/// are limited by the size of the file: links in a circle come to an end.
+/// Reads the structures of one object. In a valid file each byte belongs to one structure, so the size of the file
+/// limits the bytes of all blocks: links in a circle come to an end.
 class Hdf5Walk {
 public:
     explicit Hdf5Walk(const Hdf5Bytes& of) : file(of), left_(2 * of.size() + 4096) {}

@@ -24,11 +24,13 @@ struct Reader {
     const Hdf5Grid& grid;
     std::uint64_t chunk_bytes;
     std::vector<Hdf5Chunk> chunks{};
-    std::vector<std::uint64_t> at{}; ///< of a chunk
+    std::vector<std::uint64_t> at{}; ///< position of a chunk
 
     void add(std::uint64_t address, std::uint64_t bytes, std::uint32_t skipped)
     {
-        if (address == hdf5_nowhere || !grid.contains(at)) return; // chunks outside may stay when a dataset shrinks
+        if (address == hdf5_nowhere || !grid.contains(at))
+            return; // chunks outside the dataset may remain when a
+                    // dataset shrinks
         chunks.push_back({grid.number(at), address, bytes, skipped});
     }
 
@@ -140,7 +142,8 @@ struct Reader {
     /// In a valid file no two chunks share bytes; otherwise a small file could take any memory and time.
     void check()
     {
-        constexpr std::uint64_t not_yet_written = std::uint64_t{4} << 20; // by a writer that is running
+        constexpr std::uint64_t not_yet_written = std::uint64_t{4} << 20; // most bytes that a running writer has not
+                                                                          // written yet
         std::ranges::sort(chunks, {}, &Hdf5Chunk::number);
         std::uint64_t left = walk.file.size() + (walk.file.is_written() ? not_yet_written : 0);
         for (std::size_t i = 0; i < chunks.size(); ++i) {

@@ -10,7 +10,7 @@ namespace oncollide {
 // The places of a dataset's chunks. Private to scenes.
 
 struct Hdf5Chunk {
-    std::uint64_t number; ///< in the grid of chunks, the last dimension first
+    std::uint64_t number; ///< number in the grid of chunks, the last dimension first
     std::uint64_t address, bytes;
     std::uint32_t skipped; ///< filters that were not used, one bit each
 };
@@ -22,7 +22,7 @@ public:
 
     std::size_t dimensions() const { return counts_.size(); }
     std::uint64_t count(std::size_t dimension) const { return counts_[dimension]; }
-    std::uint64_t number(std::span<const std::uint64_t> chunk) const; ///< chunk: counted in each dimension
+    std::uint64_t number(std::span<const std::uint64_t> chunk) const; ///< chunk: its number in each dimension
     bool contains(std::span<const std::uint64_t> chunk) const;
 
 private:

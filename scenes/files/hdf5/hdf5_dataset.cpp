@@ -130,7 +130,7 @@ const char* Hdf5Dataset::load(std::uint64_t number, std::span<const std::uint64_
     return slot.bytes.data();
 }
 
-/// Gives the common values of a chunk and the wanted part.
+/// Passes on the values that a chunk has in common with the wanted part.
 void Hdf5Dataset::give(std::span<const std::uint64_t> chunk, std::span<const std::uint64_t> start,
                        std::span<const std::uint64_t> count, FunctionRef<void(const Hdf5Piece&)> take) const
 {
@@ -149,7 +149,7 @@ void Hdf5Dataset::give(std::span<const std::uint64_t> chunk, std::span<const std
     for (; inner > 0 && size[inner] == layout_.edges[inner] && size[inner] == count[inner]; --inner)
         run *= size[inner - 1];
     Hdf5Piece piece{bytes ? bytes : fill_.data(), 1, run, 0, bytes ? type_.size : 0, 0, 0};
-    const std::size_t outer = inner > 0 ? inner - 1 : 0; // loops over the dimensions before it
+    const std::size_t outer = inner > 0 ? inner - 1 : 0; // loops run over the dimensions before it
     if (inner > 0)
         piece.rows = size[outer], piece.to_row = result_step[outer], piece.row_bytes = step[outer] * piece.value_bytes;
     for (bool more = true; more;) {

@@ -27,7 +27,7 @@ public:
 
     const Hdf5Type& type() const { return type_; }
     const std::vector<std::uint64_t>& extent() const { return space_.extent; }
-    /// Values along the first dimension that the bytes of the file suffice for; others were never written.
+    /// The number of rows for which the file has enough bytes; the other rows were never written.
     std::uint64_t rows_in_file() const;
     /// Calls take(piece) until the values from `start`, `count` in each dimension, are complete. They must exist.
     void read(std::span<const std::uint64_t> start, std::span<const std::uint64_t> count,

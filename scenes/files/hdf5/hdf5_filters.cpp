@@ -9,7 +9,7 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::uint64_t fletcher_bytes = 4; // of Fletcher's
+constexpr std::uint64_t fletcher_bytes = 4; // bytes of Fletcher's checksum
 
 [[noreturn]] void damaged_chunk()
 {
@@ -40,7 +40,7 @@ void join_bytes(const std::string& planes, std::string& out)
 /// The file has the first bytes of all numbers, then the second bytes, and so on.
 void unshuffle(std::size_t bytes, const std::string& planes, std::string& out)
 {
-    out = planes; // bytes after the last whole number stay in their places
+    out = planes; // bytes after the last whole number keep their places
     switch (bytes) {
     case 0:
         damaged_chunk();

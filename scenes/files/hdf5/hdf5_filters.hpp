@@ -15,7 +15,7 @@ void undo_hdf5_filters(std::span<const Hdf5Filter> filters, std::uint32_t skippe
 /// The most bytes that filters can make of stored bytes.
 constexpr std::uint64_t hdf5_most_unfiltered(std::uint64_t stored)
 {
-    constexpr std::uint64_t ratio = 1032; // of deflate
+    constexpr std::uint64_t ratio = 1032; // largest ratio of deflate
     return stored > hdf5_nowhere / 2 / ratio ? hdf5_nowhere / 2 : ratio * stored;
 }
 

@@ -20,7 +20,7 @@ Hdf5LocalHeap::Hdf5LocalHeap(Hdf5Walk& walk, std::uint64_t address)
     cursor.expect("HEAP", 0);
     cursor.skip(3);
     const std::uint64_t size = cursor.length();
-    cursor.length(); // of the first free piece, its place
+    cursor.length(); // length of the first free piece, and its place
     data_ = walk.block(cursor.address(), size);
 }
 
@@ -89,7 +89,7 @@ const Hdf5Block& Hdf5FractalHeap::read(const Place& place)
     return block;
 }
 
-/// The part of a table that has the offset.
+/// Returns the part of a table that has the offset.
 Hdf5FractalHeap::Place Hdf5FractalHeap::child(const Place& table, std::uint64_t offset)
 {
     const unsigned address_bytes = walk_.file.offset_bytes();

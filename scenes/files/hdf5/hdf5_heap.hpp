@@ -31,8 +31,8 @@ private:
     /// Part of the heap: a block with objects, or a table of such parts.
     struct Place {
         std::uint64_t address, first; ///< first: offset in the heap
-        std::uint64_t size;           ///< of a block with objects; 0: a table
-        unsigned rows;                ///< of a table
+        std::uint64_t size;           ///< size of a block with objects; 0: a table
+        unsigned rows;                ///< number of rows of a table
     };
     Place child(const Place& table, std::uint64_t offset);
     std::uint64_t row_bytes(unsigned row) const; ///< the size of each block in a row
@@ -40,7 +40,7 @@ private:
 
     Hdf5Walk& walk_;
     std::uint64_t width_ = 0, start_bytes_ = 0, most_direct_bytes_ = 0;
-    unsigned offset_bits_ = 0, size_bytes_ = 0; ///< of ids
+    unsigned offset_bits_ = 0, size_bytes_ = 0; ///< sizes of ids
     bool is_checked_ = false;                   ///< blocks with objects have checksums
     Place root_{};
     std::map<std::uint64_t, Hdf5Block> blocks_; ///< by address

@@ -67,7 +67,7 @@ void Hdf5Object::add_messages(Hdf5Cursor cursor, unsigned header_bytes)
 {
     enum Flag { shared = 2, unknown_is_error = 128 };
     const bool old = header_bytes == 8;
-    while (cursor.left() >= header_bytes) { // a gap may follow
+    while (cursor.left() >= header_bytes) { // a gap may follow the last message
         const auto type = static_cast<Hdf5MessageType>(old ? cursor.u16() : cursor.u8());
         const std::uint16_t size = cursor.u16();
         const unsigned flags = cursor.u8();

@@ -30,7 +30,7 @@ enum class Hdf5MessageType : std::uint16_t {
 
 struct Hdf5Message {
     Hdf5MessageType type;
-    bool is_shared; ///< the block is the place of the message
+    bool is_shared; ///< the block holds the place of the message
     Hdf5Block block;
 };
 

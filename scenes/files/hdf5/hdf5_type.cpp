@@ -28,7 +28,7 @@ void read_whole(Hdf5Cursor& cursor, const Header& header, Hdf5Type& type)
     if (is_number_size(type.size) && offset == 0 && precision == 8 * type.size) type.kind = Hdf5Type::Kind::whole;
 }
 
-/// Only the layouts of IEEE 754.
+/// Accepts only the layouts of IEEE 754.
 void read_real(Hdf5Cursor& cursor, const Header& header, Hdf5Type& type)
 {
     constexpr unsigned big_endian = 1, vax = 0x40, normalisation = 0x30, implied_one = 0x20;
@@ -44,7 +44,7 @@ void read_real(Hdf5Cursor& cursor, const Header& header, Hdf5Type& type)
         type.kind = Hdf5Type::Kind::real;
 }
 
-/// A name of a member; before version 3 padded to a multiple of eight bytes.
+/// Reads the name of a member; before version 3 it is padded to a multiple of eight bytes.
 std::string read_name(Hdf5Cursor& cursor, const Header& header)
 {
     std::string name(cursor.text());
@@ -69,7 +69,7 @@ void read_compound(Hdf5Cursor& cursor, const Header& header, Hdf5Type& type)
         std::string name = read_name(cursor, header);
         const std::uint64_t offset = cursor.number(offset_bytes);
         if (header.version == 1) {
-            if (cursor.u8() != 0) return; // an array
+            if (cursor.u8() != 0) return; // it is an array
             cursor.skip(3 + 4 + 4 + 16);
         }
         const Hdf5Type member = read_type(cursor, true);
@@ -80,7 +80,7 @@ void read_compound(Hdf5Cursor& cursor, const Header& header, Hdf5Type& type)
     type.kind = Hdf5Type::Kind::compound;
 }
 
-/// @param is_member  of another type, so no compound and no text
+/// @param is_member  the type is a member of another type, so it must not be a compound or a text
 Hdf5Type read_type(Hdf5Cursor& cursor, bool is_member)
 {
     const unsigned first = cursor.u8();

@@ -13,17 +13,17 @@ struct Hdf5Type {
     enum class Kind {
         whole,       ///< 1, 2, 4 or 8 bytes
         real,        ///< IEEE, 2, 4 or 8 bytes
-        text,        ///< of variable length
-        enumeration, ///< of bytes without sign
-        compound,    ///< of all kinds except texts and compounds
+        text,        ///< a text of variable length
+        enumeration, ///< an enumeration of bytes without sign
+        compound,    ///< a compound of all kinds except texts and compounds
         other
     };
     Kind kind = Kind::other;
     std::uint64_t size = 0; ///< bytes of a value
     bool is_signed = false, is_big_endian = false;
-    std::vector<std::pair<std::string, std::uint8_t>> names; ///< of an enumeration
+    std::vector<std::pair<std::string, std::uint8_t>> names; ///< names of an enumeration
     struct Member;
-    std::vector<Member> members; ///< of a compound
+    std::vector<Member> members; ///< members of a compound
 };
 
 struct Hdf5Type::Member {
@@ -34,7 +34,7 @@ struct Hdf5Type::Member {
 
 constexpr const char* hdf5_other_type = "holds values of another type";
 
-/// @param cursor  at the content of a datatype message
+/// @param cursor  at the beginning of a datatype message
 Hdf5Type hdf5_type(Hdf5Cursor cursor);
 
 } // namespace oncollide

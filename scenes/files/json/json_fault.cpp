@@ -51,7 +51,7 @@ public:
     {
         if (dynamic_cast<const Json::out_of_range*>(&error)) fail(plain(error));
         std::string why = plain(error);
-        // Nothing is quoted of a file of another kind: a link may lead to any.
+        // Text of another kind of file is not quoted, because a link may lead to any file.
         if (open_.empty()) why.erase(std::min(why.find("; last read"), why.size()));
         throw Error(ErrorKind::bad_data, fmt::format("{}: not valid JSON: {}", file_, why));
     }
@@ -82,7 +82,7 @@ private:
     {
         std::string place;
         for (const Level& level : open_) {
-            if (level.is_array) // in an array, an error may occur before the next element begins
+            if (level.is_array) // the error may be in an array before the next element begins
                 place += fmt::format("[{}]", &level == &open_.back() ? level.elements : level.elements - 1);
             else if (!level.key.empty())
                 place += (place.empty() ? "" : ".") + level.key;

@@ -32,7 +32,7 @@ public:
 
     /// Throws unless the value is an object with no keys other than these.
     void only(std::initializer_list<std::string_view> keys) const;
-    /// The same; returns the members in the order of the keys, which are literals; empty for a missing member.
+    /// The same, but returns the members in the order of the keys, which are literals; a missing member is empty.
     template <class... Keys>
     std::array<std::optional<Node>, sizeof...(Keys)> members(const Keys&... keys) const;
     /// Throws unless the value is an object with exactly one key, one of these; returns it.
@@ -40,11 +40,11 @@ public:
     bool has(std::string_view key) const { return find(key) != 0; }
     Node operator[](std::string_view key) const; ///< a member that must exist
     Node operator[](std::size_t i) const;        ///< an element; linear cost: iterate over long arrays
-    std::size_t size() const;                    ///< of an array
-    std::string_view key() const { return tape_->values()[at_ - 1].as_text(); } ///< of a member
+    std::size_t size() const;                    ///< size of an array
+    std::string_view key() const { return tape_->values()[at_ - 1].as_text(); } ///< the member's key
 
     double number() const;
-    double number(std::string_view key, double otherwise) const; ///< of a member that may be missing
+    double number(std::string_view key, double otherwise) const; ///< the number of a member that may be missing
     double positive(std::string_view key, double otherwise) const;
     std::int64_t integer(std::int64_t least, std::int64_t most) const;
     std::uint64_t natural() const; ///< 0 to 2^64 - 1
@@ -65,7 +65,7 @@ private:
     const JsonValue& value() const { return tape_->values()[at_]; }
     std::uint32_t find(std::string_view key) const; ///< 0: not found
     void must_be(bool right, std::string_view what) const;
-    std::string excerpt() const; ///< of source(), on one line
+    std::string excerpt() const; ///< excerpt of source(), on one line
 
     const JsonTape* tape_;
     std::uint32_t at_; ///< index on the tape
@@ -83,7 +83,7 @@ public:
     friend bool operator==(const Iterator& a, const Iterator& b) { return a.at_ == b.at_; }
 
 private:
-    std::uint32_t value() const { return at_ + of_->is_object(); } // after its key
+    std::uint32_t value() const { return at_ + of_->is_object(); } // index of the value, after its key
 
     const Node* of_;
     std::uint32_t at_;

@@ -183,7 +183,7 @@ void JsonTape::skip_array(JsonValue& array)
 {
     array.source = at_;
     std::uint64_t commas = 0;
-    const char* at = at_; // a local, which the compiler can keep in a register
+    const char* at = at_; // a local variable, which the compiler can keep in a register
     for (std::int64_t open = 0;; ++at) {
         at = find_structure(at, end_);
         if (at == end_) break;

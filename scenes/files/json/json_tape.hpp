@@ -19,7 +19,7 @@ struct JsonFault {
     const char* where;
 };
 
-/// A value on the tape. Its contents follow it: elements, or each member's key (a text) and then its value.
+/// A value on the tape. The value's contents follow it: elements, or each member's key (a text) and then its value.
 struct JsonValue {
     enum class Kind : std::uint8_t { null, boolean, natural, negative, real, text, array, object };
 
@@ -41,7 +41,7 @@ struct JsonValue {
     };
 
     bool is_number() const { return kind == Kind::natural || kind == Kind::negative || kind == Kind::real; }
-    double as_number() const ///< of a number
+    double as_number() const ///< the value of a number
     {
         return kind == Kind::real      ? real
                : kind == Kind::natural ? static_cast<double>(natural)

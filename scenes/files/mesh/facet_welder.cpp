@@ -44,7 +44,7 @@ FacetWelder::FacetWelder(std::size_t facets) : corners_(3 * batch), missing_(3 *
 
 inline bool FacetWelder::RecentLine::bring_forward(const Key& key)
 {
-    std::size_t place = 0; // branch-free: a branch would be mispredicted
+    std::size_t place = 0; // without branches, which would be mispredicted
     for (std::size_t i = 1; i < entries.size(); ++i) place += i * std::size_t{entries[i].key == key};
     std::swap(entries[0], entries[place]);
     return place > 0;
@@ -110,8 +110,8 @@ void FacetWelder::make_slots(std::size_t count)
 void FacetWelder::take_apart(const char* facets, std::size_t count)
 {
     Corner* next = corners_.data();
-    const RecentLine* const recent = recent_.data(); // locals stay in registers; members would be reloaded after each
-                                                     // write
+    const RecentLine* const recent = recent_.data(); // local variables stay in registers; members would be reloaded
+                                                     // after each write
     const int shift = recent_shift_;
     for (const char* facet = facets; facet != facets + count * facet_bytes; facet += facet_bytes)
         for (const char* corner = facet + corners_at; corner != facet + corners_at + 36; corner += 12) {
@@ -187,7 +187,7 @@ bool FacetWelder::add(const char* facets, std::size_t count, Triangle* triangles
 void FacetWelder::correct(std::uint32_t missing, std::uint32_t first_new, std::span<std::uint32_t> numbers)
 {
     found_[missing] = 0;
-    for (std::uint32_t& number : numbers) { // branch-free: branches would be mispredicted
+    for (std::uint32_t& number : numbers) { // without branches, which would be mispredicted
         const std::uint32_t place = number - first_new, is_new = place < missing;
         number = number * (1 - is_new) + found_[std::min(place, missing)] * is_new;
     }

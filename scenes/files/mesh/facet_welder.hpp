@@ -14,13 +14,13 @@ namespace oncollide {
 /// the points it takes 6 to 13 bytes per point and at most 0.5 MB. Private to scenes.
 class FacetWelder {
 public:
-    static constexpr std::size_t facet_bytes = 50, corners_at = 12; ///< of a facet; three corners of three floats
+    static constexpr std::size_t facet_bytes = 50, corners_at = 12; ///< sizes of a facet; three corners of three floats
     static constexpr std::size_t batch = 64;                        ///< most facets per call
-    static constexpr std::size_t bytes_behind = 2;                  ///< that are readable after the last facet
+    static constexpr std::size_t bytes_behind = 2;                  ///< bytes that are readable after the last facet
 
     explicit FacetWelder(std::size_t facets);
-    /// Adds the corners of up to `batch` facets in the layout of the file. Returns false, and the mesh is invalid, if
-    /// one is not finite.
+    /// Adds the corners of up to `batch` facets in the layout of the file. Returns false if a coordinate is not finite;
+    /// the mesh is then invalid.
     bool add(const char* facets, std::size_t count, Triangle* triangles);
     std::vector<Eigen::Vector3d> take() { return std::move(points_); }
 
@@ -65,10 +65,10 @@ private:
     LargeVector<std::uint32_t> slots_;
     bool many_known_ = false;        ///< over an eighth of the corners missing in recent_ were in points_, in the
                                      ///< last batch: prefetch points_
-    std::uint32_t mask_ = 0;         ///< of the number in a slot
+    std::uint32_t mask_ = 0;         ///< mask of the number in a slot
     std::vector<RecentLine> recent_; ///< by hash; in most files nearly all corners are found here
     int recent_shift_;
-    std::vector<Corner> corners_;                ///< of the batch
+    std::vector<Corner> corners_;                ///< corners of the batch
     std::vector<std::uint32_t> missing_, found_; ///< corners of the batch that are not in recent_, and their numbers
 };
 

@@ -167,7 +167,7 @@ private:
         return at;
     }
 
-    const char* end_; ///< of the last complete line, so every line that is read has an end
+    const char* end_; ///< the end of the last complete line, so every line that is read has an end
     RawMesh& mesh_;
     PolygonList& faces_;
 };
@@ -215,7 +215,7 @@ RawMesh read_obj(const MeshSource& source, ObjSections& sections)
         } else if (keyword == "o" || keyword == "g") {
             begin_section(keyword == "o" ? sections.objects : sections.groups, {name_in(text), faces.triangle_count()});
         } else if (std::find(ignored.begin(), ignored.end(), keyword) == ignored.end()) {
-            // Nothing is quoted of a file of another kind: a link may lead to any.
+            // Text of another kind of file is not quoted, because a link may lead to any file.
             const bool is_obj = !mesh.vertices.empty() || !sections.objects.empty() || !sections.groups.empty();
             text.fail(fmt::format("{}; an OBJ file has v, f, vn, vt, g, o, usemtl and the like",
                                   is_obj ? fmt::format("unknown statement {}", quoted(keyword)) : "not an OBJ file"));

@@ -33,7 +33,7 @@ RawMesh read_off(const MeshSource& source)
     if (!text.next_line()) source.fail("the file has no content");
     const std::string_view header = text.word();
     if (std::find(headers.begin(), headers.end(), header) == headers.end())
-        // Another variant of the format, such as 4OFF, is named; of a file of another kind nothing is quoted.
+        // Another variant of the format, such as 4OFF, is named; text of another kind of file is not quoted.
         text.fail(header.size() <= 8 && header.ends_with("OFF")
                       ? fmt::format("the file begins with {}, not with OFF (or COFF, NOFF, STOFF)", quoted(header))
                       : "the file does not begin with OFF (or COFF, NOFF, STOFF)");

@@ -14,12 +14,12 @@ namespace oncollide {
 
 // Shared by the readers of mesh files. Private to scenes.
 
-/// A file in memory. Its name begins every message.
+/// A file in memory. The source's name begins every message.
 struct MeshSource {
     std::string name;
     std::string_view bytes;
 
-    /// Throws Error{bad_data}; `line` 0: the file as a whole.
+    /// Throws Error{bad_data}; `line` 0 stands for the file as a whole.
     [[noreturn]] void fail(const std::string& what, std::size_t line = 0) const;
 };
 
@@ -45,7 +45,7 @@ RawMesh read_obj(const MeshSource& source, ObjSections& sections);
 RawMesh read_off(const MeshSource& source);
 RawMesh read_ply(const MeshSource& source);
 RawMesh read_stl(const MeshSource& source);
-/// The same from a file of at most `most` bytes; a binary file is never in memory as a whole.
+/// The same for a file of at most `most` bytes; a binary file is never in memory as a whole.
 RawMesh read_stl_file(const std::filesystem::path& path, std::uintmax_t most);
 bool is_binary_stl(std::string_view bytes);
 /// glTF and GLB: the triangles of the default scene (of all nodes if there is no scene), placed by its nodes and
@@ -73,7 +73,7 @@ inline char end_of_lines(std::string_view text)
 }
 
 /// Splits text into lines and lines into words; counts lines for messages. Lines end with LF or CR LF; in a file
-/// without LF with CR, as on old Macs. A byte-order mark is skipped.
+/// without LF they end with CR, as on old Macs. A byte-order mark is skipped.
 class TextReader {
 public:
     explicit TextReader(const MeshSource& source)

@@ -89,7 +89,7 @@ public:
         return u.x() * v.y() - u.y() * v.x();
     }
 
-    /// True if no corner turns right and the polygon winds once around.
+    /// True if no corner turns right and the polygon winds around once.
     bool convex() const
     {
         int changes = 0; // sign changes of the direction's x: two for one winding
@@ -153,7 +153,7 @@ private:
     void remove(std::uint32_t at)
     {
         const std::uint32_t a = before_[at], c = after_[at];
-        after_[a] = c, before_[c] = a; // the links of `at` stay, for iterations that are at it
+        after_[a] = c, before_[c] = a; // the links of `at` stay valid for iterations that have reached it
         in_the_way_[a] = in_the_way_[c] = none;
         cut_[at] = true;
         grid_.remove(at);
@@ -184,7 +184,7 @@ private:
     const FlatPolygon& flat_;
     PointGrid grid_; ///< corners not yet cut off
     std::vector<std::uint32_t> before_, after_;
-    std::vector<std::uint32_t> in_the_way_; ///< of a corner: another corner that was inside its ear
+    std::vector<std::uint32_t> in_the_way_; ///< for each corner: another corner that was inside its ear
     std::vector<bool> cut_;
     std::uint32_t left_;
 };

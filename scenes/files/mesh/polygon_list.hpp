@@ -53,7 +53,7 @@ private:
         std::size_t triangles; ///< number of triangles before it
         std::size_t begin;     ///< index of its first corner
     };
-    /// From `polygon` on, each polygon is on the line after its predecessor, as in most files.
+    /// Beginning with `polygon`, each polygon is on the line after the previous one, as in most files.
     struct Run {
         std::size_t polygon, line;
     };
@@ -73,7 +73,7 @@ private:
 
     std::vector<Triangle> triangles_;
     std::vector<Polygon> polygons_;
-    std::vector<std::int64_t> corners_; ///< of the polygons
+    std::vector<std::int64_t> corners_; ///< corners of the polygons
     std::vector<Run> runs_;
 };
 

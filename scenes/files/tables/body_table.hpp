@@ -43,7 +43,7 @@ public:
     void expect(std::size_t rows);
     /// Skips the next row if the scene does not want it.
     bool skip() { return scene_.skip_body(); }
-    /// The number of next rows, at most `most`, that the scene wants, up to the first unwanted row.
+    /// The number of the next rows that the scene wants, at most `most`.
     std::size_t wanted(std::size_t most) const;
     /// @param place  returns the position of the row, for errors
     void add(const BodyRow& row, FunctionRef<std::string()> place);

@@ -32,7 +32,7 @@ std::vector<Column> read_header(CsvReader& fields, bool needs_geometry)
         const std::string_view field = fields.next(last);
         const auto found = std::ranges::find(column_names, field);
         if (found == column_names.end())
-            fields.fail(fmt::format("unknown column {}{}", // a long one is the text of another kind of file
+            fields.fail(fmt::format("unknown column {}{}", // a long name is the text of another kind of file
                                     field.size() <= 16 ? quoted(field) : fmt::format("of {} bytes", field.size()),
                                     valid_names(field, {column_names.begin(), column_names.end()})));
         const auto column = static_cast<Column>(found - column_names.begin());
@@ -102,7 +102,7 @@ public:
 private:
     void set_geometry(std::string_view field)
     {
-        if (field == geometry_name_) return; // the same as in the previous row
+        if (field == geometry_name_) return; // the row has the same geometry as the previous row
         const std::optional<GeometryId> found = rows_.scene().find_geometry(field);
         if (!found) fields_.fail(fmt::format("no geometry named {}", quoted(field)));
         row.geometry = *found, geometry_name_ = field;
@@ -169,7 +169,7 @@ public:
             file_.read(text_.data() + before, std::streamsize(size));
             text_.resize(before + std::size_t(file_.gcount()));
             if (file_.bad()) throw Error(ErrorKind::no_input, name_ + ": cannot be read");
-            taken_ = text_.rfind('\n') + 1; // 0 if there is no line end
+            taken_ = text_.rfind('\n') + 1; // 0 if there is no end of a line
         }
         if (!file_) taken_ = text_.size();
         return std::string_view(text_).substr(0, taken_);

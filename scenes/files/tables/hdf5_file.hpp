@@ -9,7 +9,8 @@
 
 namespace oncollide {
 
-// The part of HDF5 that tables need. Read without HDF5's library, which damaged files make crash. Private to scenes.
+// The part of HDF5 that tables need. It reads files without HDF5's library, which damaged files can crash. Private to
+// scenes.
 
 /// A dataset of numbers, whose first dimension counts rows. Its data stays in the file.
 class Hdf5Column {

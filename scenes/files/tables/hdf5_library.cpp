@@ -15,7 +15,7 @@ Hdf5::Hdf5()
     : shared_(::dlopen(ONCOLLIDE_HDF5_LIBRARY, RTLD_NOW | RTLD_NOLOAD)),
       library_(ONCOLLIDE_HDF5_LIBRARY, "writes HDF5 files", "libhdf5-103-1")
 {
-    if (!shared_) H5dont_atexit(); // otherwise HDF5 would try at exit to write a file that could not be written
+    if (!shared_) H5dont_atexit(); // otherwise HDF5 would try again at exit to write a file that could not be written
     H5open();
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // otherwise HDF5 prints its errors
     native_double = variable("H5T_NATIVE_DOUBLE_g"), native_uint8 = variable("H5T_NATIVE_UINT8_g"),

@@ -9,7 +9,8 @@ namespace oncollide {
 
 /// Rows of finite numbers.
 struct NumberTable {
-    std::vector<std::string> names; ///< of the columns, from a CSV file's first line; empty: the file has no names
+    std::vector<std::string> names; ///< names of the columns, from a CSV file's first line; empty: the file has no
+                                    ///< names
     std::size_t columns = 0;
     std::vector<double> numbers; ///< row by row
 

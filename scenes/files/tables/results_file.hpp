@@ -31,12 +31,12 @@ struct PairRow {
 };
 #pragma pack(pop)
 
-/// When the pair met on its way, in a run in which bodies do. Numbers are NaN where nothing is known: all, if no body
-/// of the pair moved.
+/// The time at which the pair met on its way, in a run in which bodies move between frames. Numbers are NaN where
+/// nothing is known: all, if no body of the pair moved.
 #pragma pack(push, 1)
 struct SweepRow {
     double clear_until, contact_by, gap;
-    std::uint32_t triangle_a, triangle_b; ///< no_triangle: no contact, or the part is none
+    std::uint32_t triangle_a, triangle_b; ///< no_triangle: there is no contact, or the part is not a triangle
     std::uint8_t separating;
     std::array<double, 3> point, normal;
     static constexpr std::uint32_t no_triangle = ~0u;
@@ -52,8 +52,8 @@ struct StageRow {
 /// One frame, as in the file, where the stages' columns are named by ResultsHeader::stages ("broad_out").
 struct FrameRow {
     std::uint64_t frame, first, pairs; ///< range of its rows among the pairs
-    std::uint64_t hash;                ///< of the frame
-    std::uint64_t chain;               ///< of all frames up to this one
+    std::uint64_t hash;                ///< hash of the frame
+    std::uint64_t chain;               ///< hash of all frames up to this one
     double ms;
     std::array<StageRow, 5> stages;
 };
@@ -100,8 +100,8 @@ public:
     ~StoredResults();
 
     const ResultsHeader& header() const { return header_; }      ///< without the words
-    std::span<const FrameRow> frames() const { return frames_; } ///< consecutive, from any first frame
-    /// The name of the first body that differs from `names`, which has one for each body; empty: none.
+    std::span<const FrameRow> frames() const { return frames_; } ///< consecutive; the first one may have any number
+    /// The first name that differs from `names`, which has one for each body; empty: all are equal.
     std::string unlike(const NameColumn& names) const;
     /// The pairs of a frame of the file, in the order in which they were added. Throws Error{bad_data} if they cannot
     /// be read.

@@ -19,7 +19,7 @@ struct StoredField {
     std::string name;
     std::uint64_t offset, size;
     Hdf5Type::Kind kind;
-    const std::vector<std::string>* words = nullptr; ///< of an enumeration, from 0 on
+    const std::vector<std::string>* words = nullptr; ///< words of an enumeration, from 0 on
 };
 
 namespace {
@@ -146,7 +146,7 @@ private:
     }
 
     Hdf5Dataset data_;
-    std::vector<Copy> copies_; ///< of each row
+    std::vector<Copy> copies_; ///< copies of each row
     std::vector<Translation> translations_;
 };
 
@@ -192,14 +192,15 @@ struct StoredResults::Open {
 StoredResults::StoredResults(const std::filesystem::path& path, const ResultsHeader& words)
     : name_(path.string()), open_(std::make_unique<Open>())
 {
-    if (!is_regular(path)) check_readable(path); // a file that a run continues is no input
+    if (!is_regular(path)) check_readable(path); // a file that a run continues is not an input
     try {
         open_->file = std::make_shared<const Hdf5Bytes>(path, Hdf5Bytes::Access::while_written);
         open_->read_header(header_);
         open_->frames = open_->rows(name_, "frames", frame_fields(words));
         frames_.resize(open_->frames->size());
         if (!frames_.empty()) open_->frames->read(0, frames_.size(), frames_.data());
-        open_->pairs = open_->rows(name_, "pairs", pair_fields(words)); // after the frames, which it may outrun
+        open_->pairs = open_->rows(name_, "pairs", pair_fields(words)); // read after the frames, because there may be
+                                                                        // more pairs than they count
         if (frames_.empty()) throw Hdf5Fault{"it holds no frame"};
         header_.sweeps = open_->find("sweeps").has_value();
         if (header_.sweeps) open_->sweeps = open_->rows(name_, "sweeps", sweep_fields());
@@ -211,7 +212,7 @@ StoredResults::StoredResults(const std::filesystem::path& path, const ResultsHea
                 throw Hdf5Fault{fmt::format("row {} of 'frames' is impossible", k)};
         }
     } catch (const Hdf5Fault& fault) {
-        // A run that is killed early leaves any of these: an empty file, half a header, no frame.
+        // A run that is killed early leaves an empty file, half a header, or no frame.
         refuse(name_, fmt::format("is not a results file of 'oncollide run --pairs', or is damaged, or its run was cut "
                                   "off before the first frame was done: {}; run the scene again, without --from-frame",
                                   fault.what));

@@ -116,7 +116,7 @@ HeightRaster read_with_gdal(const std::filesystem::path& path)
         if (to_world[2] != 0 || to_world[4] != 0) fail("the raster is rotated relative to the axes");
         raster.spacing = Eigen::Vector2d(std::abs(to_world[1]), std::abs(to_world[5]));
     }
-    // Row by row: a short file fails at its end, before memory for all rows is allocated.
+    // Reads row by row, so that a short file fails at its end, before memory for all rows is allocated.
     const bool from_north = !placed || to_world[5] < 0;
     std::vector<double> row(raster.columns);
     for (std::uint32_t r = 0; r < raster.rows; ++r) {

@@ -63,7 +63,7 @@ private:
         const ModelReference* reference;
         const Model* from; ///< the model that contains the reference
         std::uint32_t above;
-        Eigen::Affine3d frame; ///< of the parent node, from that model's units
+        Eigen::Affine3d frame; ///< frame of the parent node, from that model's units
     };
 
     std::string model_file() const
@@ -88,11 +88,11 @@ private:
             if (!is_new) continue;
             model->second = read_model_part(source_, archive_, model->first, expansion_);
             const bool is_root = model->first == root;
-            if (!is_root) model->second.build.clear(); // the specification: only the root's counts
+            if (!is_root) model->second.build.clear(); // the specification uses only the root's build
             const auto note = [&](ModelReference& reference) {
                 ++references_;
                 if (reference.model.empty()) return;
-                if (!is_root) // the specification: refuse it
+                if (!is_root) // the specification requires a refusal
                     fail(reference, *model, "only the root model may refer to another model");
                 waiting.push_back(reference.model = in_archive(reference.model));
             };
@@ -189,7 +189,7 @@ private:
     const std::string root_; ///< the model that has the build
     std::map<std::string, ModelPart> models_;
     std::uint64_t references_ = 0;                ///< items and components that the file writes
-    ExpandedSizes sizes_{XmlReader::most_levels}; ///< of objects
+    ExpandedSizes sizes_{XmlReader::most_levels}; ///< sizes of objects
     std::unordered_map<const ModelObject*, std::uint32_t> definitions_, meshes_;
     PlacedMeshes placed_;
 };

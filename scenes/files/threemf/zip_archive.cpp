@@ -40,7 +40,7 @@ void ZipArchive::read(const std::string& name, const std::function<void(std::str
 {
     constexpr std::uint64_t most = std::uint64_t{2} << 30, always = std::uint64_t{16} << 20, ratio = 100;
     const auto fail = [&](const std::string& why) { source_.fail(fmt::format("{}: {}", printable(name), why)); };
-    // Opened by index: OPC names are compared without regard to case.
+    // The file is opened by index: OPC names are compared without regard to case.
     const zip_int64_t index = zip_name_locate(handle_->archive, name.c_str(), ZIP_FL_NOCASE);
     if (index < 0) fail("the archive has no such file");
     const auto close = [](zip_file_t* file) { zip_fclose(file); };
@@ -52,7 +52,7 @@ void ZipArchive::read(const std::string& name, const std::function<void(std::str
         if (unpacked > allowed)
             fail(fmt::format("it unpacks to more than {} times the archive and {} MiB", ratio, always >> 20));
     };
-    zip_stat_t stat; // the size in the directory is checked before any work; the unpacked bytes are counted in any case
+    zip_stat_t stat; // the size in the directory is checked before any work; the unpacked bytes are counted as well
     if (zip_stat_index(handle_->archive, static_cast<zip_uint64_t>(index), 0, &stat) == 0 && stat.valid & ZIP_STAT_SIZE)
         check(handle_->unpacked + std::min<std::uint64_t>(stat.size, most));
     std::string piece(std::size_t{1} << 20, '\0');

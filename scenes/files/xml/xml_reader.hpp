@@ -39,7 +39,7 @@ public:
     XmlReader(const MeshSource& source, XmlHandler& handler);
     ~XmlReader();
 
-    void read(std::string_view piece); ///< of a megabyte or so
+    void read(std::string_view piece); ///< pieces of about a megabyte
     void finish();                     ///< throws unless the text was whole
 
     static constexpr int most_levels = 1000;

@@ -118,7 +118,7 @@ CellTree::Octants CellTree::open(const Node& node)
 void CellTree::set_grid(CellState state)
 {
     Octants top;
-    for (unsigned k = 0; k < 8; ++k) top.set(k, k == 0 ? state : CellState::free); // no cells there
+    for (unsigned k = 0; k < 8; ++k) top.set(k, k == 0 ? state : CellState::free); // octants 1 to 7 have no cells
     top_ = close(top);
 }
 
@@ -197,7 +197,7 @@ void CellTree::add_bounds(const Node& node, const MapCell& cube, int axis, bool 
     const unsigned leaves = unknown_ ? node.occupied | node.free : node.occupied;
     const unsigned all = leaves | (unknown_ ? node.inner : node.inner & node.solid);
     for (unsigned i = 0; i < 8; ++i) {
-        const unsigned of_half = i & 3, u = (axis + 1) % 3, v = (axis + 2) % 3; // the farther half first
+        const unsigned of_half = i & 3, u = (axis + 1) % 3, v = (axis + 2) % 3; // the farther half is searched first
         const unsigned k = unsigned((i < 4) == high) << axis | (of_half & 1) << u | (of_half >> 1) << v;
         if (!(all >> k & 1)) continue;
         const MapCell octant = cube.octant(k);

@@ -40,7 +40,7 @@ class CellTree {
 public:
     /// An inner node of the octree. An octant that is not inner, occupied or free is unknown.
     struct Node {
-        std::uint32_t first = 0;   ///< of the nodes of its inner octants, which are contiguous
+        std::uint32_t first = 0;   ///< index of the first of the nodes of its inner octants, which are contiguous
         std::uint8_t inner = 0;    ///< octants that have child octants
         std::uint8_t occupied = 0; ///< octants that are completely occupied
         std::uint8_t free = 0;     ///< octants that are completely free
@@ -169,7 +169,7 @@ private:
     }
 
     std::vector<Node> nodes_;
-    std::shared_ptr<MapChunks> chunks_; ///< instead of the nodes
+    std::shared_ptr<MapChunks> chunks_; ///< holds the nodes of a map in a cooked file
     Node top_;
     std::uint8_t unknown_;               ///< all bits set: unknown cells count as occupied
     std::array<std::uint32_t, 9> spare_; ///< by length: the first free run of nodes; `first` links to the next

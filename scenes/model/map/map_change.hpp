@@ -33,7 +33,7 @@ private:
     const std::ptrdiff_t known_before_;
     std::vector<std::pair<MapCell, CellState>> before_;
     const bool octree_is_to_know_;
-    bool search_ = false; ///< the bounds must be searched for: cells at them were removed
+    bool search_ = false; ///< the bounds must be searched for, because cells at them were removed
     bool done_ = false;
 };
 

@@ -206,7 +206,7 @@ void OccupancyMap::insert_scan(std::span<const Eigen::Vector3d> points, const Ei
     try {
         change.commit();
     } catch (const Error&) {
-        scanned.reset(); // it matches the map as it is now
+        scanned.reset(); // the new octree matches the map as it is now
         throw;
     }
 }

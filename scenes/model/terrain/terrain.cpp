@@ -142,7 +142,7 @@ Mesh mesh_of(const Terrain& terrain)
     for (std::uint32_t r = 0; r < terrain.rows(); ++r)
         for (std::uint32_t c = 0; c < terrain.columns(); ++c) {
             Eigen::Vector3d point = terrain.point(c, r);
-            if (std::isnan(point.z())) point.z() = 0; // no triangle uses it
+            if (std::isnan(point.z())) point.z() = 0; // no triangle uses the point
             points.push_back(point);
         }
     for (std::uint32_t y = 0; y < terrain.cells_y(); ++y)

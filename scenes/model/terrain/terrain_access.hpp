@@ -27,7 +27,7 @@ struct TerrainTile {
 /// The heights and diagonals of a terrain in memory.
 struct TerrainHeights {
     std::vector<std::uint64_t> falling; ///< a bit per cell; empty: all cells have the same diagonal
-    std::vector<TerrainTile> tiles;     ///< at 1 and 2 bytes
+    std::vector<TerrainTile> tiles;     ///< used for heights of 1 and 2 bytes
     std::variant<LargeVector<std::uint8_t>, LargeVector<std::uint16_t>, LargeVector<float>, LargeVector<double>>
         samples; ///< tile by tile
 };

@@ -104,7 +104,7 @@ private:
         void add(std::int32_t n) { low = std::min(low, n), high = std::max(high, n); }
         std::int64_t size() const { return std::int64_t(high) - low; }
     };
-    /// In units of unit_.
+    /// The height in units of unit_.
     std::int32_t whole(double height) const { return static_cast<std::int32_t>(nearest(height * per_unit_)); }
 
     const std::string& name_;
@@ -297,7 +297,7 @@ void TerrainBuilder::find_cells()
         t.least_ = {0, 0}, t.greatest_ = {nx, ny}, t.low_ = least_, t.high_ = greatest_;
     } else {
         t.least_ = {nx, ny}, t.greatest_ = {0, 0}, t.low_ = greatest_, t.high_ = least_;
-        std::vector<double> low(t.columns_), high(t.columns_); // of the rows below and above the cells
+        std::vector<double> low(t.columns_), high(t.columns_); // heights of the rows below and above the cells
         t.read_row(0, 0, low.data());
         for (std::uint32_t y = 0; y < ny; ++y, low.swap(high)) {
             t.read_row(y + 1, 0, high.data());

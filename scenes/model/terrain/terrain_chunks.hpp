@@ -13,7 +13,7 @@ namespace oncollide {
 /// The heights of a chunk, in tiles as a terrain has them.
 struct TerrainChunk {
     std::uint32_t tiles_x = 0;          ///< tiles per row
-    std::vector<TerrainTile> tiles;     ///< at 1 and 2 bytes
+    std::vector<TerrainTile> tiles;     ///< used for heights of 1 and 2 bytes
     std::vector<std::byte> samples;     ///< tile by tile
     std::vector<std::uint64_t> falling; ///< a bit per cell, 64 per row; empty: all cells have the same diagonal
 };
@@ -76,7 +76,7 @@ private:
 
     const Terrain& outline_;
     const ChunkClock& clock_;
-    const std::uint32_t across_; ///< chunks in a row
+    const std::uint32_t across_; ///< number of chunks in a row
 };
 
 } // namespace oncollide

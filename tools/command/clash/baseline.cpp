@@ -138,7 +138,7 @@ std::vector<ResolvedClash> compare_with_baseline(const std::string& file, const 
     for (std::size_t i = 0; i < clashes.size(); ++i) {
         if (!matches[i]) continue;
         compare(clashes[i], *matches[i]);
-        // A clash that only touches now is resolved; one that is ignored now is not.
+        // A clash that only touches now is resolved; a clash that is ignored now is not resolved.
         matches[i]->found |= clashes[i].status != ClashStatus::contact;
     }
     std::vector<ResolvedClash> resolved;

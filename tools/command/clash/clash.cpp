@@ -80,7 +80,7 @@ std::vector<std::pair<std::string, Form>> reports_of(const ClashOptions& o)
     return reports;
 }
 
-/// `file` in a link on the page `from`. Every byte that means something in a URL is escaped.
+/// `file` in a link on the page `from`. It escapes every byte that has a meaning in a URL.
 std::string link_from(const std::string& from, const std::string& file)
 {
     namespace fs = std::filesystem;
@@ -140,7 +140,7 @@ void write_reports(const ClashOptions& o, ClashReport& report, PainterProcess& p
     if (!o.quiet) log(LogLevel::note, summary);
 }
 
-/// Now, or the time that a build sets for files that must not differ from run to run.
+/// The present time, or the time that a build sets for files that must not differ from run to run.
 std::int64_t report_time()
 {
     const char* const set = std::getenv("SOURCE_DATE_EPOCH");

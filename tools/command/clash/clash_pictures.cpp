@@ -117,7 +117,8 @@ Scenery scenery_of(const ClashReport& report, const Clash& clash)
     Aabb whole = s.box_a;
     whole.add(s.box_b);
     const double smaller = std::min(s.box_a.diagonal(), s.box_b.diagonal());
-    // Near enough to see the contact, far enough to recognise the parts, and not nearer than floats can draw.
+    // The camera is near enough to show the contact, far enough to recognise the parts, and not nearer than floats can
+    // draw.
     const double near = std::max({0.9 * s.part.diagonal(), 0.15 * smaller, 1e-4 * whole.diagonal()});
     s.view = {good_side(s.subject.points, s.part.centre()), s.part.centre(), std::min(near, 0.6 * whole.diagonal())};
     return s;
@@ -149,8 +150,8 @@ Image draw(PainterProcess& painter, const ClashReport& report, const Clash& clas
         colour.alpha = alpha;
         picture.bodies.push_back({&std::get<Mesh>(parts.meshes[body.mesh]->data), body.pose, colour});
     };
-    // The larger part first and clearer: the smaller one may be behind its wall. A part wholly inside the other is
-    // drawn unchanged.
+    // The larger part is drawn first and clearer, because the smaller one may be behind its wall. A part wholly inside
+    // the other is drawn unchanged.
     const bool a_is_larger = box_a.diagonal() > box_b.diagonal();
     add(a_is_larger ? clash.a : clash.b, a_is_larger ? colour_a : colour_b, 50);
     if (clash.kind == ClashKind::enclosed || clash.kind == ClashKind::duplicate)
@@ -189,7 +190,7 @@ ClashPictures draw_clashes(const ClashReport& report, PainterProcess& painter, s
         pictures.note = fmt::format("Pictures of the {} most severe clashes of {}; --pictures N draws more.",
                                     grouped(shown.size()), grouped(wanted));
     Progress progress("pictures", shown.size(), quiet);
-    // Drawn one by one, packed in parallel: packing takes as long as drawing.
+    // Pictures are drawn one by one and packed in parallel, because packing takes as long as drawing.
     constexpr std::size_t batch = 16;
     for (std::size_t begin = 0; begin < shown.size() && !pictures.failed; begin += batch) {
         std::vector<Image> images;

@@ -50,7 +50,7 @@ void add_parts(const PartList& list, Clashes& found)
         if (!closed[part.mesh]) found.open.push_back(part.name);
 }
 
-/// Their common part is the whole of each: there is nothing to search for.
+/// The common part of duplicates is the whole of each, so there is nothing to search for.
 void measure_duplicate(const PartList& list, Clash& clash)
 {
     const Part& part = list.parts[clash.a];

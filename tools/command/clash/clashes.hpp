@@ -13,7 +13,7 @@ namespace oncollide::tools {
 /// How two parts clash, the most severe first.
 enum class ClashKind : std::uint8_t {
     duplicate, ///< both have the same geometry at the same place
-    enclosed,  ///< as ContactKind, as the others
+    enclosed,  ///< as in ContactKind, like the following kinds
     crossing,
     touching,
     near,
@@ -36,8 +36,8 @@ struct Clash {
     std::uint32_t a, b; ///< in PartList::parts, a < b
     ClashKind kind;
     std::string id{};            ///< as clash_id()
-    Penetration reach{};         ///< unless apart; of a duplicate only the box and the thickness
-    bool tolerated = false;      ///< touching: they cross, or are apart, by no more than the tolerance
+    Penetration reach{};         ///< set unless the parts are apart; for a duplicate only the box and the thickness
+    bool tolerated = false;      ///< touching: the parts cross, or are apart, by no more than the tolerance
     double lower = 0, upper = 0; ///< certified bounds on the distance of parts that are apart; else 0
     Eigen::Vector3d where =
         Eigen::Vector3d::Zero(); ///< the centre of the overlap; apart: midway between the nearest points
@@ -58,7 +58,7 @@ struct ClashSettings {
     double clearance = 0;                 ///< parts closer than this are near
     double tolerance = 0;                 ///< parts that certainly overlap, or are apart, by no more than this touch
     bool touching = false;                ///< touching is a clash
-    std::uint64_t most_pairs = 2'000'000; ///< of parts whose AABBs overlap
+    std::uint64_t most_pairs = 2'000'000; ///< most pairs of parts whose AABBs overlap
     int threads = 0;
 };
 
@@ -81,8 +81,8 @@ struct PartLayers {
 };
 PartLayers layers_of(const PartList& list, const Part& part);
 
-/// Decides all pairs of parts of different groups, exactly; with sets, the pairs of a part of A and a part of B. Throws
-/// Error{bad_data} for more than settings.most_pairs.
+/// Decides all pairs of parts of different groups, exactly; with sets, only pairs of a part of A and a part of B.
+/// Throws Error{bad_data} for more than settings.most_pairs.
 Clashes find_clashes(const PartList& parts, const ClashSettings& settings);
 
 /// True if `a` is listed before `b`: by kind; within a kind the deeper or nearer pair first.

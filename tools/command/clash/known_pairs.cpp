@@ -35,7 +35,9 @@ std::vector<KnownPair> read_pairs(const std::string& file)
         if (fields.size() < 2 || fields[0].empty() || fields[1].empty())
             refuse(fmt::format("{}: line {}", file, line),
                    "not two names; expected two names or patterns: \"bolt*\",housing");
-        if (fields.size() > 2 && (fields[2] == "status" || fields[2] == "resolved")) continue; // of a report
+        if (fields.size() > 2 && (fields[2] == "status" || fields[2] == "resolved"))
+            continue; // the columns of a
+                      // report
         pairs.push_back({fields[0], fields[1], line});
     }
     return pairs;
@@ -46,7 +48,7 @@ std::vector<KnownPair> read_pairs(const std::string& file)
 void ignore_pairs(const std::string& file, const PartList& list, std::vector<Clash>& clashes,
                   std::vector<std::string>& warnings)
 {
-    // Rows of a report hold names that are no patterns; a backslash in such a name stands for itself.
+    // Rows of a report hold names that are not patterns; a backslash in such a name stands for itself.
     const auto fits = [](const std::string& known, const std::string& name) {
         return known == name || csv_text(known) == name || matches(known, name);
     };

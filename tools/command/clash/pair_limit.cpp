@@ -38,7 +38,7 @@ void check_number_of_pairs(const PartList& parts, const ClashSettings& settings)
     const BodyColumns columns{.boxes = boxes, .layers = layers, .masks = masks, .groups = groups};
     tree->add(bodies);
     tree->take_in(columns);
-    constexpr std::size_t batch = 16; // each may overlap all others
+    constexpr std::size_t batch = 16; // parts; each may overlap all others
     std::vector<AabbHit> hits;
     std::uint64_t pairs = 0;
     for (std::size_t first = 0; first < count; first += batch) {

@@ -17,7 +17,7 @@ struct ClashReport {
     const Clashes& found;
     const Unit& unit;
     ClashSettings settings;
-    std::string baseline, ignore; ///< files; empty: none
+    std::string baseline, ignore; ///< file names; empty: none
     std::vector<ResolvedClash> resolved;
     std::vector<std::string> warnings;
     PartRules rules{};
@@ -51,14 +51,14 @@ void write_junit(OutputFile& file, const ClashReport& report);
 struct ClashView {
     Eigen::Vector3d from; ///< unit, towards the camera
     Eigen::Vector3d middle;
-    double radius; ///< of the ball that the close-up shows
+    double radius; ///< radius of the ball that the close-up shows
 };
 
 struct ClashPictures {
     std::vector<std::string> images; ///< PNG files, in the order of Clashes::list; empty if there is none
     std::vector<ClashView> views;    ///< the same for all clashes
     std::string note;                ///< why pictures are missing; empty: each clash has one
-    bool failed = false;             ///< they could not be drawn
+    bool failed = false;             ///< the pictures could not be drawn
 };
 /// Writes one self-contained page.
 void write_page(OutputFile& file, const ClashReport& report, const ClashPictures& pictures);

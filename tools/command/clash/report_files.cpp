@@ -62,7 +62,7 @@ Json json_of(const ClashReport& r, const Clash& c)
     return j;
 }
 
-/// A name that known_pairs.hpp reads back: there, `#` may begin a comment, and blanks around a field do not count.
+/// A name that known_pairs.hpp reads back: `#` may begin a comment there, and blanks around a field do not count.
 std::string name_field(const std::string& part)
 {
     return csv_field(part, part.find('#') != part.npos || part.starts_with(' ') || part.ends_with(' '));
@@ -114,7 +114,7 @@ void write_json(OutputFile& file, const ClashReport& r)
 
 void write_csv(OutputFile& file, const ClashReport& r)
 {
-    // Names first: rows of this report can be used as a list of pairs to ignore.
+    // Names come first, so that rows of this report can be used as a list of pairs to ignore.
     CsvWriter csv(file, "a,b,status,kind,thickness,depth,distance,x,y,z,contact_min_x,contact_min_y,contact_min_z,"
                         "contact_max_x,contact_max_y,contact_max_z,group_a,group_b,unit,id,comment,path_a,path_b");
     const auto group = [&](std::uint32_t part) { return name_field(r.parts.groups[r.parts.parts[part].group]); };

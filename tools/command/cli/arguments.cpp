@@ -142,7 +142,7 @@ void check_positions(const CLI::App& command)
             if (option->get_positional() && std::ranges::count(option->results(), "")) refuse_empty(*at, *option);
 }
 
-/// True for "1,,2" and the empty list. CLI11 skips empty parts.
+/// True for lists such as "1,,2", and for the empty list. CLI11 skips empty parts.
 bool has_empty_part(const std::string& list, char comma)
 {
     return (comma + list + comma).find(std::string(2, comma)) != std::string::npos;
@@ -168,7 +168,7 @@ std::vector<std::string> words_of(const CLI::App& app, std::vector<std::string> 
         if (option) {
             const bool length = option->get_type_name() == "M" || option->get_type_name() == "LENGTH";
             const bool has_unit = i + 1 < given.size() && is_number(word) && find_unit(given[i + 1]);
-            if (length && has_unit) word += given[++i]; // 2 mm
+            if (length && has_unit) word += given[++i]; // joins 2 and mm
             if (word.empty() || (option->get_delimiter() && has_empty_part(word, option->get_delimiter())))
                 refuse_empty(*command, *option);
             option = nullptr;
@@ -179,7 +179,7 @@ std::vector<std::string> words_of(const CLI::App& app, std::vector<std::string> 
             const bool no_value = word.starts_with("--") && word.find('=') == word.size() - 1;
             option = command->get_option_no_throw(no_value ? word.substr(0, word.size() - 1) : word);
             if (option && option->get_items_expected_max() == 0) option = nullptr;
-            // CLI11 would take the word after "--option=" for the value.
+            // CLI11 would take the word after "--option=" as the value.
             if (option && no_value) refuse_empty(*command, *option);
         } else if (const auto below =
                        command->get_subcommands([&](const CLI::App* each) { return each->get_name() == word; });
@@ -362,7 +362,7 @@ Command CommandLine::parse(int argc, char** argv)
     if (!first.starts_with("-") && std::as_const(*app_).get_subcommands(is_first).empty())
         refuse(fmt::format("unknown command '{}'{}", first, valid_names(first, views(names), "commands")));
     try {
-        std::ranges::reverse(words); // as CLI11 wants them
+        std::ranges::reverse(words); // CLI11 wants them in reverse
         app_->parse(std::move(words));
     } catch (const CLI::CallForHelp&) {
         const CLI::App* command = &chosen_in(*app_);
@@ -375,7 +375,7 @@ Command CommandLine::parse(int argc, char** argv)
         write_to_stdout(fmt::format("{}\n", wanted.what()));
         return nothing;
     } catch (const CLI::ParseError& error) {
-        check_positions(chosen_in(*app_)); // they come before any missing argument
+        check_positions(chosen_in(*app_)); // these errors come before any missing argument
         refuse(explain(*app_, error));
     }
     check_positions(chosen_in(*app_));

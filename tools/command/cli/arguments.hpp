@@ -72,7 +72,7 @@ public:
     void footer(const std::string& text);
     void group(const std::string& name); ///< heading in --help of options added after this call
     void hide();                         ///< from --help: for scripts, not for people
-    void at_most_one_command();          ///< words after it belong to it
+    void at_most_one_command();          ///< words after a command belong to it
     /// Adds a hidden command, of which every use is a usage error with this text.
     void refuse_command(const std::string& name, const std::string& why);
     /// Sets the function that runs when this command, and none of its subcommands, is chosen.

@@ -3,10 +3,10 @@
 
 namespace oncollide::tools {
 
-/// The program that main() runs. Each executable defines its own.
+/// The program that main() runs. Each executable defines its own Program.
 struct Program {
     const char *name, *summary; ///< "oncollide", and what it is for
-    const char* footer;         ///< of --help
+    const char* footer;         ///< text at the end of --help
     void (*add_commands)(Arguments app);
 };
 extern const Program program;

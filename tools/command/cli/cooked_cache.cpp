@@ -66,9 +66,9 @@ std::optional<fs::path> CookedCache::cooked(const fs::path& mesh, const MeshOpti
     if (fs::is_regular_file(file, ignored)) {
         try {
             CookedMesh{file};
-            fs::last_write_time(file, fs::file_time_type::clock::now(), ignored); // for make_room()
+            fs::last_write_time(file, fs::file_time_type::clock::now(), ignored); // marks it as used, for make_room()
             return file;
-        } catch (const Error&) { // damaged or just removed: cook it again
+        } catch (const Error&) { // the file is damaged or was just removed: cook it again
         }
     }
     cook_mesh(load_mesh(mesh, options), file);
@@ -94,7 +94,7 @@ fs::path CookedCache::tiles(const std::string& name, std::size_t count,
         if (ignored) fs::remove_all(made, ignored); // another process made it first
         make_room(folder);
     }
-    fs::last_write_time(folder, fs::file_time_type::clock::now(), ignored); // for make_room()
+    fs::last_write_time(folder, fs::file_time_type::clock::now(), ignored); // marks it as used, for make_room()
     return index;
 }
 

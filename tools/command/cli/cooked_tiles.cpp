@@ -25,7 +25,7 @@ TilesSize cook_tiles(const fs::path& folder, std::size_t count,
     if (!fs::is_directory(folder, error))
         throw Error(ErrorKind::cannot_write,
                     fmt::format("'{}' is not a folder and cannot be created", folder.string()));
-    fs::remove(folder / tile_index_name, error); // out of date from here on
+    fs::remove(folder / tile_index_name, error); // the index is out of date from here on
     std::vector<IndexedTile> tiles(count);
     std::atomic<std::uint64_t> bytes = 0, triangles = 0;
     std::mutex mutex; // guards `progress`

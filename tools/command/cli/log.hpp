@@ -16,8 +16,8 @@ enum class LogLevel { error, warning, note, info, debug };
 /// Throws Error{usage} for another value.
 void set_log_level();
 
-/// Writes `text` as it is to standard error, in one call, so that texts of several threads and processes do not mix. A
-/// standard error that cannot be written, such as a log on a full disk, is no error of the program.
+/// Writes `text` as it is to standard error, in one call, so that texts of several threads and processes do not mix. If
+/// standard error cannot be written, such as a log on a full disk, the program does not fail.
 void write_to_stderr(std::string_view text);
 
 /// Clears the line of a terminal, which may show progress.

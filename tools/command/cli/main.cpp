@@ -43,7 +43,7 @@ int main(int argc, char** argv)
     } catch (const tools::OverwritesInput& error) {
         log(LogLevel::error, error.what());
         return int(ErrorKind::usage);
-    } catch (const std::filesystem::filesystem_error& error) { // a path that the system refuses; no fault of ours
+    } catch (const std::filesystem::filesystem_error& error) { // the system refuses a path
         log(LogLevel::error, error.what());
         return int(ErrorKind::no_input);
     } catch (const std::bad_alloc&) {

@@ -198,7 +198,7 @@ bool is_scene_file(const std::string& text)
 
 namespace {
 
-/// Checks the options. Returns whether they mean a scene of the catalogue.
+/// Checks the options. Returns whether the options mean a scene of the catalogue.
 bool from_catalogue(const SceneOptions& o)
 {
     check_range("--frames", o.frames.value_or(1), 1);
@@ -245,7 +245,7 @@ AnyScene opened(const SceneOptions& o, AnyScene scene)
     return scene;
 }
 
-/// read(), whose errors name the formats of scenes if the name of the file is of another format.
+/// As read(), but errors name the formats of scenes if the file's name has another format.
 template <class Read>
 auto of_known_format(const SceneOptions& o, Read read)
 {

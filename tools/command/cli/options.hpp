@@ -26,7 +26,7 @@ public:
     struct Value {
         std::optional<int> whole;
         std::optional<double> number;
-        std::string text;  ///< of a name or an amount
+        std::string text;  ///< value of a name or an amount
         bool flag = false; ///< true: the opposite of the default
         std::vector<std::string> list;
     };
@@ -63,13 +63,13 @@ struct SceneOptions {
     std::optional<std::uint64_t> seed;
     std::string data;
     double pace = 1;
-    int most_parts = int(AssemblyOptions{}.most_parts); ///< of an assembly
+    int most_parts = int(AssemblyOptions{}.most_parts); ///< most parts of an assembly
     CacheOptions cache = {};
     bool on_demand = false; ///< leave meshes in cooked files on disk; for commands that need only results
 };
 
 void add_catalogue_options(Arguments command, SceneOptions& options); ///< bodies, frames, seed, data, max-parts
-void add_pace_option(Arguments command, SceneOptions& options);       ///< for commands that play the scene
+void add_pace_option(Arguments command, SceneOptions& options);       ///< used by commands that play the scene
 /// Reads or makes the scene. Throws Error{no_input} for a missing file or data folder, Error{usage} for an unknown name
 /// or an option that does not apply to a file.
 Scene open_scene(const SceneOptions& options);

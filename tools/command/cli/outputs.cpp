@@ -144,7 +144,7 @@ std::string names_of(const OutputOptions& o)
 void write_outputs(const Report& report, const OutputOptions& o, const std::string& csv_line)
 {
     const bool stdout_taken = o.json == "-" || o.csv == "-" || o.trace == "-" || o.picture == "-";
-    // The table first: if the disk is full after a long run, the numbers are at least on the screen.
+    // Writes the table first: if the disk is full after a long run, the numbers are at least on the screen.
     if (!o.quiet) {
         std::ostringstream table;
         report.print_table(table);

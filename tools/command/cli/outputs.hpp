@@ -16,28 +16,28 @@ namespace oncollide::tools {
 /// Files to write results to; empty: not written.
 struct OutputOptions {
     std::string json, csv, trace, picture;
-    std::string pairs; ///< only of 'run'
+    std::string pairs; ///< used by 'run' only
     bool quiet = false;
     bool separate = false;
 };
 
 void add_output_options(Arguments command, OutputOptions& options);
-/// check_files() of these files; an empty `input` means no input.
+/// Calls check_files() for these files; an empty `input` means no input.
 void check_outputs(const OutputOptions& options, const std::string& input);
 /// The parts of the report that these files need. A report that outgrows memory spills into the folder of the first
 /// file.
 ReportParts parts_of(const OutputOptions& options);
 /// The files, for a message: "a.json, b.csv"; empty if there are none.
 std::string names_of(const OutputOptions& options);
-/// Calls each of `writes`, even after one throws: an output that cannot be written does not take others with it. Throws
-/// the first Error, and prints further ones.
+/// Calls each of `writes`, even after one throws, so that one output that cannot be written does not stop the others.
+/// Throws the first Error, and prints further ones.
 void write_all(std::initializer_list<std::function<void()>> writes);
 /// Writes the stage table to standard output (to standard error if results go to standard output), then every file.
 /// @param csv_line  first line of the CSV file, with its line break
 void write_outputs(const Report& report, const OutputOptions& options, const std::string& csv_line = {});
 
-/// An output file is also an input, which must not be overwritten; report it like an Error{usage}. Not derived from
-/// Error: readers add the position in the file to an Error and turn it into bad data.
+/// An output file is also an input, which must not be overwritten; report it like an Error{usage}. It does not derive
+/// from Error, because readers add the position in the file to an Error and turn it into bad data.
 struct OverwritesInput : std::runtime_error {
     using std::runtime_error::runtime_error;
 };

@@ -5,8 +5,8 @@
 
 namespace oncollide::tools {
 
-/// A line on standard error with the progress of long work and the time left, redrawn at most ten times per second.
-/// Shown only on a terminal, and erased when the work is done.
+/// A line on standard error with the progress of long work and the time left, redrawn at most ten times per second. It
+/// is shown only on a terminal, and erased when the work is done.
 class Progress {
 public:
     Progress(std::string what, std::size_t total, bool quiet = false);

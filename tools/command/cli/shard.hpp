@@ -6,7 +6,7 @@
 
 namespace oncollide::tools {
 
-/// A part of work that is divided among independent processes: part `part` of `parts`, from 1. The whole: 1 of 1.
+/// A part of work that is divided among independent processes: part `part` of `parts`, from 1. The whole is 1 of 1.
 struct Shard {
     int part = 1, parts = 1;
 

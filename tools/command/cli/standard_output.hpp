@@ -5,7 +5,7 @@
 namespace oncollide::tools {
 
 /// Prints `text` as it is.
-/// @param taken  results have standard output to themselves ("-"): print to standard error
+/// @param taken  results use standard output ("-"), so print to standard error
 void write_to_stdout(std::string_view text, bool taken = false);
 
 /// Hands the text printed so far to its reader. Call it before a long computation.

@@ -72,7 +72,7 @@ std::size_t terminal_width()
 
 void prepare_process()
 {
-    // open() returns the lowest free number. Opened for reading, standard output refuses all text.
+    // open() returns the lowest free number. If standard output is opened for reading, writing to it fails.
     for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
         if (::fcntl(file, F_GETFD) < 0) [[maybe_unused]]
             const int opened = ::open("/dev/null", file == STDERR_FILENO ? O_WRONLY : O_RDONLY);

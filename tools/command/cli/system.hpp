@@ -2,7 +2,7 @@
 #include <cstddef>
 #include <string>
 
-// Access to the operating system. Systems other than Linux support less of it; nothing depends on it.
+// Access to the operating system. Systems other than Linux support fewer of these functions; nothing depends on them.
 namespace oncollide::tools {
 
 /// Identifies a file independent of the name or link that leads to it; empty: the file does not exist.
@@ -14,17 +14,17 @@ bool stderr_is_terminal();
 /// Columns of the terminal on standard output, from 40 to 100; 100 if it is not a terminal.
 std::size_t terminal_width();
 /// Must be called first. Opens standard input, output and error on /dev/null if they are closed; otherwise the next
-/// file opened would take their place. Writing to a closed standard output still fails. Signals that end the program
-/// first remove unfinished files, and say so on standard error if a person or a scheduler sent them. A file that
-/// outgrows its limit (ulimit -f) is a write error, not a signal. Signals that the parent ignores (nohup, background
-/// jobs) stay ignored.
+/// file opened would take their place. Writing to a standard output that was closed still fails. Signals that end the
+/// program first remove unfinished files, and say so on standard error if a person or a scheduler sent them. A file
+/// that outgrows its limit (ulimit -f) is a write error, not a signal. Signals that the parent ignores (nohup,
+/// background jobs) stay ignored.
 void prepare_process();
 /// After this call the first Ctrl-C or SIGTERM only sets interrupted(); a second one ends the program.
 void catch_interrupts();
 bool interrupted();
 /// The exit code of a command that was interrupted and has written the results so far: the shells' code for Ctrl-C.
 constexpr int interrupted_code = 130;
-/// From now on these signals end the program at once again: nothing polls interrupted() any more.
+/// From now on these signals end the program at once again, because nothing polls interrupted() any more.
 void release_interrupts();
 
 /// The command line of this process as one would type it, without the folder of the program; empty: not available.

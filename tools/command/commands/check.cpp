@@ -223,7 +223,7 @@ int check_pair(const CheckOptions& options)
     if (!moves && !options.stop.empty()) usage("--stop: of bodies that move; needs --to-pose-a or --to-pose-b");
     const SweepOptions sweep{.stop = stop_of(options.stop)};
     settings.contact_kinds = exact_level(settings) == ExactLevel::predicates;
-    // Both stages cull without a bound on the distance, and a single pair needs neither.
+    // Both stages would cull without a bound on the distance, and a single pair needs neither.
     for (const StageId stage : {StageId::delimitation, StageId::broad}) settings.skip.insert(stage);
     check_files({{"--json", options.json}, {"--contacts", options.contacts}}, {options.a, options.b});
 
@@ -235,7 +235,7 @@ int check_pair(const CheckOptions& options)
     Pipeline pipeline(scene, settings);
     pipeline.world().set_sweep_options(sweep);
     set_motions(pipeline.world(), options);
-    pipeline.set_continuous(moves); // so the results have the sweep
+    pipeline.set_continuous(moves); // makes the results contain the sweep
     Report report(scene, pipeline, {.csv = false, .trace = false, .separate = true});
     const FrameView frame = pipeline.step(scene);
     report.add(frame);

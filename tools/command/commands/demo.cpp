@@ -69,8 +69,8 @@ void add_hall(Scene& scene, int number, const Eigen::Vector3d& centre, GeometryI
     }
 }
 
-/// Halls with tumbling machine parts on a wide plain of masts, with drones flying between them. Gives every level work:
-/// regions that hold only static masts, overlapping AABBs, sphere-trees to grow, triangles to test.
+/// Halls with tumbling machine parts on a wide plain of masts, with drones flying between them. The scene gives every
+/// level work: regions that hold only static masts, overlapping AABBs, sphere-trees to grow, triangles to test.
 Scene make_demo_scene()
 {
     constexpr int masts = 1500, drones = 40;
@@ -175,7 +175,7 @@ int demo(const DemoOptions& options)
     Settings settings;
     settings.depth = 6;
     settings.exact = ExactLevel::predicates;
-    settings.bounding_volume = BoundingVolume::sphere; // the paper's
+    settings.bounding_volume = BoundingVolume::sphere; // as in the paper
     settings.threads = 0;
     write_to_stdout(fmt::format(
         "Machine parts tumble in halls on a plain of masts, and drones fly between the masts: {} bodies, {} "
@@ -198,7 +198,7 @@ int demo(const DemoOptions& options)
     }
     const int code = play(scene, pipeline, report, frames, outputs, 0, sinks);
     if (page) page->close();
-    write_outputs(report, outputs); // before the picture, whose memory may not suffice
+    write_outputs(report, outputs); // comes before the picture, whose memory may not suffice
     draw_hall(scene, pipeline.world(), last.pairs, collision);
     write_to_stdout(printable_lines(fmt::format("\nWritten to {0}/:\n"
                                                 "  page.html      {1}\n"

@@ -1,4 +1,4 @@
-// The command of `./dev demo`: this program builds in a third of the time of the whole.
+// The command of `./dev demo`, which builds in a third of the time of the whole program.
 #include "cli/command.hpp"
 
 namespace oncollide::tools {

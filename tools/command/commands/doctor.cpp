@@ -55,7 +55,8 @@ std::string data(const std::string& option)
     }
 }
 
-/// Runs one pair of boxes that overlap and two that do not through the whole pipeline. "" if the results are right.
+/// Runs one pair of boxes that overlap and two boxes that do not through the whole pipeline. "" if the results are
+/// right.
 std::string self_test(std::string& backend)
 {
     try {
@@ -146,8 +147,8 @@ std::string gpu_text(int number)
                        info.software ? " (software: slower than --backend cpu)" : "", info.version, info.start_ms);
 }
 
-/// Opens every device: only an open device reports its renderer. Each in a process of its own: a driver that crashes
-/// is a finding.
+/// Opens every device: only an open device reports its renderer. Each device is opened in a process of its own, so that
+/// a driver that crashes is a finding.
 void say_gpus(Findings& found)
 {
     try {
@@ -167,7 +168,7 @@ void say_gpus(Findings& found)
     }
 }
 
-/// Further lines for a bug report. They list only those variables of the environment that affect the program.
+/// Further lines for a bug report. These lines list only the variables of the environment that affect the program.
 void say_surroundings(Findings& found)
 {
     found.say("flags", build_flags());

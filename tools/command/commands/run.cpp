@@ -104,7 +104,9 @@ int run(const RunOptions& options)
         usage(fmt::format("--from-frame {}: the scene has frames 0 to {}", options.from_frame, scene.frames - 1));
     const auto [begin, end] = shard.range(std::size_t(scene.frames));
     const int first = shard.whole() ? options.from_frame : int(begin);
-    if (options.continuous) Mover().move(scene, std::max(first - 1, 0)); // the bodies come from there
+    if (options.continuous)
+        Mover().move(scene, std::max(first - 1, 0)); // the bodies start from the poses of the frame
+                                                     // before
     Pipeline pipeline(scene, settings);
     pipeline.set_continuous(options.continuous);
     if (options.continuous && lists_pairs(options)) WorldAccess::parts_by_poses(pipeline.world());
@@ -118,7 +120,7 @@ int run(const RunOptions& options)
     if (pairs) sinks.push_back(&*pairs);
     if (page) sinks.push_back(page.get());
     const int code = play(scene, pipeline, report, int(end), options.outputs, first, sinks);
-    // Without the line that marks a part if frames are missing: such a file must not be merged.
+    // If frames are missing, the line that marks a part is left out: such a file must not be merged.
     write_outputs(report, options.outputs,
                   code ? ""
                        : shard.line(fmt::format("run {}, {} bodies, {} frames, pace {}, settings {:016x}{}",

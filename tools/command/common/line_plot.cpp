@@ -27,7 +27,7 @@ using Anchor = Svg::Anchor;
 /// A logarithmic axis over whole decades, or an axis of named positions.
 struct Axis {
     double from = 0, to = 0;                 ///< pixels
-    std::span<const std::string> names = {}; ///< names of 0, 1, 2, ...
+    std::span<const std::string> names = {}; ///< x is 0, 1, 2, ... with these names
     double low = 1e300, high = -1e300;       ///< log10; with names, their numbers
 
     void add(double value)

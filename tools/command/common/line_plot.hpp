@@ -28,7 +28,7 @@ struct PlotAxes {
     std::string x_label, y_label;
     std::string (*value_text)(double y);   ///< formats a line's last value, with its unit, for its label
     std::vector<std::string> x_names = {}; ///< not empty: x is 0, 1, ..., with these names; else logarithmic
-    std::string x_least_name = {}; ///< in place of the number at the left end, for points that have no logarithm
+    std::string x_least_name = {};         ///< replaces the number at the left end, for points that have no logarithm
 };
 
 /// Draws panels one below the other; y is logarithmic. Lines differ in colour, dash and marker. Their labels are beside

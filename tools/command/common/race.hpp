@@ -26,8 +26,8 @@ inline double clock_ms()
     return cost;
 }
 
-/// Milliseconds of the fastest of at most `repeats` calls of work(), without clock_ms(); no more are made once they
-/// took `enough`.
+/// Milliseconds of the fastest of at most `repeats` calls of work(), without clock_ms(); stops once the calls have
+/// taken `enough`.
 template <class Work>
 double least_ms(int repeats, Work work, double enough = std::numeric_limits<double>::infinity())
 {
@@ -38,7 +38,7 @@ double least_ms(int repeats, Work work, double enough = std::numeric_limits<doub
         const double ms = milliseconds_since(from);
         least = std::min(least, ms), sum += ms;
     }
-    return std::max(least - clock_ms(), 1e-6); // at least a nanosecond: ratios divide by it
+    return std::max(least - clock_ms(), 1e-6); // at least a nanosecond, because ratios divide by it
 }
 
 } // namespace oncollide::tools

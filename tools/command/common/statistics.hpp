@@ -4,7 +4,7 @@
 
 namespace oncollide::tools {
 
-// Both return 0 for an empty list.
+// Both functions return 0 for an empty list.
 double median(std::vector<double> values);
 double mean(const std::vector<double>& values);
 

@@ -27,7 +27,7 @@ std::string why_nothing_is_compared(const Scene& scene)
 {
     if (scene.size() == 0) return "the scene has no bodies";
     if (scene.size() == 1) return "the scene has only one body";
-    std::vector<Kind> kinds; // of the bodies before; most scenes end with the second body
+    std::vector<Kind> kinds; // kinds of the bodies before; most scenes end with the second body
     for (std::size_t body = 0; body < scene.size(); ++body) {
         const Kind kind{scene.is_static[body] != 0, scene.layers[body], scene.masks[body], scene.groups[body]};
         if (std::ranges::any_of(kinds, [&](const Kind& other) { return compared(kind, other); })) return {};

@@ -22,7 +22,7 @@ namespace oncollide::tools {
 namespace {
 
 /// Ends the program if it is interrupted and the current frame does not end in time. A thread checks every 50 ms, and
-/// writes the results of the completed frames. Without a thread, the program waits for the frame.
+/// writes the results of the completed frames. Without this thread, the program waits for the frame.
 class Watchdog {
 public:
     explicit Watchdog(std::function<void()> end) : end_(std::move(end))
@@ -41,7 +41,7 @@ public:
         wake_.notify_all();
         if (thread_.joinable()) thread_.join();
     }
-    /// Locked while the report changes. The watchdog locks it for good.
+    /// Locked while the report changes. The watchdog never unlocks it.
     std::mutex& mutex() { return mutex_; }
 
 private:

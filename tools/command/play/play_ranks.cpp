@@ -265,7 +265,7 @@ int play_on_ranks(const SceneOptions& scene, const SettingsOptions& settings, co
         if (ranks->rank() == 0) log(LogLevel::error, error.what());
         std::uint64_t said = 1;
         ranks->sum({&said, 1});
-    } catch (const std::exception& error) { // only this process failed: the others wait for it
+    } catch (const std::exception& error) { // only this process failed, and the others wait for it
         const Error* known = dynamic_cast<const Error*>(&error);
         code = int(known ? known->kind() : ErrorKind::internal);
         log(LogLevel::error, fmt::format("process {}: {}", ranks->rank(), error.what()));

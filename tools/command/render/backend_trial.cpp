@@ -30,7 +30,7 @@ std::string play_two_bodies(const Settings& like)
 
 /// The outcome of a trial.
 struct Tried {
-    bool passed = false; ///< with the GPU
+    bool passed = false; ///< the trial with the GPU succeeded
     std::string note;    ///< why the CPU was chosen
 };
 
@@ -51,7 +51,8 @@ Tried tried(const Settings& settings)
 Settings with_tried_backend(Settings settings)
 {
     if (settings.backend == BackendKind::cpu || memory_limit() == 0) return settings;
-    // Only once, when options are read: later there are threads, which a copy of the process would not have.
+    // It is tried only once, when options are read: later there are threads, which a copy of the process would not
+    // have.
     static std::map<std::tuple<BackendKind, int, int>, Tried> all;
     const auto [at, fresh] = all.try_emplace({settings.backend, settings.gpu, settings.viewport});
     if (fresh) at->second = tried(settings);

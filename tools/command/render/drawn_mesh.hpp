@@ -7,7 +7,7 @@ namespace oncollide::tools {
 
 /// A map's cells, twelve triangles per cell.
 Mesh mesh_of_boxes(const std::string& name, const std::vector<Aabb>& boxes);
-/// A shape's bounding mesh. For a half-space: its plane, as far as the scene's bodies start from the origin.
+/// A shape's bounding mesh. For a half-space it is the plane, as far as the scene's bodies start from the origin.
 Mesh drawn_mesh(const Shape& shape, const Scene& scene);
 
 } // namespace oncollide::tools

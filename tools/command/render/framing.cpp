@@ -44,7 +44,7 @@ void Framing::add(const Eigen::Vector3d& point, double radius)
 Camera Framing::camera() const
 {
     if (bounds_.empty()) return {};
-    // The apex of the pyramid is where the planes of each axis meet, for the axis where that is farther.
+    // The apex of the pyramid is where the planes of each axis meet, on the axis where this point is farther away.
     Eigen::Vector3d top;
     top.z() = -std::numeric_limits<double>::infinity();
     for (std::size_t axis = 0; axis < 2; ++axis) {

@@ -13,7 +13,7 @@ public:
     /// @param width, height  of the pictures
     Framing(int width, int height);
     void add(const Picture& picture);
-    void add(const Eigen::Vector3d& point, double radius); ///< a sphere
+    void add(const Eigen::Vector3d& point, double radius); ///< adds a sphere
     /// Bounds of the contents; empty if there are none.
     const Aabb& bounds() const { return bounds_; }
     /// An arbitrary camera if there are no contents.
@@ -21,7 +21,7 @@ public:
 
 private:
     Camera rotated_;                ///< in the direction of view; its position is not known yet
-    Eigen::Isometry3d view_;        ///< of rotated_
+    Eigen::Isometry3d view_;        ///< view frame of rotated_
     std::array<double, 2> tangent_; ///< tangent of half the view angle: horizontal, vertical
     /// The largest extent beyond a plane of the view pyramid whose apex is at the origin:
     /// right, left, top, bottom.

@@ -102,7 +102,7 @@ bool receive_message(int socket, std::string& message)
     return receive_all(socket, message.data(), size);
 }
 
-/// The first process decides about interrupts: pictures may still follow one.
+/// The first process decides about interrupts, because pictures may still follow one.
 void leave_signals_and_messages()
 {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, SIG_IGN);

@@ -130,7 +130,7 @@ Unpacked unpack(std::string_view request)
     return picture;
 }
 
-/// An empty request opens the driver, any other draws.
+/// An empty request opens the driver; any other request draws.
 GraphicsProcess::Serve painter(int gpu)
 {
     return [gpu, painter = std::shared_ptr<Painter>()](std::string_view request) mutable {

@@ -18,7 +18,7 @@ namespace oncollide::tools {
 
 namespace {
 
-/// Set before threads pack. A longer search gains little.
+/// Must be set before threads pack pictures. A longer search gains little.
 [[maybe_unused]] const int compression = stbi_write_png_compression_level = 12;
 
 } // namespace

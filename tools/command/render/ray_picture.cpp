@@ -84,7 +84,7 @@ Image RayPictures::draw(const Camera& camera, int width, int height)
     const Eigen::Isometry3d to_world = view_of(camera).inverse();
     const double length = view_length(camera.eye);
     const double pixel =
-        2 * std::tan(0.5 * camera.view_angle) / (samples_per_side * height); // of a sample, at distance 1
+        2 * std::tan(0.5 * camera.view_angle) / (samples_per_side * height); // size of a sample at distance 1
     std::vector<Segment> segments;
     std::vector<CastHit> hits;
     for (int top = 0; top < height; top += band) {

@@ -24,9 +24,9 @@ public:
     void frame(Framing& framing) const;
     Image draw(const Camera& camera, int width, int height);
 
-    std::uint64_t rays() const { return rays_; } ///< of all pictures
+    std::uint64_t rays() const { return rays_; } ///< number of rays in all pictures
     std::uint64_t hits() const { return hits_; }
-    double milliseconds() const { return ms_; } ///< of the casts
+    double milliseconds() const { return ms_; } ///< time of the casts
 
 private:
     struct Row {
@@ -38,7 +38,7 @@ private:
 
     const Scene& scene_;
     World world_;
-    std::vector<Row> rows_;       ///< of the shown bodies
+    std::vector<Row> rows_;       ///< rows of the shown bodies
     std::vector<Colour> colours_; ///< by slot in the World
     bool unbounded_ = false;
     std::uint64_t rays_ = 0, hits_ = 0;

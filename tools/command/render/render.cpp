@@ -24,7 +24,7 @@ namespace {
 /// The contents of an image: its panels from left to right.
 struct Panels {
     std::vector<ScenePicture> pictures;
-    std::size_t spheres = 0, red = 0, meeting = 0; ///< of all panels
+    std::size_t spheres = 0, red = 0, meeting = 0; ///< counts of all panels
 };
 
 /// Plays the scene from its start, so that trees grow and age as in a run, and passes on each image's panels.
@@ -79,7 +79,7 @@ bool shows_red(const Image& image)
     return false;
 }
 
-/// Draws all images by casts. No stage plays, so no trees age and no frame depends on the frames before it.
+/// Draws all images by casts. No stage plays, so no trees age and no frame depends on earlier frames.
 void render_rays(Scene& scene, const RenderOptions& options, const Settings& settings, const RenderPlan& plan,
                  const View& view)
 {
@@ -128,7 +128,7 @@ int render(const RenderOptions& options)
     }
     painter.open();
 
-    // All images share a camera, whose position is known only after all pictures were seen.
+    // All images share one camera, whose position is known only after all pictures were seen.
     Framing framing(plan.width / plan.panels(), plan.height);
     const auto see = [&](const Panels& panels) {
         for (const Picture& picture : panels.pictures) framing.add(picture);

@@ -30,7 +30,7 @@ struct RenderPlan {
     std::vector<ImagePlan> images;          ///< frames ascend across images, too
     std::vector<std::optional<int>> levels; ///< nullopt: the finest known spheres
     int deepest = 0;                        ///< deepest of the levels
-    int width, height;                      ///< of an image, pixels
+    int width, height;                      ///< size of an image, pixels
     int panels() const { return int(images.front().frames.size() * levels.size()); }
 };
 

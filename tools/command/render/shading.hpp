@@ -38,7 +38,7 @@ inline Colour lit(Colour colour, double light)
     return {part(colour.red), part(colour.green), part(colour.blue)};
 }
 
-constexpr int samples_per_side = 2; ///< of a pixel, for smooth edges
+constexpr int samples_per_side = 2; ///< samples per side of a pixel, for smooth edges
 constexpr std::size_t samples_per_pixel = samples_per_side * samples_per_side;
 
 constexpr Colour mean(const std::array<Colour, samples_per_pixel>& samples)

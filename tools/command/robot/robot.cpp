@@ -40,10 +40,10 @@ struct Checked {
     RobotWorld& environment;
     const Robot& robot;
     bool motions;
-    std::vector<RobotFinding> findings;  ///< of configurations, or of motions
+    std::vector<RobotFinding> findings;  ///< findings of configurations, or of motions
     std::vector<RobotEdgeFinding> edges; ///< times of motions; empty: configurations
     double seconds = 0;
-    bool interrupted = false; ///< there are findings of the first ones only
+    bool interrupted = false; ///< only the first items have findings
 
     const char* item() const { return motions ? "motion" : "configuration"; }
 
@@ -153,12 +153,12 @@ std::string describe(const Checked& checked)
     return text;
 }
 
-/// Throws if no pair would be tested: that the robot is free must not be the result.
+/// Throws if no pair would be tested, because the robot must not be reported free then.
 void check_pairs(const RobotCommand& options, const RobotDescription& robot, std::size_t bodies)
 {
     if (options.no_self && options.robot.world.empty())
         usage("--no-self: needs --world; the robot is compared with nothing");
-    std::vector<std::uint32_t> links; // with collision geometry
+    std::vector<std::uint32_t> links; // links with collision geometry
     for (std::uint32_t i = 0; i < robot.links.size(); ++i)
         if (!robot.links[i].collision.empty()) links.push_back(i);
     if (links.empty())
@@ -174,12 +174,12 @@ void check_pairs(const RobotCommand& options, const RobotDescription& robot, std
                                                                : "all pairs of its links are excluded"));
 }
 
-/// Throws for the first configuration that is out of the limits of a joint, or warns of all.
+/// Throws for the first configuration that is out of the limits of a joint, or warns of all such configurations.
 void check_limits(const RobotCommand& options, const Robot& robot, std::span<const double> numbers, std::size_t count)
 {
     struct Limits {
         const RobotJoint* joint;
-        std::size_t number; ///< of the configuration
+        std::size_t number; ///< number of the configuration
     };
     std::vector<Limits> limits;
     for (const RobotJoint& joint : robot.description().joints) {

@@ -262,7 +262,7 @@ int robot_spheres(const RobotSpheresOptions& o)
                               "of the gap.\n",
                         taken);
     }
-    if (painter) // last: other results do not wait for pictures
+    if (painter) // comes last, so that other results do not wait for pictures
         if (const std::string missing = write_page(o, surfaces, model, rows, *painter); !missing.empty() && !o.quiet)
             log(LogLevel::warning, fmt::format("{}: {}", o.html, missing));
     return all.complete ? 0 : 1;

@@ -14,13 +14,13 @@ std::size_t count_of(const SphereModel& model);
 
 /// Reads a model of the robot: cuRobo's YAML (`collision_spheres` by link, at any level), a URDF whose collision
 /// geometry is spheres, or CSV (link,x,y,z,radius). Spheres without a positive radius are left out. Links of the model
-/// that the robot has not are named in `warnings`. Throws Error{no_input} and Error{bad_data}.
+/// that the robot does not have are named in `warnings`. Throws Error{no_input} and Error{bad_data}.
 SphereModel load_sphere_model(const std::string& path, const RobotDescription& robot,
                               std::vector<std::string>& warnings);
 /// A map from links to lists of spheres in YAML, as cuRobo has it.
 SphereModel read_yaml_spheres(const std::string& path, const RobotDescription& robot,
                               std::vector<std::string>& warnings);
-/// The number of a link; -1, with a warning, for one that the robot has not.
+/// The number of a link; -1, with a warning, for a link that the robot does not have.
 int link_named(const std::string& name, const RobotDescription& robot, std::vector<std::string>& warnings);
 
 void save_yaml_spheres(const std::string& path, const RobotDescription& robot, const SphereModel& model);

@@ -72,7 +72,7 @@ bool has_mark(const JudgedLink& link)
     return link.judged.gap > 0 && std::isfinite(link.judged.gap);
 }
 
-/// The link from the side of its worst gap; on the right with its spheres.
+/// Draws the link from the side of its worst gap; on the right with its spheres.
 std::string draw(PainterProcess& painter, const JudgedLink& link)
 {
     Aabb box;
@@ -98,7 +98,7 @@ std::string draw(PainterProcess& painter, const JudgedLink& link)
         const Eigen::Vector3d on = nearest.centre + nearest.radius * (at - nearest.centre).normalized();
         picture.lines = {{at, on, 2, mark}, {at, at, 9, mark}};
         if ((at - box.centre()).norm() > 0) from = at - box.centre();
-        from = from.normalized() + Eigen::Vector3d(0.3, -0.3, 0.3); // not along the gap
+        from = from.normalized() + Eigen::Vector3d(0.3, -0.3, 0.3); // turns the view away from the gap
     }
     picture.width = picture.height = side;
     picture.camera = {.eye = box.centre() + from.normalized() * (0.5 * box.diagonal() / std::sin(0.5 * view_angle)),

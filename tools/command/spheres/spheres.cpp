@@ -79,7 +79,7 @@ void judge(Judged& judged, const GrownTree& tree, ObbTree& boxes, const SpheresO
                                    .threads = options.threads ? options.threads : hardware_threads()});
 }
 
-/// How much of the surface is in no volume; "none" only if all of it is covered.
+/// Returns how much of the surface is in no volume; "none" only if all of it is covered.
 std::string uncovered(const LevelQuality& q)
 {
     if (q.open_triangles == 0 && q.outside == 0) return "none";
@@ -146,7 +146,7 @@ void add_numbers(CsvWriter& csv, const Row& row, std::size_t i, bool closed)
     if (row.kind == BoundingVolume::sphere) csv.add(row.cells[i]);
     add(v.centre.data(), 3);
     add(v.half.data(), v.ball ? 1 : 3);
-    if (!v.ball) add(v.axes.data(), 9); // column after column
+    if (!v.ball) add(v.axes.data(), 9); // writes column after column
     const Reach& reach = row.quality.reaches[i];
     add(&reach.either, 1);
     if (closed) add(&reach.beyond, 1);

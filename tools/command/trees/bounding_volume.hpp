@@ -27,8 +27,9 @@ struct CoveringVolume {
         if (ball) return d.squaredNorm() <= (half.x() + slack) * (half.x() + slack);
         return ((axes.transpose() * d).cwiseAbs().array() <= half.array() + slack).all();
     }
-    /// A point of its boundary. For a sphere: the point in that direction. For an OBB: even directions give points that
-    /// are even over the faces, however flat it is, and directions to the corners of a cube give its corners.
+    /// A point of its boundary. For a sphere: the point in that direction. For an OBB, evenly spread directions give
+    /// points that are spread evenly over the faces, however flat it is; directions to the corners of a cube give its
+    /// corners.
     Eigen::Vector3d boundary(const Eigen::Vector3d& direction) const
     {
         if (ball) return centre + half.x() * direction.normalized();

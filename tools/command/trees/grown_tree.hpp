@@ -25,7 +25,7 @@ public:
 
     GrownTree(const GrownTree&) = delete;
 
-    int depth() const { return static_cast<int>(levels_.size()) - 1; } ///< of the grown part
+    int depth() const { return static_cast<int>(levels_.size()) - 1; } ///< depth of the grown part
     /// The cells of a level, 0 to depth(), that the surface intersects.
     const std::vector<CellKey>& level(int l) const { return levels_[std::size_t(l)]; }
     std::vector<CoveringVolume> spheres(int level) const;

@@ -42,7 +42,7 @@ public:
     Reach operator()(const CoveringVolume& volume) const
     {
         Reach reach;
-        // Straight away from the surface, and in the opposite direction.
+        // Directions straight away from the surface, and the opposite ones.
         const Vector3d off = volume.centre - index_.nearest(volume.centre).point;
         if (off.norm() > 1e-9 * volume.radius())
             for (const double sign : {1.0, -1.0}) look(volume, sign * off, reach);

@@ -10,8 +10,8 @@ namespace oncollide::tools {
 
 /// The over-reach of a volume: the largest distance of its points from the surface. Metres.
 struct Reach {
-    double either = 0; ///< on either side of the surface
-    double beyond = 0; ///< only of its points outside the body. 0 if the mesh is not closed
+    double either = 0; ///< distance on either side of the surface
+    double beyond = 0; ///< only for points outside the body; 0 if the mesh is not closed
 };
 
 /// How closely the volumes of one level of a tree fit a mesh.
@@ -19,15 +19,16 @@ struct LevelQuality {
     std::vector<Reach> reaches; ///< by volume
     Reach worst, mean;
     double volume = 0;                   ///< sum over all volumes, m^3
-    std::size_t open_triangles = 0;      ///< not wholly in volumes
+    std::size_t open_triangles = 0;      ///< triangles not wholly in volumes
     double uncovered = 0;                ///< area in no volume, m^2
-    std::size_t points = 0, outside = 0; ///< points of the surface that were tested; outside: that are in no volume
+    std::size_t points = 0, outside = 0; ///< points of the surface that were tested; outside: points that are in no
+                                         ///< volume
 };
 
 struct QualityOptions {
     bool closed = false;         ///< the mesh has an inside
     int directions = 60;         ///< sample points per volume, besides corners and points facing away from the surface
-    std::size_t points = 50'000; ///< of the surface, spread by area, besides all vertices and centres
+    std::size_t points = 50'000; ///< number of points of the surface, spread by area, besides all vertices and centres
     int threads = 1;
 };
 

@@ -32,7 +32,7 @@ Vector3d nearest_point(const Vector3d& from, const Vector3d& a, const Vector3d& 
     const Vector3d n = (b - a).cross(c - a);
     const double longest2 = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
     const auto left = [&](const Vector3d& p, const Vector3d& q) { return n.dot((q - p).cross(from - p)) > 0; };
-    const bool thin = n.norm() < 1e-7 * longest2; // its normal is dominated by rounding; its edges are accurate enough
+    const bool thin = n.norm() < 1e-7 * longest2; // rounding dominates its normal; its edges are accurate enough
     if (!thin && left(a, b) && left(b, c) && left(c, a)) return from - n.dot(from - a) / n.squaredNorm() * n;
     Vector3d best = nearest_point(from, a, b);
     for (const Vector3d& p : {nearest_point(from, b, c), nearest_point(from, c, a)})

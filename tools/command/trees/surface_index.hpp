@@ -30,7 +30,7 @@ private:
     struct Node {
         Aabb box;
         std::uint32_t begin, end; ///< range of its triangles in order_
-        std::uint32_t right;      ///< child; the left one follows its parent. 0: a leaf
+        std::uint32_t right;      ///< the right child; the left one follows its parent. 0: a leaf
     };
     void split(std::uint32_t node);
 

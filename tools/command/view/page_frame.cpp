@@ -12,7 +12,7 @@
 namespace oncollide::tools {
 namespace {
 
-// Limits per frame. Beyond these nothing is measured, and the page shows a pair between its bodies' AABBs.
+// Limits per frame. Beyond these limits nothing is measured, and the page shows a pair between its bodies' AABBs.
 constexpr std::size_t most_measured = 200;                      ///< pairs with nearest points, and pairs with contacts
 constexpr std::size_t most_of_curve = 3000, most_of_pair = 400; ///< segments
 constexpr std::size_t most_regions = 3000;
@@ -99,7 +99,7 @@ std::vector<PairResult> PageFrames::chosen(std::span<const PairResult> pairs) co
     return all;
 }
 
-/// The worst verdict of each body's pairs: 0: it is in none, else 1 + weight().
+/// The worst verdict of each body's pairs: 0 if it is in none, else 1 + weight().
 std::vector<std::uint8_t> PageFrames::worst_of_bodies(std::span<const PairResult> pairs) const
 {
     std::vector<std::uint8_t> worst(scene_.size());
@@ -163,7 +163,7 @@ PageFrames::Places PageFrames::places_of(std::span<const PairResult> pairs,
     world.pairs().contacts(bodies, lists);
     for (std::size_t c = 0, begin = 0; c < colliding.size(); begin = lists.offsets[++c]) {
         const std::size_t count = lists.offsets[c + 1] - begin;
-        if (count == 0) { // one is inside the other
+        if (count == 0) { // one body is inside the other
             measure(colliding[c], world.pairs().max_error(bodies[c].a, bodies[c].b),
                     std::numeric_limits<double>::infinity());
             continue;

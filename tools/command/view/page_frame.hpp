@@ -20,8 +20,8 @@ struct PageFrame {
 /// Turns frames into page data.
 class PageFrames {
 public:
-    /// Keeps references to both. @param most_pairs  pairs per frame; beyond it pairs are left out, separate ones first,
-    /// and the frame has the worst verdict of each body instead
+    /// Keeps references to both. @param most_pairs  pairs per frame; beyond this number pairs are left out, separate
+    /// ones first, and the frame has the worst verdict of each body instead
     PageFrames(const Scene& scene, const Pipeline& pipeline, bool separate, std::size_t most_pairs);
 
     /// `view`: the frame that the pipeline ran last.
@@ -36,7 +36,7 @@ public:
     /// Bytes of a frame without pairs.
     std::size_t least_bytes() const { return 20 * moving_.size() + scene_.size() + 512; }
     std::size_t bytes_of_pair() const;
-    static const std::size_t bytes_of_rest; ///< of a frame, at most: curves and regions
+    static const std::size_t bytes_of_rest; ///< bytes of the curves and regions of a frame, at most
 
 private:
     /// Positions of pairs, as columns of a frame.

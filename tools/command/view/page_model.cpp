@@ -40,7 +40,7 @@ Mesh thinned(const Terrain& terrain, std::uint32_t step)
             if (there[a] && there[b] && there[d]) triangles.push_back({a, b, d});
             if (there[a] && there[d] && there[c]) triangles.push_back({a, d, c});
         }
-    if (triangles.empty()) // holes at all heights that were kept
+    if (triangles.empty()) // all heights that were kept are holes
         triangles = {{0, width - 1, std::uint32_t(points.size()) - 1}};
     return make_mesh("terrain", std::move(points), std::move(triangles));
 }
@@ -115,7 +115,7 @@ PageModel::Mesh simplified(const PageModel::Mesh& fine, const Eigen::Vector3d& s
                                        points[0].data(), points.size(), sizeof(points[0]), std::size_t(3 * triangles)));
     };
     run([](auto... given) { return meshopt_simplify(given..., 0.5f, 0, nullptr); });
-    if (coarse.triangles() > triangles + triangles / 2) { // the mesh's topology prevents it
+    if (coarse.triangles() > triangles + triangles / 2) { // the mesh's topology prevents further simplification
         coarse.indices.resize(fine.indices.size());
         run([](auto... given) { return meshopt_simplifySloppy(given..., 1e9f, nullptr); });
     }

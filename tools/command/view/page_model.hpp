@@ -22,7 +22,7 @@ struct PageModel {
     };
     std::string_view kind;       ///< mesh, shape, map or terrain
     Aabb box;                    ///< in its own frame, metres; for a half-space as far as it is shown
-    std::uint64_t triangles = 0; ///< of the geometry itself; for a map its cells, for a shape 0
+    std::uint64_t triangles = 0; ///< triangles of the geometry itself; for a map its cells, for a shape 0
     bool simplified = false;     ///< the finest mesh is coarser than the geometry
     std::vector<Mesh> meshes;    ///< finest first
 };

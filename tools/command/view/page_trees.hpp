@@ -17,7 +17,7 @@ struct PageTrees {
     };
     std::vector<Level> spheres, boxes; ///< boxes: only for meshes
 
-    std::size_t bytes() const; ///< on a page
+    std::size_t bytes() const; ///< bytes on a page
 };
 
 /// Levels of at most `most` volumes each.

@@ -41,7 +41,7 @@ Scene scene_of(const std::string& name, const StoredRun& run)
     }
 }
 
-/// Where bodies move on the way, they come from the frame before the first one.
+/// If bodies move between frames, they start from the frame before the first one.
 Scene scene_before(const std::string& name, const StoredRun& run, std::span<const FrameRow> frames)
 {
     Scene scene = scene_of(name, run);

@@ -30,7 +30,7 @@ public:
         std::string file;                    ///< file to write
         std::size_t most_bytes = 40'000'000; ///< size limit of the file
         bool separate = false;               ///< also keep separate pairs
-        std::size_t frames = 0;              ///< that will come; 0: not known
+        std::size_t frames = 0;              ///< number of frames that will come; 0: not known
         int threads = 1;
         double metres = 1;     ///< per unit of the scene
         std::string results{}; ///< results file of the frames; empty: they come from a run
@@ -54,7 +54,7 @@ private:
     struct Shown; ///< data that is made when the page is written
     /// The kept frame that lacks the most pairs.
     struct LeftOut {
-        std::uint64_t frame = 0, pairs = 0, of = 0; ///< of: pairs that it would list
+        std::uint64_t frame = 0, pairs = 0, of = 0; ///< of: number of pairs that it would list
     };
     std::size_t room_for_geometries() const;
     std::size_t room_left() const;

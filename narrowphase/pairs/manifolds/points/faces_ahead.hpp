@@ -18,7 +18,7 @@ public:
     struct Face {
         Eigen::Vector3d depth, second, third; ///< gradients
         double depth_0, second_0, third_0;    ///< values at the origin
-        double error;                         ///< of the depth, for positions that err by 1
+        double error;                         ///< error bound of the depth, for positions that err by 1
         std::uint32_t triangle;
     };
 

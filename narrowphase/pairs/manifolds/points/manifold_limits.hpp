@@ -25,11 +25,11 @@ constexpr double least_widened = 0.05, widening = 1.5, most_spread = std::number
 
 /// Sine of the angle between line and face. On a steeper face the depth errs by 10^6 times the rounding or more.
 constexpr double least_slope = 1e-6;
-/// Barycentric. A line that misses a face by less crosses it, so that neighbours leave no gap.
+/// Barycentric. A line that misses a face by less counts as crossing it, so that neighbouring faces leave no gap.
 constexpr double beside_face = 1e-9;
 /// Share of the depth. A shorter way out leads through a face of another region.
 constexpr double through_share = 0.999;
-/// Candidates times faces. Where there are more, only the points that are kept get exact depths: 2 ns each.
+/// Candidates times faces. If there are more rays, only the points that are kept get exact depths. A ray takes 2 ns.
 constexpr std::size_t most_rays = 1 << 10;
 
 // --- The choice of points.
@@ -42,7 +42,8 @@ constexpr double same_share = 1e-6;
 constexpr double same_depth_share = 1e-9;
 /// Share of the square root of a region's area. Points of two regions that are less apart are at one place.
 constexpr double repeated_share = 1e-4;
-/// Points. A hull of at most this number has all triangles of its points, 20 at most; a larger hull has a fan.
+/// Points. A hull of at most this many points stores all triangles of its points, at most 20; a larger hull stores a
+/// fan.
 constexpr std::size_t most_hull_points = 6;
 
 // --- Directions of an overlap.
@@ -66,7 +67,7 @@ constexpr double touching_roundings = 16;
 constexpr double least_direction = 1e-6;
 /// Length of the sum of unit vectors. Where it is shorter they cancel out, and the first counts.
 constexpr double least_near_direction = 0.1;
-/// Cosine. A distance that falls by less along a face has a minimum there: rounding.
+/// Cosine. If a distance falls by less along a face, it counts as a minimum, because of rounding.
 constexpr double rising = 1e-9;
 /// Cosine. A point that is farther behind all faces around a corner or an edge is behind the surface.
 constexpr double behind_share = -0.5;
@@ -75,13 +76,14 @@ constexpr int most_around = 64;
 
 // --- Round solids.
 
-/// Sine of the angle to the axis. Directions nearer to it have no side: the x axis counts.
+/// Sine of the angle to the axis. Directions nearer to the axis have no side component, so the x axis is used.
 constexpr double least_across = 1e-9;
 /// Sine. Lines of two solids that differ by less lie on each other along their common part.
 constexpr double parallel_sine = 0.05;
-/// Radians. The first and the last step of the search for the least width, which then errs by the square of the last.
+/// Radians. The first and the last step of the search for the least width. The error of the width is about the square
+/// of the last step.
 constexpr double first_step = 0.25, last_step = 0x1p-30;
-/// Moves by one step. Along the ridge of a cone there would be millions.
+/// Moves by one step. Along the ridge of a cone there would be millions of moves.
 constexpr int most_moves = 64;
 
 } // namespace oncollide::manifold_limits

@@ -70,7 +70,7 @@ const std::vector<std::uint32_t>& PointChoice::choose(const std::vector<Manifold
     }
     size_ = (high - low).norm(), middle /= double(all.size());
     const double same = manifold_limits::same_share * size_;
-    const auto outermost = [&](std::size_t i) { // of the deepest
+    const auto outermost = [&](std::size_t i) { // compares the deepest candidates
         return all[i].depth >= deepest - same ? (flat_[i] - middle).norm() : -1;
     };
     take(outermost, -unbounded, same);

@@ -12,12 +12,12 @@ inline Eigen::Vector3d middle_of(const ManifoldPoint& p)
     return 0.5 * (p.point_a + p.point_b);
 }
 
-/// The hull of the middles of points, for distances.
+/// The hull of the middles between point_a and point_b, to which distances are measured.
 class PointHull {
 public:
     explicit PointHull(std::span<const ManifoldPoint> points);
     /// An upper bound of the squared distance: the distance to a point, side or triangle of the hull; infinite without
-    /// points. May stop at any value of at most `enough`.
+    /// points. The search may stop at any value of at most `enough`.
     double distance2(const Eigen::Vector3d& point, double enough = 0) const;
 
 private:

@@ -14,7 +14,7 @@ bool matches(std::string_view pattern, std::string_view name)
     };
     while (n < name.size()) {
         if (p < pattern.size() && pattern[p] == '*')
-            star = ++p, from = n; // matches no text at first, and more if the rest does not match
+            star = ++p, from = n; // the star matches no text at first, and more if the rest does not match
         else if (!fits()) {
             if (star == pattern.npos) return false;
             p = star, n = ++from;

@@ -32,7 +32,7 @@ bool is_mesh_file(const fs::path& path)
     return !extension.empty() && std::ranges::count(mesh_extensions(), extension.substr(1)) > 0;
 }
 
-/// Files that belong to meshes: materials, textures, buffers of glTF.
+/// True for files that belong to meshes: materials, textures, buffers of glTF.
 bool is_beside_meshes(const fs::path& path)
 {
     constexpr std::string_view kinds[] = {".mtl", ".bin", ".png", ".jpg", ".jpeg", ".webp", ".ktx2"};
@@ -121,7 +121,7 @@ void name_parts(PartList& list, const std::vector<Names>& names)
                                                 shortened(list.parts[parts[1]].name), parts.size() > 2 ? ", ..." : ""));
 }
 
-/// The file as the folder of the command line names it, or its name.
+/// The file's path in the folder that the command line names, or its name.
 std::string path_in(const std::vector<std::string>& inputs, const std::string& file)
 {
     for (const std::string& input : inputs) {
@@ -201,7 +201,7 @@ PartList read_parts(const std::vector<std::string>& files, const Units& units, c
     list.files = files, list.has_sets = !rules.set_a.empty();
     std::vector<Assembly> read(files.size());
     const auto load = [&](std::size_t i, int inner) {
-        // An OBJ file alone is divided: as one part it could not clash.
+        // A single OBJ file is divided into parts, because one part could not clash.
         read[i] = load_assembly(files[i], {.scale = units.scale_of(files[i]),
                                            .threads = inner,
                                            .objects = files.size() == 1,

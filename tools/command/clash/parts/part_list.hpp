@@ -28,7 +28,8 @@ struct Part {
 struct PartRules {
     /// Each "file", "node", or a pattern; the first that matches a part determines its group.
     std::vector<std::string> groups{};
-    /// Patterns: parts of set A are compared with parts of set B only. Without set B, it is all parts outside set A.
+    /// Patterns: parts of set A are compared with parts of set B only. Without set B, parts of set A are compared with
+    /// all other parts.
     std::vector<std::string> set_a{}, set_b{};
     std::vector<std::string> inputs{}; ///< files and folders of the command line; paths of parts are relative to them
     std::size_t most_parts = 100'000;  ///< as in AssemblyOptions
@@ -40,7 +41,7 @@ struct PartList {
     std::vector<Part> parts;
     std::vector<std::string> groups{""};
     std::vector<std::string> files;
-    std::uint64_t triangles = 0; ///< of all parts; a shared mesh counts once per part
+    std::uint64_t triangles = 0; ///< triangles of all parts; a shared mesh counts once per part
     Aabb bounds;
     bool has_sets = false; ///< only parts of set A are compared with parts of set B
     std::vector<std::string> warnings;

@@ -28,7 +28,7 @@ std::uint32_t PartSelection::numbered(const std::string& key, const std::string&
 std::uint32_t PartSelection::group_of(const AssemblyPart& from, const Part& part)
 {
     std::uint32_t group = 0;
-    for (const std::string& rule : rules_.groups) { // all rules: each that matches is used
+    for (const std::string& rule : rules_.groups) { // all rules are tried, so that each one that matches counts as used
         std::string key = "\n" + rule, name = rule;
         if (rule == "file") {
             key = name = part.file;

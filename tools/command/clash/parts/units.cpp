@@ -28,7 +28,7 @@ double Units::scale_of(const std::string& file) const
 {
     const std::filesystem::path path(file);
     const std::string extension = lower_extension(path);
-    const bool says_itself = extension == ".dae" || extension == ".3mf"; // read in metres
+    const bool says_itself = extension == ".dae" || extension == ".3mf"; // it is read in metres
     const Unit* unit = is_assembly_file(path) ? &unit_from("", "m") : reported_;
     for (const OfFiles& some : of_files_) {
         if (!matches(some.pattern, file) && !matches(some.pattern, path.filename().string())) continue;

@@ -9,7 +9,7 @@ namespace oncollide::tools {
 /// The units of an assembly's files and of the report.
 class Units {
 public:
-    /// @param texts  each a unit, for the report and all files that define none, or PATTERN=UNIT for some files
+    /// @param texts  each is a unit, for the report and all files that define none, or PATTERN=UNIT for some files
     explicit Units(const std::vector<std::string>& texts);
 
     const Unit& reported() const { return *reported_; }
