@@ -49,7 +49,7 @@ struct AabbHit {
 /// only regions whose parent was not rejected.
 struct DelimitationLevel {
     std::uint64_t regions = 0;          ///< regions examined
-    std::uint64_t regions_rejected = 0; ///< of these, regions in which no pair can collide
+    std::uint64_t regions_rejected = 0; ///< regions among them in which no pair can collide
     std::uint64_t bodies_rejected = 0;  ///< bodies in the rejected regions
     double volume_rejected = 0;         ///< rejected share of the volume of all the level's regions, 0 to 1
     double ms = 0;                      ///< time spent on the level
@@ -97,14 +97,15 @@ public:
 
     /// All pairs of bodies whose boxes overlap, that are not both static and that the columns allow; sorted, each once.
     /// Independent of the thread count. Valid until the next call that is not const. Boxes are compared in float,
-    /// rounded outward, and where that is inconclusive in double. Errors as take_in(). Allocates no memory once warm.
+    /// rounded outward, and where that is inconclusive in double. Throws the errors of take_in(). Allocates no memory
+    /// once warm.
     /// @param whole  search among all bodies, instead of only in the regions near changed bodies
     virtual std::span<const BodyPair> find_pairs(const BodyColumns& columns, bool whole = false) = 0;
 
     // Access to the results of progressive delimitation. Without delimitation (brute force, or if most bodies changed
     // and everything is searched) there are no levels, and all bodies are left.
     /// The first half of find_pairs(), which calls it if necessary: applies the changes and finds the regions in which
-    /// a pair may have appeared or disappeared. Errors as take_in().
+    /// a pair may have appeared or disappeared. Throws the errors of take_in().
     virtual void delimit(const BodyColumns& columns) { take_in(columns); }
     /// Statistics of the last delimit(), level by level. Counted on request; empty once a later change was applied.
     virtual std::span<const DelimitationLevel> levels() { return {}; }
@@ -120,7 +121,7 @@ public:
     /// static state; sorted. Overwrites `hits`; allocates only for its elements. Safe from many threads while nothing
     /// changes.
     /// Throws Error{usage} if changes are pending, Error{bad_data} naming a box that is not finite or exceeds 1e30 m.
-    /// @param columns  as they were when the changes were applied
+    /// @param columns  the columns as they were when the changes were applied
     virtual void query(const BodyColumns& columns, std::span<const Aabb> boxes, std::vector<AabbHit>& hits) const = 0;
 
     /// The same for segments: the bodies whose boxes, grown by the margin in all, meet each of `segments`. Rounding may

@@ -207,7 +207,7 @@ private:
     mutable std::unique_ptr<TerrainTree> heights_;
     mutable std::shared_ptr<ObbTree> bounding_tree_;
     mutable std::shared_ptr<const MeshLinks> links_;
-    mutable std::atomic<const MeshLinks*> links_made_ = nullptr; ///< for threads that did not make the links
+    mutable std::atomic<const MeshLinks*> links_made_ = nullptr; ///< read by threads that did not make the links
     mutable bool closed_ = false;
     mutable std::vector<PartPoints> parts_;
     mutable std::shared_ptr<const FclModel> fcl_;

@@ -32,8 +32,8 @@ public:
     void replace(ModelId model, GeometryData geometry);
     void replace(ModelId model, std::shared_ptr<const Geometry> geometry);
     /// Lets `change` set cells of a map, for all bodies of the model; cells that are set before it throws stay set.
-    /// Cost: of the change; the first change also copies the map, 8 bytes per inner node. Sphere-trees of the map grow
-    /// anew. Throws Error{usage} for a model that is not a map.
+    /// Cost: proportional to the change; the first change also copies the map, 8 bytes per inner node. Sphere-trees of
+    /// the map grow anew. Throws Error{usage} for a model that is not a map.
     ///
     ///     world.models().edit(map, [&](OccupancyMap& cells) { cells.insert_scan(points, origin); });
     void edit(ModelId map, const std::function<void(OccupancyMap&)>& change);
@@ -46,7 +46,7 @@ public:
     ModelId at(std::uint32_t slot) const;
     const Geometry& geometry(ModelId model) const; ///< valid until the next change of the model
     /// True for a mesh with an inside: every edge is shared by two triangles that run along it in opposite directions.
-    /// Cost: of is_closed(), once.
+    /// Cost: one call of is_closed(), the first time.
     bool closed(ModelId model) const;
     /// The AABB of a model at a pose (a motion at rest), or on its whole way, as step() computes it for a body.
     Aabb bounds(ModelId model, const RigidMotion& motion) const;

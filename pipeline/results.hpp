@@ -185,8 +185,8 @@ struct ManifoldLists {
 /// Depends on all bits of the lists.
 ONCOLLIDE_API std::uint64_t hash_of(const ManifoldLists& manifolds);
 
-/// The first point of a segment in bodies. The fractions of the segment from its first point, 0, to its last, 1, hold
-/// for its points moved into the body's frame in double.
+/// The first point of a segment in bodies. Fractions run from 0 at the segment's first point to 1 at its last, for its
+/// points moved into the body's frame in double.
 struct CastHit {
     BodyId body; ///< null: nothing was hit
     /// colliding: certainly hit. within: rounding hides whether the segment touches a round shape. undecided: a file

@@ -99,7 +99,8 @@ public:
     FrameView step();
     /// Chooses which candidate pairs step() refines, where layers, groups and exclusions do not suffice; empty: all.
     /// Queries ignore it. Results are deterministic if the choice depends on the pair alone, not on the run that holds
-    /// it. A pair that is dropped or swapped from some frame on ends in that frame. Cost: of the calls, besides about
+    /// it. A pair that is dropped or swapped from some frame on ends in that frame. Cost: the calls, and about 0.1
+    /// microseconds per candidate.
     /// 0.1 microseconds per candidate.
     void set_pair_filter(PairFilter filter);
     const PairFilter& pair_filter() const;
@@ -110,7 +111,7 @@ public:
     const Settings& settings() const; ///< with `exact` resolved, see exact_level()
     /// Chained hash of all frames so far: equal input gives an equal hash for any thread count and instruction set.
     std::uint64_t hash() const;
-    /// The rest of the World's state and counts. Cost: of the copies.
+    /// The rest of the World's state and counts. Cost: proportional to the size of the copies.
     WorldInfo inspect() const;
 
 private:

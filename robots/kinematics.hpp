@@ -20,7 +20,7 @@ struct BallTravel {
 
     /// How far points leave the rigid motion between the poses at both ends: MotionPath::screw for a helix, else
     /// MotionPath::linear.
-    /// @param arm  upper bound on their distance from the origin of that motion
+    /// @param arm  upper bound on the distance of the points from the origin of that motion
     double off(double arm) const;
     /// How far points leave the straight lines between their places at both ends.
     double sagitta() const { return 0.125 * bend * (1 + 1e-12); }
@@ -29,7 +29,7 @@ struct BallTravel {
 /// The joints of a robot in an order in which each follows the joints above it.
 class Kinematics {
 public:
-    /// @param robot  without a fault (description_fault.hpp)
+    /// @param robot  a description without a fault (description_fault.hpp)
     explicit Kinematics(const RobotDescription& robot);
 
     const std::vector<std::string>& names() const { return names_; }
@@ -46,8 +46,8 @@ public:
     void rigid_links(const double* from, const double* to, std::vector<std::uint32_t>& highest) const;
     /// How a ball that is fixed to a link moves, seen from another link, in a part of an edge.
     /// @param half   half of the part, as a share of the edge
-    /// @param ball   in the frame of `link`
-    /// @param poses  of all links, in the middle of the part
+    /// @param ball   the ball in the frame of `link`
+    /// @param poses  the poses of all links, in the middle of the part
     BallTravel travel(const double* from, const double* to, double half, const Eigen::Isometry3d* poses,
                       const CoverSphere& ball, std::uint32_t link, std::uint32_t seen_from) const;
     /// The links on the way from link a to link b, both included.

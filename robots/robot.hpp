@@ -209,8 +209,8 @@ public:
     /// (Schwarzer, Saha, Latombe: Adaptive dynamic collision checking, 2005). A pair nested without contact of surfaces
     /// (Mode::solid) is found where check() finds it, at both ends and the configurations between them that are checked
     /// first. Threads, errors and settings as check(), with the exact bounds of Pairs::distance(). For pairs between
-    /// which few joints act, the robot remembers where they are apart; results do not depend on it. Cost: of 50 to 250
-    /// configurations, with the first contact of 100 to 600.
+    /// which few joints act, the robot remembers where they are apart; results do not depend on it. Cost: as much as 50
+    /// to 250 configurations; with the first contact, 100 to 600.
     void check_edges(const World& world, std::span<const double> from, std::span<const double> to,
                      std::span<RobotEdgeFinding> findings, const RobotEdgeCheck& what = {}) const;
 

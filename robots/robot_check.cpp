@@ -47,7 +47,7 @@ public:
         surroundings_.begin(what.filter, own);
     }
 
-    /// @param number  of the first configuration
+    /// @param number  the number of the first configuration
     void run(std::span<const double> numbers, std::size_t number, std::span<RobotFinding> findings)
     {
         const std::size_t links = robot_.description.links.size(), width = robot_.tree.width();

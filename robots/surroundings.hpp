@@ -18,7 +18,7 @@ struct GroupCentres {
     std::vector<Aabb> boxes;                          ///< by group: of all its middles, in the world
     std::vector<double> sizes;                        ///< by group: upper bound on the sum of a middle's coordinates
 
-    /// @param poses  of all links, by configuration
+    /// @param poses  the poses of all links, by configuration
     void place(std::span<const GroupCover> groups, std::span<const Eigen::Isometry3d> poses, std::size_t links);
     BallColumns of(std::size_t group) const
     {

@@ -17,9 +17,9 @@ namespace oncollide {
 /// copied.
 class ONCOLLIDE_API Pipeline {
 public:
-    /// Errors as World's, but bodies have their scene names. Keeps only the geometries of `scene`.
+    /// Throws the errors of World, but bodies have their scene names. Keeps only the geometries of `scene`.
     explicit Pipeline(const Scene& scene, const Settings& settings = {});
-    /// @param world  a new one. @param world  a new World.
+    /// @param world  a new World. Throws Error{usage} if it has models or bodies.
     Pipeline(const Scene& scene, World world);
     ~Pipeline();
     Pipeline(Pipeline&&) noexcept;

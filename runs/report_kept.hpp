@@ -19,7 +19,7 @@ inline constexpr std::string_view sweep_csv_header =
 /// The first line of a CSV file.
 std::string csv_first_line(bool continuous);
 /// The cells of csv_header.
-/// @param a, b  names as returned by csv_field
+/// @param a, b  names that csv_field has returned
 void add_csv_cells(CsvWriter& csv, std::uint64_t frame, const std::string& a, const std::string& b,
                    const PairResult& pair, std::string_view stage, double max_error);
 /// The cells of sweep_csv_header; empty where there is no sweep, or the sweep does not give them.

@@ -71,9 +71,9 @@ ONCOLLIDE_API Eigen::Isometry3d pose_at(const Motion& motion, const Eigen::Isome
 ONCOLLIDE_API void move_body(const Motion& motion, const Eigen::Isometry3d& start, double pace, int from, int to,
                              Eigen::Isometry3d& pose);
 
-/// The way of a body from `first`, its pose at time `from`, to `last` at time `to` (times of its motion, so frames
-/// times pace): straight and along the shorter arc, but through the keys of a Keyed motion between the two times. Empty
-/// if the body stays at its pose.
+/// The way of a body from `first`, its pose at time `from`, to `last` at time `to`: straight and along the shorter arc,
+/// but through the keys of a Keyed motion between the two times. Times are times of the motion: frames times pace.
+/// Empty if the body stays at its pose.
 ONCOLLIDE_API std::vector<RigidMotion::Key> way_between(const Motion& motion, double from, double to,
                                                         const Eigen::Isometry3d& first, const Eigen::Isometry3d& last);
 

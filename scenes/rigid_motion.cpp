@@ -77,7 +77,7 @@ RigidMotion::Piece::Piece(const Key& first, const Key& second, MotionPath path)
     if (from.matrix() == to.matrix()) rotation_error = position_error = 0;
 }
 
-/// @param share  of the piece's duration
+/// @param share  the share of the piece's duration
 Isometry3d RigidMotion::Piece::pose(double share) const
 {
     const double turned = share * angle, half = std::sin(0.5 * turned);

@@ -87,7 +87,7 @@ private:
     friend class SceneBuilder;
     void check_body(const BodyInit& body) const;
     void check_bodies_of(const Recording& source) const;
-    /// @param names  of the bodies, for messages
+    /// @param names  the names of the bodies, for messages
     void exclude_pair(SceneBodyId a, SceneBodyId b, const NameColumn& names);
 
     std::size_t size_ = 0;

@@ -20,7 +20,7 @@ public:
                ///< begins a comment, quoted fields may contain line breaks
     };
 
-    /// @param file  named in errors and by the progress of reading
+    /// @param file  names the file in errors and in the progress of reading
     CsvReader(const std::string& file, std::string_view text, Style style = Style::table)
         : file_(file), style_(style), at_(text.data()), end_(text.data() + text.size()), begin_(at_),
           progress_(file, text.size())

@@ -95,8 +95,8 @@ private:
 class CsvFile {
 public:
     /// @param path        empty: nothing is written
-    /// @param header      as for CsvWriter
-    /// @param first_line  before the header, with its line break; empty: none
+    /// @param header      the first line, as for CsvWriter
+    /// @param first_line  a line before the header, with its line break; empty: none
     CsvFile(const std::filesystem::path& path, std::string_view header, std::string_view first_line = {})
     {
         if (path.empty()) return;

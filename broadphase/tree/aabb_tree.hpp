@@ -118,7 +118,7 @@ public:
     std::size_t bytes() const;
     /// Returns the first fault of the whole structure as text; empty: it has none. Assertions and tests call it. Cost:
     /// O(n).
-    /// @param columns  as of the last change: each body's box is within the box in its slot
+    /// @param columns  the columns as of the last change: each body's box is within the box in its slot
     /// @param states  set_moving() was called with these states and bits since the last build() and append(); null: it
     ///                was not
     std::string validate(const BodyColumns& columns, double margin, const std::uint8_t* states,

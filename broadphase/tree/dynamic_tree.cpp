@@ -187,7 +187,7 @@ void DynamicTree::delimit(const BodyColumns& columns)
 }
 
 /// Searches the whole tree.
-/// @param changed_only  for the pairs of changed bodies; the other pairs stay as they are
+/// @param changed_only  search for the pairs of changed bodies only; the other pairs stay as they are
 void DynamicTree::find_whole(const BodyColumns& columns, bool changed_only)
 {
     if (!loose_.empty()) {

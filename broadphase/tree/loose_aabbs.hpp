@@ -42,7 +42,7 @@ public:
     std::size_t bytes() const;
     /// Returns the first fault of the whole structure as text; empty: it has none. Assertions and tests call it. Cost:
     /// O(n).
-    /// @param columns  as of the last change: each body's box is within its enlarged box
+    /// @param columns  the columns as of the last change: each body's box is within its enlarged box
     std::string validate(const BodyColumns& columns) const;
 
 private:

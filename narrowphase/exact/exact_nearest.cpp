@@ -83,7 +83,7 @@ ToSegment to_segment(const Difference<N>& from_start, const Difference<N>& from_
     return {quotient(dot(across, across), length2), at};
 }
 
-/// @param w  from the start of v to the start of u
+/// @param w  the vector from the start of v to the start of u
 template <int N>
 bool to_line(const Difference<N>& u, const Difference<N>& v, const Difference<N>& w, ToLine& found)
 {
@@ -100,7 +100,7 @@ struct ToFace {
     Scaled squared;
     double u, v; ///< the foot is corner 0 + u (corner 1 - corner 0) + v (corner 2 - corner 0)
 };
-/// @param w  from corner 0 to the point
+/// @param w  the vector from corner 0 to the point
 template <int N>
 bool to_face(const Difference<N>& u, const Difference<N>& v, const Difference<N>& w, ToFace& found)
 {

@@ -12,7 +12,7 @@ namespace oncollide::gl {
 /// An OpenGL 4.5 core context without a display or a window. Belongs to the thread that made it.
 class Context {
 public:
-    /// @param gpu  as for describe_gpu()
+    /// @param gpu  the device, as for describe_gpu()
     explicit Context(int gpu);
     ~Context();
     Context(const Context&) = delete;

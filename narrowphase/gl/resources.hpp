@@ -12,7 +12,7 @@ namespace oncollide::gl {
 class Buffer {
 public:
     Buffer() = default;
-    /// @param flags  for glNamedBufferStorage; `data` may be null
+    /// @param flags  the flags of glNamedBufferStorage; `data` may be null
     Buffer(std::size_t bytes, GLbitfield flags, const void* data = nullptr) : bytes_(bytes)
     {
         glCreateBuffers(1, &name_);

@@ -30,7 +30,7 @@ struct OrientedBoxKernel {
     void (*open)(const BoxNode& node, const BoxPlacement* placement, OpenBoxes& out);
     /// One box for each triangle of a row.
     void (*open_triangles)(const TriangleRow& row, const BoxPlacement* placement, OpenBoxes& out);
-    /// @param row    relative to `from` of the placement
+    /// @param row    the boxes, relative to `from` of the placement
     /// @param lanes  one bit for each box that exists; the others get centres at 1e30
     void (*open_octants)(const OctantBoxes& row, unsigned lanes, const BoxPlacement* placement, OpenBoxes& out);
     /// Returns one bit for each box that box `k` of `other` may touch: its gap is at most `gap_limit`.

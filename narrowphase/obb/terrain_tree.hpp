@@ -194,7 +194,7 @@ private:
         return there ? *there : make_part(x, y);
     }
     struct OpenedBlocks;
-    /// @param origin  of the extents' coordinates, in the terrain's frame
+    /// @param origin  the origin of the extents' coordinates, in the terrain's frame
     void find_blocks(const Node& node, const Eigen::Vector3d& origin, OpenedBlocks& found) const;
     std::string fault_of_level(std::uint32_t level) const;
     std::string fault_of_cells() const;

@@ -16,7 +16,7 @@ bool may_hold(const Model& outer, const Eigen::Isometry3d& pose_outer, const Mod
 
 /// A point of the inner body inside the outer one's mesh, in the inner body's frame. Requires that their surfaces do
 /// not meet.
-/// @param tree  of the mesh; null: test all triangles
+/// @param tree  the tree of the mesh; null: test all triangles
 std::optional<Eigen::Vector3d> held_point(const PairTask& task, bool outer_is_a, const Mesh& mesh, ObbTree* tree,
                                           PointLocator& locator);
 

@@ -260,7 +260,7 @@ void contacts(const WalkPair<A, B>& p, std::vector<Contact>& found)
 }
 
 /// The distance that was found of two surfaces; 0 if one body encloses a part of the other.
-/// @param solid  as PairTests::distance
+/// @param solid  as for PairTests::distance
 inline Distance with_insides(const Distance& found, PairWorker& worker, const PairTask& task, bool solid)
 {
     if (found.lower == 0) return found;

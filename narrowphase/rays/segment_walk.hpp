@@ -19,7 +19,7 @@ public:
     /// Calls take(primitive) for every primitive in boxes that the segment meets before the fraction `reach` of its
     /// length, and possibly for others. take() returns the new reach: e.g. 1 to go on, the fraction of a hit to find
     /// nearer ones, or -1 to stop. Boxes come in the order of lower bounds of their fractions within each node.
-    /// @param segment  in the geometry's frame, exact
+    /// @param segment  the segment in the geometry's frame, exact
     /// @param reach    the first reach
     template <class Take>
     void walk(Tree& tree, const Segment& segment, Take take, double reach = 1);

@@ -22,7 +22,7 @@ struct ConvexDistance {
 /// than rounding belong to cores that are almost in contact; see convex_meeting.hpp. Cost: 0.1 to 0.4 microseconds for
 /// boxes and hulls of few points. Source: Gilbert, Johnson and Keerthi, "A fast procedure for computing the distance
 /// between complex objects in three-dimensional space", 1988; every direction tried gives a lower bound.
-/// @param first  the direction from A to B to try first; null: from middle to middle
+/// @param first  the direction from A to B to try first; null: from A's middle to B's
 ConvexDistance convex_distance(const ConvexDifference& cores, const DistanceGoal& goal,
                                const Eigen::Vector3d* first = nullptr);
 

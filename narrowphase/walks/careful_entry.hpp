@@ -11,7 +11,7 @@ namespace oncollide {
 /// As first_entry(), for parts whose nearest points are so close that rounding would turn the line between them. The
 /// parts are lifted off each other in several directions, which gives the line exactly. An overlap counts as a gap if
 /// the slack is negative.
-/// @param scales  of the smaller and the larger part, metres
+/// @param scales  sizes of the smaller and the larger part, metres
 /// @param between  between(time, lift): a vector from A's nearest point to B's, after the linear motion until then and
 /// with B moved by `lift`
 PartsEntry careful_entry(const SweptParts& parts, double from, double until, Eigen::Vector3d& line,

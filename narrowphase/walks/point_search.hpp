@@ -22,7 +22,7 @@ constexpr OpenBox no_box{~0u, 0};
 
 /// The leaf nearest to a point; none if floats cannot express its distance. Leaves that are large for their distance
 /// count by their primitives, others by their boxes.
-/// @param from  from(primitive): its squared distance from the point
+/// @param from  from(primitive) returns the squared distance of the primitive from the point
 template <BoxHierarchy H>
 OpenBox nearest_leaf(OpenNodes<H>& nodes, const OrientedBoxKernel& kernel, const float (&point)[3], auto from)
 {
@@ -76,7 +76,7 @@ inline void move_into(const OpenBoxes& boxes, unsigned k, float (&point)[3])
 
 /// Finds near leaves of two geometries whose roots are open: from the centre of the smaller geometry to the nearest
 /// leaf of the larger one, from there to the nearest leaf of the smaller one, and so on.
-/// @param from_a, from_b  from(primitive, point): the squared distance
+/// @param from_a, from_b  from(primitive, point) returns the squared distance
 /// @param measure         measure(leaf of A, leaf of B, in_a, point) for each new pair of leaves; sets the point to the
 ///                        nearest point found so far, on A if `in_a`, else on B. False ends the search
 template <BoxHierarchy A, BoxHierarchy B>

@@ -85,7 +85,7 @@ public:
     struct Counts {
         std::uint64_t box_rows = 0;   ///< tests of one box against all boxes of a node
         std::uint64_t triangles = 0;  ///< pairs of triangles tested
-        std::uint64_t unsure = 0;     ///< of these, pairs that the filter left to exact arithmetic
+        std::uint64_t unsure = 0;     ///< pairs that the filter left to exact arithmetic
         std::uint64_t hints_held = 0; ///< queries that their hint or place decided
     };
     Counts counts() const

@@ -127,7 +127,7 @@ public:
 
     struct Counts {
         std::uint64_t tested = 0; ///< pairs of triangles
-        std::uint64_t unsure = 0; ///< of these, pairs that the filter left to exact arithmetic
+        std::uint64_t unsure = 0; ///< pairs that the filter left to exact arithmetic
     };
     Counts counts;
 

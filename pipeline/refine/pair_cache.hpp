@@ -23,7 +23,7 @@ class PairCache {
 public:
     /// Keeps the memory of pairs that were candidates in the last frame, and drops all other memory.
     /// @param pairs  sorted
-    /// @param changed  by slot: true if the body changed in any way since the last frame; empty: false for all
+    /// @param changed  for each slot, true if the body changed in any way since the last frame; empty: false for all
     /// @param fresh  the same: true if the memory of the body's pairs is void; each of these bodies is `changed`, too
     void begin_frame(std::span<const BodyPair> pairs, std::span<const std::uint8_t> changed,
                      std::span<const std::uint8_t> fresh);

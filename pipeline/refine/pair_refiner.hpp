@@ -53,8 +53,8 @@ public:
     virtual ~PairRefiner() = default;
     /// Updates results[i] for tasks[i], independent of the thread count and of the other tasks. A refiner that cannot
     /// decide a pair leaves its result unchanged.
-    /// @param tasks  by ascending number; the trees that they need were admitted (Dispatch)
-    /// @param cache  of the frame's pairs; null: no memory is kept
+    /// @param tasks  sorted by number; the trees that they need were admitted (Dispatch)
+    /// @param cache  the cache of the frame's pairs; null: no memory is kept
     virtual void refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
                         std::span<Finding> results) = 0;
 };

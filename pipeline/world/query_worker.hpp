@@ -13,7 +13,7 @@ namespace oncollide {
 
 /// One query thread's working memory.
 struct WorldImpl::QueryWorker {
-    /// @param settings  kept by reference
+    /// @param settings  the settings, kept by reference
     QueryWorker(WorldImpl& impl, const Settings& settings);
     BothLevels levels;
     RefineContext context;

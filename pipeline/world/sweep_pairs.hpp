@@ -15,7 +15,7 @@ public:
     /// ways, except of the pairs in frame.swept. A pair did not meet if its distance there exceeds the motion of its
     /// bodies, or if a gap of an earlier frame exceeds all motion since; without coherence, it is swept anyway. Pairs
     /// stay undecided if a budget has no room for a tree, if a file cannot be read, or once the caller stops the frame.
-    /// @param stats  of the last stage
+    /// @param stats  the counts of the last stage
     void run(const BodyTable& bodies, Frame& frame, StageStats& stats);
 
 private:

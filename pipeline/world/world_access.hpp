@@ -40,12 +40,12 @@ struct WorldAccess {
     static void near(const World& world, std::span<const PairOfModels> pairs, std::span<const double> reaches,
                      std::span<std::uint8_t> near);
     /// Sets until[i] to a lower bound of the time at which the models come within margins[i] (m, >= 0) more than the
-    /// clearance of each other, if they are farther apart at time 0; 1: not before the end. Cost: of a step of
+    /// clearance of each other, if they are farther apart at time 0; 1: not before the end. Cost: one step of
     /// Pairs::sweep().
     static void clear_until(const World& world, std::span<const PairOf<MovingModel>> pairs,
                             std::span<const double> margins, std::span<double> until);
-    /// Throws as Bodies::add() for a geometry of a model yet to come, or a model, that has no inside where the
-    /// settings require one.
+    /// Throws as Bodies::add() for a model, or the geometry of a future model, that has no inside although the settings
+    /// require one.
     static void check_inside(const World& world, const std::shared_ptr<const Geometry>& geometry);
     static void check_inside(const World& world, ModelId model);
     /// Why Worlds refuse a pose; empty: they accept it.

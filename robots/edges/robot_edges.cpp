@@ -31,7 +31,7 @@ public:
     {
     }
 
-    /// @param found  with a contact, if one is known
+    /// @param found  receives the contact, if one is known
     void run(const double* from, const double* to, RobotEdgeFinding& found)
     {
         found_ = &found, open_.clear(), items_.clear();
@@ -67,7 +67,8 @@ private:
         for (EdgeItem item : tested_) {
             item.end = std::min(item.end, found_->contact_by);
             if (item.end <= item.begin) continue;
-            if (item.end - item.begin <= 0.5 * what_.tolerance) { // test_begins() tests as far behind the item
+            if (item.end - item.begin <= 0.5 * what_.tolerance) { // test_begins() also tests the time just after the
+                                                                  // item
                 open_.push_back(item);
                 continue;
             }

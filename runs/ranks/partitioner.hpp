@@ -15,8 +15,8 @@ class Partitioner {
 public:
     virtual ~Partitioner() = default;
     /// Divides anew, with roughly equal weights in all regions. Collective.
-    /// @param points  of this rank
-    /// @param weights  of these points, > 0
+    /// @param points  the points of this rank
+    /// @param weights  the weights of these points, > 0
     virtual void rebuild(Ranks& ranks, std::span<const Eigen::Vector3d> points, std::span<const float> weights) = 0;
 
     /// The rank whose region contains the point. Every point has exactly one owner, the same on all ranks.

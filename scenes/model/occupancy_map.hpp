@@ -50,7 +50,7 @@ public:
     ~OccupancyMap();
 
     double resolution() const { return resolution_; } ///< side of the smallest cell, metres
-    /// Bounds of the occupied cells, not of the address space; if unknown cells count as occupied too, of the known
+    /// Bounds of the occupied cells, not of the address space; if unknown cells count as occupied, bounds of all known
     /// cells.
     const Aabb& bounds() const { return bounds_; }
     /// The box of a cube of cells, clipped to the bounds.

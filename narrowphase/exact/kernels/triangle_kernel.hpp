@@ -15,8 +15,8 @@ struct PairVerdicts {
 };
 
 /// Tests triangles of A against triangles of B, which are moved as RelativePose does. `rotation` is column-major.
-/// @param nearest2  in and out, by pair: the least certified squared distance of triangles that were separate; null:
-/// not needed
+/// @param nearest2  in and out, for each pair: the least certified squared distance of triangles that were separate;
+/// null: not needed
 using JudgePairs = PairVerdicts(const CornersOfPairs& corners, const double* rotation, const double* translation,
                                 double (*nearest2)[8]);
 

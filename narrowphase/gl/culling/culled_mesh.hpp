@@ -46,7 +46,7 @@ private:
 /// An orthographic view of a box-shaped volume. It needs a context of its own: OpenGL's state is set only once.
 class CullingView {
 public:
-    /// @param depth  with a depth buffer
+    /// @param depth  true for a view with a depth buffer
     CullingView(int pixels, bool depth);
     ~CullingView();
     CullingView(const CullingView&) = delete;

@@ -20,8 +20,8 @@ struct GridPart {
 /// size where the grid has the resolution, and do not depend on the order of the triangles. Cost: 20 ns per triangle,
 /// and 10 bytes per triangle of temporary memory.
 ///
-/// @param triangles  by number; sorted into the order of the parts
-/// @param centre     of the tree; boxes are relative to it
+/// @param triangles  numbers of the triangles; sorted into the order of the parts
+/// @param centre     the centre of the tree; boxes are relative to it
 /// @param around     a box that holds most of the triangles, relative to the centre
 GridPart split_by_grid(const Mesh& mesh, const Eigen::Vector3d& centre, std::span<std::uint32_t> triangles,
                        const Aabb& around);

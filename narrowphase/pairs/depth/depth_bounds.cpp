@@ -17,7 +17,7 @@ using Eigen::Isometry3d, Eigen::Vector3d;
 constexpr std::size_t most_points = 256; ///< points of one body that are located in the other
 
 /// Calls visit(point) for points of a body, in its own frame, that may be deep in the other.
-/// @param box  around the other body, in this one's frame
+/// @param box  a box around the other body, in this one's frame
 void each_point(const Side& side, const Aabb& box, const Vector3d& towards, auto visit)
 {
     const auto in_box = [&](const Vector3d& p) {
@@ -48,7 +48,7 @@ void each_point(const Side& side, const Aabb& box, const Vector3d& towards, auto
 }
 
 /// Raises found.depth to the depth of points of `inner` in `outer`.
-/// @param towards  a direction in the world frame in which outer is
+/// @param towards  a direction in the world frame that points to `outer`
 void find_deep(PairWorker& worker, const Side& inner, const Side& outer, bool of_a, const Vector3d& towards,
                Penetration& found)
 {

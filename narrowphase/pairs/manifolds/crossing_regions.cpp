@@ -49,7 +49,7 @@ struct CrossingRegions::Builder {
     bool keeps_curve = false; ///< true for a round solid whose support points do not reach the other body
 
     /// @param whole   the part is the whole lump
-    /// @param others  points of the curve that are no candidates
+    /// @param others  points of the curve that are not candidates
     void add(const Lump& lump, const LumpPart& part, double share, bool whole,
              std::span<const std::uint32_t> others = {});
     void add_directions(const Lump& lump, const LumpPart& part, const LumpFacings& facings);

@@ -81,7 +81,7 @@ bool is_minimum(const PlacedSurface& surface, std::uint32_t triangle, std::uint8
 /// from its plane.
 struct InReach {
     unsigned corners = 0, edges = 0;
-    /// @param normal  of the triangle `of`, unit; 0 without area
+    /// @param normal  the unit normal of the triangle `of`; 0 without area
     InReach(const TrianglePoints& t, const TrianglePoints& of, const Vector3d& normal, double reach)
     {
         double height[3];

@@ -22,7 +22,7 @@ public:
     static constexpr int reversed_edges[] = {0, 2, 1};
 
     /// @param into   moves the body into the frame of the pair
-    /// @param other  around the other body, in this body's frame
+    /// @param other  a box around the other body, in this body's frame
     /// @param joins  triangles of a mesh in one plane are joined to larger ones (inside/flat_faces.hpp)
     PlacedSurface(Model& model, const RelativePose& into, const Aabb& other, bool joins);
     PlacedSurface(const PlacedSurface&) = delete;

@@ -91,7 +91,7 @@ private:
         const Kind a = task_.a->kind(), b = task_.b->kind();
         return task_.solid || (a == Kind::polytope && parts(b)) || (b == Kind::polytope && parts(a));
     }
-    /// @param hints  of time 0; without contact, memory_ stays as it is
+    /// @param hints  hints of time 0; without contact, memory_ stays as it is
     bool begins_in_contact(PairMemory hints)
     {
         std::swap(memory_, hints);

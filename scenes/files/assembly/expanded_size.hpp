@@ -30,7 +30,7 @@ class ExpandedSizes {
 public:
     explicit ExpandedSizes(int most_levels) : most_levels_(most_levels) {}
 
-    /// @param level     of the element below the root of the tree, which is 1
+    /// @param level     the level of the element below the root of the tree, which is 1
     /// @param measure   returns the size of the element and of all below it; calls of() for these
     /// @param too_deep  throws; called if the tree has more than `most_levels` levels, or never ends
     template <class Measure, class TooDeep>

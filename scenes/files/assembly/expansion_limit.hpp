@@ -14,7 +14,7 @@ class ExpansionLimit {
 public:
     static constexpr std::size_t any_parts = std::numeric_limits<std::size_t>::max(); ///< most parts for a whole mesh
 
-    /// @param most_parts  as in PartsReading
+    /// @param most_parts  the limit of PartsReading
     ExpansionLimit(const MeshSource& source, std::size_t most_parts) : source_(source), most_parts_(most_parts) {}
 
     /// Throws Error{bad_data} if all threads together spent too many pieces: triangles, vertices and parts of meshes.

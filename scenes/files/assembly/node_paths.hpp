@@ -13,7 +13,7 @@ class NodePaths {
 public:
     static constexpr std::size_t most_name = 200, most_path = 1000; ///< bytes
 
-    /// @param above    by node, the parent node or no_node
+    /// @param above    for each node, the parent node or no_node
     /// @param name_of  empty: the node has no name
     /// @param parts    parts of the file; if there are many, paths have fewer levels
     NodePaths(std::span<const std::uint32_t> above, std::function<std::string_view(std::uint32_t)> name_of,

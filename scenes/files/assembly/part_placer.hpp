@@ -36,8 +36,8 @@ public:
     std::size_t meshes() const { return placed_.size(); }
     std::uint32_t mesh(std::size_t i) const { return placed_[i].mesh; }
     /// All placed parts.
-    /// @param above by node, the parent node or no_node
-    /// @param name_of  by node; empty: it has no name
+    /// @param above for each node, the parent node or no_node
+    /// @param name_of  the name of a node; empty: it has no name
     RawAssembly take(std::span<const std::uint32_t> above,
                      const std::function<std::string_view(std::uint32_t)>& name_of, const AddMesh& add, int threads);
 

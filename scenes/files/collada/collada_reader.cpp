@@ -165,7 +165,7 @@ private:
     }
 
     /// The geometry that an instance shows.
-    /// @param pose  of the instance; changed to the pose in which the geometry was bound to its bones
+    /// @param pose  the pose of the instance; changed to the pose in which the geometry was bound to its bones
     const XmlElement& shown_by(const XmlElement& child, Eigen::Affine3d& pose) const
     {
         const XmlElement* shown =

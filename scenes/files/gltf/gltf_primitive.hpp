@@ -20,7 +20,7 @@ struct GltfPrimitive {
     Mode mode;
 
     /// Nothing for points and lines. Throws Error{bad_data} naming the place.
-    /// @param weights  of the morph targets, as by morph_weights()
+    /// @param weights  the weights of the morph targets, as morph_weights() returns them
     static std::optional<GltfPrimitive> read(const GltfDocument& document, GltfBuffers& buffers, const Node& node,
                                              std::span<const double> weights);
 

@@ -17,7 +17,7 @@ struct OldTree {
     unsigned type, key_bytes;
     VisitChild visit;
 
-    /// @param level  of the node; leaves have 0
+    /// @param level  the level of the node; leaves have level 0
     void node(std::uint64_t address, unsigned level)
     {
         const unsigned fixed = 8 + 2 * walk.file.offset_bytes();

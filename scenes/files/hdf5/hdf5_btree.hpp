@@ -12,7 +12,7 @@ void walk_old_btree(Hdf5Walk& walk, std::uint64_t root, unsigned type, unsigned 
                     FunctionRef<void(Hdf5Cursor key, std::uint64_t child)> visit);
 
 /// Calls visit(record) for each record of a version-2 tree.
-/// @param types  the two that are accepted
+/// @param types  the two types that are accepted
 void walk_btree(Hdf5Walk& walk, std::uint64_t header, unsigned type, unsigned other_type,
                 FunctionRef<void(Hdf5Cursor record)> visit);
 

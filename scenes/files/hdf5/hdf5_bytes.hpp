@@ -19,7 +19,7 @@ struct Hdf5Fault {
 /// Throws Hdf5Fault for a damaged structure.
 [[noreturn]] void hdf5_damaged(std::uint64_t address, std::string_view what);
 /// Throws Hdf5Fault for a feature of the format that is not read.
-/// @param arguments  of h5repack, which rewrites the file without the feature
+/// @param arguments  the arguments of h5repack, which rewrites the file without the feature
 [[noreturn]] void hdf5_unread(std::string_view feature, std::string_view arguments = "");
 
 /// An HDF5 file, open for reading. The file is never mapped, because truncating a mapped file ends the program.
@@ -58,7 +58,7 @@ private:
 /// Reads numbers from the bytes of a structure, and throws Hdf5Fault at their end.
 class Hdf5Cursor {
 public:
-    /// @param address  of the first byte, for errors
+    /// @param address  the address of the first byte, for errors
     Hdf5Cursor(const Hdf5Bytes& file, std::string_view bytes, std::uint64_t address)
         : bytes_(bytes), address_(address), offset_(file.offset_bytes()), length_(file.length_bytes())
     {

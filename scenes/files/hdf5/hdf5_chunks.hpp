@@ -30,7 +30,7 @@ private:
 };
 
 /// The chunks that are in the file, sorted by number.
-/// @param chunk_bytes  of a chunk without filters
+/// @param chunk_bytes  the size of a chunk without filters
 std::vector<Hdf5Chunk> hdf5_chunks(Hdf5Walk& walk, const Hdf5Layout& layout, const Hdf5Space& space,
                                    const Hdf5Grid& grid, std::uint64_t chunk_bytes);
 

@@ -24,7 +24,7 @@ private:
 class Hdf5FractalHeap {
 public:
     Hdf5FractalHeap(Hdf5Walk& walk, std::uint64_t address);
-    /// @param id  of the object
+    /// @param id  the id of the object
     Hdf5Block object(Hdf5Cursor id);
 
 private:

@@ -49,7 +49,7 @@ private:
     };
     void read_old(Hdf5Walk& walk);
     void read_new(Hdf5Walk& walk);
-    /// @param header_bytes  of each message
+    /// @param header_bytes  the size of each message's header
     void add_messages(Hdf5Cursor cursor, unsigned header_bytes);
 
     std::uint64_t address_;

@@ -30,7 +30,7 @@ struct BodyRow {
 /// Adds the rows of one table to a scene.
 class BodyRows {
 public:
-    /// @param geometry  of all rows; empty: a column of the table
+    /// @param geometry  the geometry of all rows; empty: a column of the table
     BodyRows(SceneBuilder& scene, std::string file, std::optional<GeometryId> geometry)
         : scene_(scene), file_(std::move(file)), geometry_(geometry)
     {

@@ -75,7 +75,7 @@ public:
     /// The hash of the frames of the earlier run; 0 if there was none.
     std::uint64_t chain() const { return chain_; }
     /// Appends a frame; sets row.first and row.pairs. Throws Error{cannot_write}; the file then ends before the frame.
-    /// @param sweeps  one for each of the pairs, if the header says so
+    /// @param sweeps  one sweep for each of the pairs, if the header says so
     void add(std::span<const PairRow> pairs, FrameRow row, std::span<const SweepRow> sweeps = {});
     /// No frame can be added afterwards. Throws Error{cannot_write}.
     void close();

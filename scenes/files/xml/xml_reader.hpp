@@ -16,7 +16,7 @@ struct XmlTag {
     std::size_t line;
 
     /// Empty if there is no such attribute.
-    /// @param key  as written; if a prefix stands for a namespace, "NAMESPACE\nNAME"
+    /// @param key  the key as written; if a prefix stands for a namespace, "NAMESPACE\nNAME"
     std::optional<std::string_view> operator[](std::string_view key) const;
 };
 

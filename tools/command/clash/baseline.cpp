@@ -27,7 +27,7 @@ struct OldClash {
     bool found = false; ///< it still exists
 };
 
-/// @param resolved  of the list of resolved clashes, which has the parts' names alone
+/// @param resolved  the entry is from the list of resolved clashes, which has only the parts' names
 OldClash old_clash(const json& j, bool resolved)
 {
     const auto name_in = [&](const char* part) {

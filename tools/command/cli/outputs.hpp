@@ -43,7 +43,7 @@ struct OverwritesInput : std::runtime_error {
 };
 
 /// Throws Error{usage} if the name of an output has an extension that is not one of its format.
-/// @param valid  with dots, such as {".h5", ".hdf5"}
+/// @param valid  the valid extensions with dots, such as {".h5", ".hdf5"}
 /// @param other  advice for the error; may be empty
 void check_extension(const char* option, const std::string& file, std::initializer_list<std::string_view> valid,
                      std::string_view other = {});

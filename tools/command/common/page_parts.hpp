@@ -11,7 +11,7 @@ struct PagePicture {
     std::string caption, png; ///< the bytes of the file
 };
 
-/// @param command  that made the page, as typed; empty: unknown
+/// @param command  the command that made the page, as typed; empty: unknown
 void begin_page(OutputFile& file, const std::string& title, const std::string& command);
 void heading(OutputFile& file, std::string_view words);
 void paragraph(OutputFile& file, std::string_view words);

@@ -10,7 +10,7 @@ namespace oncollide::tools {
 /// slightly from the right and above.
 class Framing {
 public:
-    /// @param width, height  of the pictures
+    /// @param width, height  the size of the pictures
     Framing(int width, int height);
     void add(const Picture& picture);
     void add(const Eigen::Vector3d& point, double radius); ///< adds a sphere

@@ -12,7 +12,7 @@ namespace oncollide::tools {
 /// before a command reads anything; the driver is loaded when it is first used.
 class PainterProcess {
 public:
-    /// @param gpu  as for Painter
+    /// @param gpu  the device, as for Painter
     explicit PainterProcess(int gpu = -1);
 
     /// Loads the driver. Throws Error{no_gpu}.

@@ -15,7 +15,7 @@ namespace oncollide::tools {
 /// triangles of its own and reads only the chunks of cooked files that are seen.
 class RayPictures {
 public:
-    /// @param shown  by body
+    /// @param shown  for each body, true if it is drawn
     RayPictures(const Scene& scene, const Settings& settings, const std::vector<std::uint8_t>& shown);
 
     /// Takes the scene's current poses.

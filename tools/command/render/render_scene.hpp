@@ -35,7 +35,7 @@ public:
 
     /// The scene at its current poses, without a camera.
     /// @param world  the scene's World after this frame
-    /// @param pairs  of this frame
+    /// @param pairs  the pairs of this frame
     /// @param level  level of the spheres; nullopt: the finest known level everywhere
     ScenePicture make(const World& world, const TreeOf& tree_of, std::span<const PairResult> pairs,
                       std::optional<int> level);

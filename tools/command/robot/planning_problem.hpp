@@ -24,7 +24,7 @@ struct PlanningProblem {
 
 /// The problems of a folder, which has a folder for each set: scene0001.yaml and request0001.yaml, and so on. Sorted.
 /// Throws Error{no_input} if there are none, Error{bad_data} naming file and line.
-/// @param most  of each set; 0: all
+/// @param most  most problems of each set; 0: all
 std::vector<PlanningProblem> load_problems(const std::filesystem::path& folder, std::size_t most);
 
 /// One problem.

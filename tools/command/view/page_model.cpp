@@ -102,7 +102,7 @@ void compact(PageModel::Mesh& mesh)
     for (std::size_t k = 0; k < count; ++k) mesh.vertices[k] = {used[k][0], used[k][1], used[k][2]};
 }
 
-/// @param size  of the box, metres: simplification errors are measured in metres
+/// @param size  the size of the box, metres: simplification errors are measured in metres
 PageModel::Mesh simplified(const PageModel::Mesh& fine, const Eigen::Vector3d& size, std::uint64_t triangles)
 {
     std::vector<std::array<float, 3>> points;

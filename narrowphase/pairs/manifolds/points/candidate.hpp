@@ -19,8 +19,8 @@ struct ManifoldCandidate {
     double depth = 0; ///< estimated until the point is kept, unless it is of both
     double error = 0;
     bool opposite = true; ///< a point opposite to it was found
-    /// The normal of the faces at the point, from a to b; 0: not known. The own face alone counts until the opposite
-    /// one is found.
+    /// The normal of the faces at the point, from a to b; 0: not known. Until the opposite face is found, it is the
+    /// normal of the candidate's own face.
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
 };
 

@@ -24,7 +24,7 @@ public:
 
     void set(std::span<const NumberedTriangle> all, const Eigen::Vector3d& direction);
     /// The nearest of the faces that the line through p crosses; null: none.
-    /// @param depth  of p along the direction; negative in front of the face; infinite without a face
+    /// @param depth  the depth of p along the direction; negative in front of the face; infinite without a face
     const Face* nearest(const Eigen::Vector3d& p, double& depth) const;
     const std::vector<Face>& faces() const { return faces_; }
 
