@@ -9,7 +9,7 @@ namespace oncollide {
 /// The part of a segment in a box.
 struct SegmentPart {
     double begin, end; ///< fractions of the segment, 0 to 1
-    double error;      ///< metres: contains all points of the segment in the box, with an error of at most this
+    double error;      ///< metres: the part contains all points of the segment in the box, within this error
     Eigen::Vector3d middle, half;
 };
 
@@ -18,8 +18,8 @@ struct SegmentPart {
 std::optional<SegmentPart> part_in(const Segment& segment, const Aabb& box);
 
 /// The part in floats relative to `origin`.
-/// @param radius  upper bound of the distance of the part from the origin, metres; and of the boxes' points, unless
-///                the test of boxes allows for the rounding of their coordinates
+/// @param radius  upper bound of the distance from the origin to the part, metres; it must also bound the boxes'
+///                points, unless the test of boxes allows for the rounding of their coordinates
 SegmentLine line_of(const SegmentPart& part, const Eigen::Vector3d& origin, double radius);
 
 } // namespace oncollide

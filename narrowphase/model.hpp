@@ -48,7 +48,7 @@ public:
 
     Kind kind() const { return kind_; }
     const Geometry& geometry() const { return *geometry_; }
-    /// Null if the geometry is no mesh. For a cooked mesh this reads and keeps the whole file, which may throw
+    /// Null if the geometry is not a mesh. For a cooked mesh this reads and keeps the whole file, which may throw
     /// ChunkFault; use cooked() where it suffices.
     const Mesh* mesh() const { return cooked() ? &whole() : as<Mesh>(); }
     /// The mesh in a cooked file; null for other geometries.

@@ -52,7 +52,7 @@ public:
     BodyId add(const BodySpec& body);
     void add(std::span<const BodySpec> bodies, std::span<BodyId> ids);
     void reserve(std::size_t bodies); ///< makes room for this number of bodies in all
-    void remove(BodySpan bodies);     ///< each once
+    void remove(BodySpan bodies);     ///< lists each body once
 
     bool contains(BodyId body) const;
     std::size_t size() const; ///< number of bodies

@@ -31,7 +31,7 @@ public:
     /// the World).
     void replace(ModelId model, GeometryData geometry);
     void replace(ModelId model, std::shared_ptr<const Geometry> geometry);
-    /// Lets `change` set cells of a map, for all bodies of the model; cells that are set before it throws stay set.
+    /// Lets `change` set cells of a map, for all bodies of the model; if it throws, the cells that it has set stay set.
     /// Cost: proportional to the change; the first change also copies the map, 8 bytes per inner node. Sphere-trees of
     /// the map grow anew. Throws Error{usage} for a model that is not a map.
     ///

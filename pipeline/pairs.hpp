@@ -74,9 +74,10 @@ private:
     std::variant<std::span<const PairOfBodies>, std::span<const PairOfModels>, PairOfColumns> pairs_;
 };
 
-/// Queries of two sides, as the World is now. World::pairs() returns them; copy them freely, they hold as long as the
-/// World. Layers, groups, exclusions and is_static do not matter here. All throw Error{usage} for ids that are null,
-/// stale or of another World, Error{bad_data} for poses that are refused and, as Bodies::add(), for open meshes.
+/// Queries of two sides, as the World is now. World::pairs() returns them. They can be copied freely and are valid as
+/// long as the World. Layers, groups, exclusions and is_static do not matter here. All throw Error{usage} for ids that
+/// are null, stale or of another World, Error{bad_data} for poses that are refused and, as Bodies::add(), for open
+/// meshes.
 ///
 /// One name serves one pair and many pairs: with two sides a query returns its result; with many pairs it writes their
 /// results to its last argument, and throws Error{usage} if that has another length. Batches run on up to
@@ -111,16 +112,17 @@ public:
                std::span<SweepResult> found) const;
 
     /// Reduces the contacts to regions for a solver, with a normal, depths and few points each, and reports the loss.
-    /// The result depends on the pair alone; with a and b swapped, it is the same with the normals reversed. For bodies
-    /// of all kinds, except two half-spaces; closed meshes have an inside in every mode. Throws Error{usage} for
+    /// The result depends on the pair alone; with a and b swapped, it is the same with the normals reversed. Works for
+    /// bodies of all kinds, except two half-spaces; closed meshes have an inside in every mode. Throws Error{usage} for
     /// options out of range. Cost: about 10 microseconds per contact, and 1 per triangle of the surfaces inside the
     /// other body.
     Manifold manifold(PairSide a, PairSide b, const ManifoldOptions& options = {}) const;
     void manifold(PairSpan pairs, const ManifoldOptions& options, ManifoldLists& found) const; ///< overwrites `found`
 
     /// All pairs of a vertex and a face, or of two edges, at most `dhat` (m, finite) apart, none lost; where the
-    /// nearest point of a face or an edge is on its border, that edge or vertex counts instead. Each pair once, sorted.
-    /// Meshes, terrains, boxes and hulls; throws Error{usage} for other bodies. Features that meet are 0 apart.
+    /// nearest point of a face or an edge is on its border, that edge or vertex counts instead. Each pair is listed
+    /// once; pairs are sorted. Meshes, terrains, boxes and hulls; throws Error{usage} for other bodies. Features that
+    /// meet are 0 apart.
     std::vector<NearFeatures> near_features(PairSide a, PairSide b, double dhat) const;
     void near_features(PairSpan pairs, double dhat, Lists<NearFeatures>& found) const; ///< overwrites `found`
 

@@ -48,7 +48,7 @@ std::string text(const std::optional<Value>& value)
 {
     return value ? text(*value) : "null";
 }
-// The reverse.
+// The reverse operation.
 template <class Value>
 void read(Value& value, const nlohmann::json& from)
 {

@@ -12,10 +12,10 @@ namespace oncollide {
 
 struct WorldImpl;
 
-/// Queries of one thing against all bodies, as the World is now. World::space() returns them; copy them freely, they
-/// hold as long as the World. step() gives the same results for a body of that geometry and pose, except that segments
-/// are exact. Cost: proportional to the bodies that boxes cannot rule out. For contacts and penetration, pass a hit's
-/// body to the queries of Pairs.
+/// Queries of one thing against all bodies, as the World is now. World::space() returns them. They can be copied freely
+/// and are valid as long as the World. step() gives the same results for a body of that geometry and pose, except that
+/// segments are exact. Cost: proportional to the bodies that boxes cannot rule out. For contacts and penetration, pass
+/// a hit's body to the queries of Pairs.
 ///
 /// One name serves one thing and many, as in Pairs: with many things a query writes the results to its last argument,
 /// on up to Settings::threads threads.

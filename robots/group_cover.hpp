@@ -74,7 +74,7 @@ public:
     /// Appends pairs of parts: a's in the upper half of a number, b's in the lower one.
     void find(const GroupCover& a, const Eigen::Isometry3d& link_a, const GroupCover& b,
               const Eigen::Isometry3d& link_b, std::vector<std::uint64_t>& pairs);
-    /// Appends the parts that are near a box. Parts with several spheres may come more than once.
+    /// Appends the parts that are near a box. Parts with several spheres may be listed more than once.
     void find(const GroupCover& a, const Eigen::Isometry3d& link_a, const PlacedBox& box,
               std::vector<std::uint32_t>& parts);
 

@@ -83,7 +83,7 @@ private:
     std::vector<std::string> names_;
     std::vector<int> first_;
     std::vector<Step> steps_;
-    std::vector<std::uint32_t> step_to_; ///< by link: the step that leads to it; of the root none
+    std::vector<std::uint32_t> step_to_; ///< by link: the step that leads to it; the root has none
     std::vector<std::uint32_t> depth_;   ///< by link: steps from the root
     std::uint32_t root_ = 0;
 };

@@ -203,14 +203,14 @@ public:
     void check(const World& world, std::span<const double> configurations, std::span<RobotFinding> findings,
                const RobotCheck& what = {}) const;
 
-    /// Checks whole edges: edge i begins at the numbers i * width() and following of `from`, and ends at the same of
-    /// `to`. All numbers change at constant speed, floating joints rotate along the shorter arc. No contact is missed
-    /// between samples: each pair is tested in windows of time, with an upper bound on how far its links move in them
-    /// (Schwarzer, Saha, Latombe: Adaptive dynamic collision checking, 2005). A pair nested without contact of surfaces
-    /// (Mode::solid) is found where check() finds it, at both ends and the configurations between them that are checked
-    /// first. Threads, errors and settings as check(), with the exact bounds of Pairs::distance(). For pairs between
-    /// which few joints act, the robot remembers where they are apart; results do not depend on it. Cost: as much as 50
-    /// to 250 configurations; with the first contact, 100 to 600.
+    /// Checks whole edges: edge i begins at the numbers i * width() and following of `from`, and ends at the numbers of
+    /// `to` at the same places. All numbers change at constant speed, floating joints rotate along the shorter arc. No
+    /// contact is missed between samples: each pair is tested in windows of time, with an upper bound on how far its
+    /// links move in them (Schwarzer, Saha, Latombe: Adaptive dynamic collision checking, 2005). A pair nested without
+    /// contact of surfaces (Mode::solid) is found where check() finds it, at both ends and the configurations between
+    /// them that are checked first. Threads, errors and settings as check(), with the exact bounds of
+    /// Pairs::distance(). For pairs between which few joints act, the robot remembers where they are apart; results do
+    /// not depend on it. Cost: as much as 50 to 250 configurations; with the first contact, 100 to 600.
     void check_edges(const World& world, std::span<const double> from, std::span<const double> to,
                      std::span<RobotEdgeFinding> findings, const RobotEdgeCheck& what = {}) const;
 

@@ -69,7 +69,7 @@ public:
 
 private:
     /// A pair of parts, or of a part and a body, in a configuration. Pairs of a configuration are decided by ascending
-    /// `order`: parts a and b, from the upper bits on; or the complement of the part and the body's slot.
+    /// `order`. It holds the parts a and b, from the upper bits on, or the complement of the part and the body's slot.
     struct Near {
         std::uint32_t configuration;
         bool meets; ///< certainly

@@ -18,7 +18,7 @@ class JointCells;
 
 /// The bounding spheres of a part, to rule out pairs: the first contains the part, as do the others together.
 struct PartSpheres {
-    std::uint32_t first, count; ///< range in Impl::spheres, without the whole one
+    std::uint32_t first, count; ///< range in Impl::spheres, without the sphere around the whole part
     CoverSphere whole;
 };
 
@@ -135,13 +135,14 @@ private:
         double x, y, z, radius;
     };
     bool meet(const Placed& a, const Placed& b, double reach) const;
-    const Placed* spheres_of(std::uint32_t part); ///< the first is the whole one
+    const Placed* spheres_of(std::uint32_t part); ///< the first sphere is around the whole part
     Placed placed(const CoverSphere& sphere, std::uint32_t link) const;
 
     const Robot::Impl& robot_;
     const double clearance_, stretch_;
     const Eigen::Isometry3d* links_ = nullptr;
-    std::vector<Placed> groups_, spheres_; ///< spheres_: of each part the whole one, then the others
+    std::vector<Placed> groups_, spheres_; ///< spheres_: for each part, first the sphere around the whole part, then
+                                           ///< the others
     std::vector<std::uint8_t> placed_;     ///< by part
 };
 

@@ -15,7 +15,7 @@ struct GroupCentres {
     Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< origin of that link, in the first configuration
     std::uint32_t count = 0, stride = 0;              ///< configurations; rounded up to a multiple of 8
     std::vector<float> x, y, z;                       ///< by group, then by configuration
-    std::vector<Aabb> boxes;                          ///< by group: of all its middles, in the world
+    std::vector<Aabb> boxes;                          ///< by group: the box around all of its middles, in the world
     std::vector<double> sizes;                        ///< by group: upper bound on the sum of a middle's coordinates
 
     /// @param poses  the poses of all links, by configuration
@@ -85,7 +85,7 @@ private:
     const GroupCentres* centres_ = nullptr;
     const NearParts* parts_ = nullptr;
     PlacedBodies bodies_;
-    std::vector<std::vector<std::uint32_t>> around_; ///< by group: of all configurations
+    std::vector<std::vector<std::uint32_t>> around_; ///< by group: bodies around it in all configurations
     std::vector<Aabb> queries_;
     std::vector<std::uint32_t> of_; ///< configurations of queries_
     std::vector<Near> near_;

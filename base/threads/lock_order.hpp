@@ -15,7 +15,7 @@ namespace oncollide {
 enum class LockRank : std::uint8_t {
     joint_cells,    ///< Robot: the cells of check_edges()
     robot_checkers, ///< Robot: its idle checkers
-    world,          ///< World: the trees of its models, beside queries
+    world,          ///< World: the trees of its models, which queries share
     query_workers,  ///< World: its idle workers
     chunks_in_use,  ///< ChunkResidency: no chunk is dropped while a traversal holds it
     obb_trees,      ///< PreparedTrees, ObbResidency: which OBB trees of cooked meshes there are

@@ -42,7 +42,7 @@ void CookedSupport::add_boxes(const CookedMesh::Top& top)
     const std::size_t nodes = top.nodes.size() / sizeof(CookedNode);
     const Vector3f all = mesh_->bounds().half_extent().cast<float>();
     if (nodes == 0) return boxes_.push_back({Vector3f::Zero(), all});
-    std::vector<std::uint32_t> waiting{1}; // the number of a node; 0 for a chunk, beside its box
+    std::vector<std::uint32_t> waiting{1}; // the number of a node; 0 for a chunk, whose box is beside it
     std::vector<Box> of_waiting{{}};
     std::size_t seen = 0;
     while (!waiting.empty() && boxes_.size() <= top.tree_chunks) {

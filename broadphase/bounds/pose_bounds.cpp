@@ -53,7 +53,7 @@ struct RotatedHalf {
     }
     Eigen::Vector3d operator()(const Cylinder& c) const
     {
-        // Not the root of 1 - z^2: for a cylinder that leans by 1e-9, that difference is rounding.
+        // Does not use the root of 1 - z^2: for a cylinder that leans by 1e-9, that difference is only rounding.
         const Eigen::Vector3d across = r.leftCols<2>().rowwise().norm() * (1 + 1e-15);
         return r.col(2).cwiseAbs() * (0.5 * c.length) + across * c.radius;
     }

@@ -27,7 +27,7 @@ std::string DynamicTree::fault_of_bodies() const
     return {};
 }
 
-/// The pairs are sorted, each once, and of bodies that may collide.
+/// The pairs are sorted, occur once each, and are pairs of bodies that may collide.
 std::string DynamicTree::fault_of_pairs(const BodyColumns& columns) const
 {
     for (const std::vector<BodyPair>* list : {&pairs_, &near_})

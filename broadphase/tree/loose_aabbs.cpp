@@ -86,7 +86,7 @@ std::string LooseAabbs::validate(const BodyColumns& columns) const
     }
     if (owners_.size() != rows_.size() || owned + free_.size() != rows_.size())
         return fmt::format("{} rows for {} bodies and {} free rows", rows_.size(), owned, free_.size());
-    // Equal sums of hashes: each free row is listed once. This allocates nothing.
+    // If the sums of hashes are equal, each free row is listed once. This allocates nothing.
     std::uint64_t listed = 0, unused = 0;
     for (std::uint32_t row : free_) listed += splitmix(row);
     for (std::uint32_t row = 0; row < rows_.size(); ++row)

@@ -48,7 +48,7 @@ struct OnTriangle {
     Eigen::Vector3d at;
     std::uint8_t corners;
 };
-/// The nearest point of a triangle; of a triangle without area, a point that need not be the nearest. Cost: 20 ns.
+/// The nearest point of a triangle; for a triangle without area, a point that need not be the nearest. Cost: 20 ns.
 /// Source: Ericson, "Real-Time Collision Detection", 2004, 5.1.5.
 OnTriangle nearest_on(const TrianglePoints& triangle, const Eigen::Vector3d& point);
 

@@ -53,7 +53,7 @@ std::string describe(const GlQueryOptions& o)
                        o.inflated ? ", inflated" : "");
 }
 
-/// A part of a strip is no strip, so strips always draw the whole mesh.
+/// A part of a strip is not a strip, so strips always draw the whole mesh.
 GlQueryOptions usable(GlQueryOptions options)
 {
     if (options.primitives == Primitives::strips) options.draw = Draw::mesh;

@@ -9,7 +9,7 @@
 namespace oncollide {
 
 /// Cuts a simple polygon into triangles with area whose corners are all its corners. The interior is to the left of
-/// each loop; one loop is around the others, its holes. Exact for all coordinates. None if the loops are not such a
+/// each loop; one loop is around the others, its holes. Exact for all coordinates. None if the loops do not form such a
 /// polygon. Cost: quadratic in the corners. Source: Eberly, "Triangulation by ear clipping", 2002.
 /// @param points  positions of all corners, by number
 /// @param loops   numbers of the corners

@@ -17,7 +17,7 @@ struct FlatFaces {
     std::vector<std::uint32_t> face;   ///< for each triangle: the first triangle of the first mesh in its polygon
 };
 
-/// None unless this saves half of the triangles. Leaves polygons with corners at which they touch themselves as they
+/// None unless joining saves half of the triangles. Leaves polygons with corners at which they touch themselves as they
 /// are. Deterministic. Cost: O(n log n), and quadratic in the corners of a polygon.
 std::optional<FlatFaces> join_flat_faces(const Mesh& mesh, const MeshLinks& links);
 

@@ -12,8 +12,8 @@ namespace oncollide {
 /// outside part sooner.
 using PartPoints = std::array<Eigen::Vector3d, 6>;
 
-/// The parts of a mesh; of a terrain, where cells that share a corner belong to one part; of a shape, which is one
-/// part; empty for a map, where each cell is a part. Cost: O(triangles).
+/// The parts of a mesh or a terrain, where cells that share a corner belong to one part. A shape is one part. Empty for
+/// a map, where each cell is a part. Cost: O(triangles).
 std::vector<PartPoints> part_points_of(const GeometryData& geometry);
 std::vector<PartPoints> part_points_of(const Mesh& mesh);
 std::vector<PartPoints> part_points_of(const Terrain& terrain);

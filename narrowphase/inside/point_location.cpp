@@ -25,7 +25,7 @@ TrianglePoints corners(const Mesh& mesh, std::uint32_t triangle, const RelativeP
     return {into(mesh.vertices[t[0]]), into(mesh.vertices[t[1]]), into(mesh.vertices[t[2]])};
 }
 
-/// True for a triangle without area as stored: it is no part of the closed surface.
+/// True for a triangle without area as stored: it is not a part of the closed surface.
 bool flat(const Mesh& mesh, std::uint32_t triangle)
 {
     const Triangle& t = mesh.triangles[triangle];

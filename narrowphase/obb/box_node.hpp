@@ -24,7 +24,7 @@ struct alignas(64) BoxNode {
 };
 static_assert(sizeof(BoxNode) == 192);
 
-/// A node with at least one box that is no leaf.
+/// A node with at least one box that is not a leaf.
 struct InnerNode {
     BoxNode boxes;
     std::uint32_t child[8]; ///< child node of box k; 0: not grown yet, or a leaf. Other threads may set it

@@ -41,7 +41,7 @@ inline InnerNode& inner_at(NodeLine* const* blocks, std::uint32_t number)
 {
     return reinterpret_cast<InnerNode&>(node_at(blocks, number));
 }
-/// Makes an empty node there, of the requested size.
+/// Makes an empty node of the requested size at that position.
 inline BoxNode& make_node(NodeLine* const* blocks, std::uint32_t number, bool inner)
 {
     NodeLine* const line = &blocks[number / lines_per_block][number % lines_per_block];

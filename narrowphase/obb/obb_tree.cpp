@@ -217,7 +217,7 @@ ObbTree::Node ObbTree::grow(Node parent, unsigned k)
     fit_lanes(g, node);
     for (std::uint32_t i = 0; i < count; ++i)
         if (std::uint32_t& place = order_[begin + i]; place != g.parts.triangle(i)) place = g.parts.triangle(i);
-    if (count > most_kept) g = {}; // such large nodes are rare, and later ones smaller
+    if (count > most_kept) g = {}; // nodes this large are rare, and later nodes are smaller
     std::atomic_ref(above.child[k]).store(index, std::memory_order_release);
     return index;
 }

@@ -151,7 +151,7 @@ public:
     }
     /// The number in the source of a triangle that a traversal has reached.
     std::uint32_t source(std::uint32_t triangle) const { return chunked_ ? chunked_->number(triangle) : triangle; }
-    /// True if a traversal has reached the triangle and it was not dropped since; otherwise it is no valid hint.
+    /// True if a traversal has reached the triangle and it was not dropped since; otherwise it is not a valid hint.
     bool holds(std::uint32_t triangle) const { return !chunked_ || chunked_->there(chunked_->chunk_of(triangle)); }
 
     /// Null unless the mesh is cooked.
@@ -182,7 +182,7 @@ private:
     static constexpr std::uint32_t place_of(Node index) { return index & ~(1u << 31); }
     LaneMasks open_triangles(Node index, const BoxPlacement* placement, OpenBoxes& boxes) const;
 
-    /// The child node of box k, which must be no leaf; 0: not grown yet.
+    /// The child node of box k, which must not be a leaf; 0: not grown yet.
     Node grown(Node index, unsigned k) const
     {
         return std::atomic_ref(inner_at(blocks_, index).child[k]).load(std::memory_order_acquire);

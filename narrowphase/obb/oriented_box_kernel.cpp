@@ -9,7 +9,7 @@ namespace {
 
 enum class Kind { near, likely, far };
 
-/// @param line  null unless far
+/// @param line  the line for a far query; else null
 template <Kind kind>
 inline unsigned compare(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxLine* line,
                         float gap_limit, float (&gaps)[8], float (&nearest)[8])

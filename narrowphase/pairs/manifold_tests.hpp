@@ -9,7 +9,7 @@ void manifold_of(PairWorker& worker, const PairTask& task, const ManifoldOptions
 
 /// Keeps at most this many points: regions share them in turn, the deepest first, and lose their last points.
 void limit_points(Manifold& manifold, std::size_t most);
-/// The same for the points of all: pairs share them in turn, the deepest first.
+/// The same for the points of all manifolds: pairs share them in turn, the deepest first.
 void limit_points(std::span<Manifold> manifolds, std::size_t most);
 
 /// Pairs::near_features() for two bodies with triangles or heights.

@@ -69,7 +69,8 @@ constexpr PairTests walked()
             .near_features = nullptr};
 }
 
-/// The distance of a shape, as a solid, from a mesh or a terrain, B; of the shape's surface if it has too many points.
+/// The distance of a shape from a mesh or a terrain, B: of the shape as a solid, or of its surface if it has too many
+/// points.
 template <class Shape, class B, bool swapped>
 Distance shape_distance(PairWorker& worker, const PairTask& task, const DistanceOptions& options, bool solid)
 {

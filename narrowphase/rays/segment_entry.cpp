@@ -107,8 +107,8 @@ std::optional<SegmentEntry> entry_in_half_space(const Segment& segment)
 std::optional<SegmentEntry> entry_of(const Segment& segment, const Convex& solid)
 {
     const RelativePose same(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
-    // The sign for the part of the segment up to a fraction. Its end errs by 3 u of its magnitude, u = 2^-53, which
-    // ConvexDifference's bound has room for: it allows 9 u for a rotation, and there is none.
+    // The sign for the part of the segment up to a fraction. Its end errs by 3 u of its magnitude, u = 2^-53.
+    // ConvexDifference's bound has room for that: it allows 9 u for a rotation, and here there is no rotation.
     const auto sign = [&](double to) {
         const Vector3d end = to < 1 ? Vector3d((1 - to) * segment.from + to * segment.to) : segment.to;
         const TrianglePoints part{segment.from, end, end};

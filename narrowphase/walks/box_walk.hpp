@@ -121,7 +121,7 @@ private:
         reset();
         stack_[top_++] = {};
     }
-    /// As start(), for primitives within `cutoff`; in a large geometry it starts only around the other one.
+    /// As start(), for primitives within `cutoff`; in a large geometry it starts only around the other geometry.
     void start_near(A& a, B& b, const RelativePose& b_to_a, const WalkFrame& frame, double cutoff)
     {
         const auto around = [&](const Eigen::Vector3d& centre, double radius) {
@@ -261,10 +261,10 @@ private:
         std::uint32_t line[8] = {}; ///< by box: the number of the line that its reach is for
         double reach[8];
     };
-    /// Upper bound of the projection of a box's contents onto a direction, relative to the origin: of a leaf's
-    /// primitives, or of the boxes in the child node of a mesh with many triangles, which follow the contents better
-    /// than the box does. Opens the node. Bounds are kept until the line changes, because each box is compared with
-    /// many others.
+    /// Upper bound of the projection of a box's contents onto a direction, relative to the origin. For a leaf it bounds
+    /// the primitives; in a mesh with many triangles it bounds the boxes in the child node, which follow the contents
+    /// better than the box does. Opens the node. Bounds are kept until the line changes, because each box is compared
+    /// with many others.
     double reach_of(auto& nodes, std::vector<Reaches>& kept, std::uint32_t slot, unsigned k,
                     const float (&direction)[3], auto of_leaf)
     {

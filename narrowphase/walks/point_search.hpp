@@ -77,8 +77,8 @@ inline void move_into(const OpenBoxes& boxes, unsigned k, float (&point)[3])
 /// Finds near leaves of two geometries whose roots are open: from the centre of the smaller geometry to the nearest
 /// leaf of the larger one, from there to the nearest leaf of the smaller one, and so on.
 /// @param from_a, from_b  from(primitive, point) returns the squared distance
-/// @param measure         measure(leaf of A, leaf of B, in_a, point) for each new pair of leaves; sets the point to the
-///                        nearest point found so far, on A if `in_a`, else on B. False ends the search
+/// @param measure         called as measure(leaf of A, leaf of B, in_a, point) for each new pair of leaves; sets the
+///                        point to the nearest point found so far, on A if `in_a`, else on B. False ends the search
 template <BoxHierarchy A, BoxHierarchy B>
 void approach(OpenNodes<A>& a, OpenNodes<B>& b, const OrientedBoxKernel& kernel, auto from_a, auto from_b, auto measure)
 {

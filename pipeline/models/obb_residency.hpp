@@ -30,8 +30,8 @@ public:
     void drop(Model& model);
 
     /// Ensures that a mesh or the core of a shape has its OBB tree, and a map or a terrain its own tree. False if a
-    /// budget has no room for the fully grown tree, or the file of a cooked mesh cannot be read. Not during a traversal
-    /// of the model's tree, unless the tree exists already.
+    /// budget has no room for the fully grown tree, or the file of a cooked mesh cannot be read. Do not call it during
+    /// a traversal of the model's tree, unless the tree exists already.
     bool admit(Model& model, std::uint32_t frame);
     /// The same regardless of budgets; not for a map or a terrain.
     ObbTree& tree(Model& model, std::uint32_t frame);

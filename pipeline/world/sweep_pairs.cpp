@@ -26,7 +26,8 @@ double SweepPairs::moved(const BodyTable& bodies, std::uint32_t slot)
     return moved_[slot] = motion ? bodies.model(slot).bounds().motion(motion->pose(0), *motion) : 0;
 }
 
-/// True if the hulls are apart at both ends of the ways, in one direction, by more than any point bends out between.
+/// True if the hulls are apart at both ends of the ways, in one direction, by more than any point leaves its straight
+/// line between them.
 bool SweepPairs::hulls_stay_apart(const BodyTable& bodies, const PairMemory& memory, const PairResult& last,
                                   double needed)
 {

@@ -53,7 +53,7 @@ void add_to(StageStats& total, const StageStats& s)
     total.skipped &= s.skipped, total.note = total.skipped ? s.note : std::string_view{};
 }
 
-/// For tests of every pair: where nothing changed, bounds are the last ones, as if the pairs had not been tested.
+/// Used for tests of every pair: where nothing changed, bounds are the last ones, as if the pairs had not been tested.
 void keep_bounds(Frame& frame)
 {
     if (!frame.keeps) return;
@@ -278,7 +278,7 @@ void WorldImpl::look_ahead()
     if (!parts.empty()) models.look_ahead(std::move(parts));
 }
 
-/// Compares the results of two frames outside the runs of pairs that kept theirs.
+/// Compares the results of two frames, except in the runs of pairs that kept their results.
 void WorldImpl::find_events()
 {
     began.clear(), ended.clear();

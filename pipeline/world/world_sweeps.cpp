@@ -97,7 +97,7 @@ bool ends_there(const SweepResult& r, const SweepOptions& options)
 } // namespace
 
 /// Overwrites `hits` with the contacts of a moving model: all of them, or only the contacts that may be the first.
-/// Contacts that never press are no hits where the options ignore them. Returns a time until which these are free.
+/// Contacts that never press are not hits if the options ignore them. Returns a time until which these are free.
 double WorldImpl::find_casts(QueryWorker& w, const MovingModel& model, const CollisionFilter& filter,
                              const SweepOptions& options, bool all, std::vector<SweepHit>& hits)
 {

@@ -200,7 +200,7 @@ private:
         }
         test_at(soon);
     }
-    /// The pose of a part, seen from a link; from the root: in the world.
+    /// The pose of a part, seen from a link; seen from the root, it is the pose in the world.
     Eigen::Isometry3d seen(const EdgeMotion::Placed& placed, const Robot::Impl::Part& part, std::uint32_t from) const
     {
         const Eigen::Isometry3d pose = robot_.pose_of(part, placed.links.data());

@@ -95,7 +95,7 @@ public:
         for (const std::size_t i : chosen_)
             for (const std::uint32_t patch : covers_[i]) ++times[patch];
         std::vector<CoverSphere> spheres;
-        for (auto at = chosen_.rbegin(); at != chosen_.rend(); ++at) { // the last ones add least
+        for (auto at = chosen_.rbegin(); at != chosen_.rend(); ++at) { // the last spheres add least
             double radius = 0;
             for (const std::uint32_t patch : covers_[*at])
                 if (times[patch] == 1)

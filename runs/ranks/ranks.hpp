@@ -30,7 +30,7 @@ public:
     /// Sends one number. Does not wait for the receiver.
     virtual void send(int to, std::uint64_t number) = 0;
     virtual std::uint64_t receive(int from) = 0;
-    /// Ends all processes at once with this exit code. Ranks that are threads continue, and the caller throws.
+    /// Ends all processes immediately with this exit code. Ranks that are threads continue, and the caller throws.
     virtual void abort(int code) = 0;
 };
 

@@ -38,7 +38,7 @@ constexpr int scene_schema_version = 1;
 /// path and the place in it (`bodies[3].mesh`), and for an unknown key or name list the valid ones.
 ONCOLLIDE_API Scene load_scene(const std::filesystem::path& path, const SceneReading& reading = {});
 /// The same for a scene too large to store: hands its bodies to `sink` and returns the rest. Names of bodies may be
-/// equal. A scene whose "exclude" names bodies, not numbers, is stored meanwhile.
+/// equal. If "exclude" names bodies instead of numbering them, the scene is stored during reading.
 ONCOLLIDE_API SceneInfo load_scene(const std::filesystem::path& path, BodySink& sink, const SceneReading& reading = {});
 
 /// Writes `scene` with its poses at frame 0 (start_poses), so that load_scene restores it bit for bit: every number is

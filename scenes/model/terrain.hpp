@@ -54,8 +54,7 @@ public:
     const Eigen::Vector2d& spacing() const { return spacing_; }
     const Eigen::Vector3d& origin() const { return origin_; }
     const Aabb& bounds() const { return bounds_; } ///< bounds of the surface, both as given and as stored
-    /// Bound, in metres, on the difference of a true height from the stored one, and of the true surface from the
-    /// stored surface. 0: exact.
+    /// Bound, in metres, on the error of the stored heights and of the surface through them. 0: exact.
     double error() const { return error_; }
     bool holes() const { return holes_; }          ///< true if a cell is absent
     std::uint64_t cells() const { return cells_; } ///< number of present cells

@@ -11,7 +11,7 @@
 
 namespace oncollide {
 
-/// A mesh, by the number given to attach(), at a pose.
+/// A mesh at a pose, by the number given to attach().
 struct CulledBody {
     std::uint32_t mesh;
     Eigen::Isometry3d pose;

@@ -129,7 +129,7 @@ struct Sums {
     F64 of[10];
 };
 
-/// Weights are areas; of a surface without area, all are 1.
+/// Weights are areas; for a surface without area, all weights are 1.
 inline Sums sums_of_surface(const Rows& boxes, const Extent& extent, F64 scale, F64 largest)
 {
     // A square is below 12 * 2^26, and its weight at most 256. There are at most 2^14, so their sum is below 2^52.
@@ -156,7 +156,7 @@ inline Sums sums_of_surface(const Rows& boxes, const Extent& extent, F64 scale, 
     return {{squares[0], squares[1], squares[2], squares[3], squares[4], squares[5], sum.x, sum.y, sum.z, weights}};
 }
 
-/// Second moments of the surface; of a surface without area, of its corners.
+/// Second moments of the surface; for a surface without area, of its corners.
 inline Spread spread_of(const Sums& sums)
 {
     const F64 weights = max(sums.of[9], splat64(1));
@@ -300,7 +300,7 @@ inline void put(const Extent& along, const Vec (&axes)[3], const StoredFrame& fr
     }
 }
 
-/// The spread of each lane's surface, or of all lanes' together, divided by its trace.
+/// The spread of each lane's surface, or of the surface of all lanes together, divided by its trace.
 template <bool one_box>
 inline void spread_of_rows(const Rows (&halves)[2], const Extent (&straight)[2], float (&spread)[6][8])
 {

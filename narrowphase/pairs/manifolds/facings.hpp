@@ -8,7 +8,7 @@
 
 namespace oncollide {
 
-/// Numbers of patches of a and of b, and of points of the curve: of a lump, or of one direction of it.
+/// Numbers of patches of a and of b, and of points of the curve, in a lump or in one direction of a lump.
 struct LumpPart {
     std::span<const std::uint32_t> a, b, curve;
 };

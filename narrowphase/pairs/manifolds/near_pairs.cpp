@@ -77,8 +77,8 @@ bool is_minimum(const PlacedSurface& surface, std::uint32_t triangle, std::uint8
     return in_front && !falls;
 }
 
-/// Bits of the corners, and of the edges that begin at them, which may be within `reach` of a triangle: by the distance
-/// from its plane.
+/// Bits of the corners, and of the edges that begin at them, which may be within `reach` of a triangle, judging by the
+/// distance from its plane.
 struct InReach {
     unsigned corners = 0, edges = 0;
     /// @param normal  the unit normal of the triangle `of`; 0 without area

@@ -18,7 +18,7 @@ struct RegionDraft {
     double least_depth = 0;                             ///< shallower points are dropped if others are left
 
     void begin(RegionKind kind, bool open, double rounding_of_positions);
-    /// Adds a candidate of both bodies unless one of these features is there.
+    /// Adds a candidate of both bodies unless the draft has one of these features already.
     void add_shared(const ManifoldCandidate& candidate);
 
 private:

@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Estimates depths as if the surfaces were flat beside their common curve.
+/// Estimates depths as if the surfaces were flat near their common curve.
 void estimate_depths(std::vector<ManifoldCandidate>& all, const Vector3d& n)
 {
     double height = 0, points = 0;

@@ -337,7 +337,7 @@ private:
     Finding found_;
 };
 
-/// A lower bound of the time of contact: of the first window in which the bodies may meet.
+/// A lower bound of the time of contact: the bound of the first window in which the bodies may meet.
 SweepResult bound_of(const SweepTask& task, FindEntry entry)
 {
     SweepResult found;

@@ -24,14 +24,14 @@ struct ExpandedSize {
     }
 };
 
-/// Measures each element once, however many instances it has: in a kilobyte, each element may instance the next one
-/// twice, so that the tree has 2^30 nodes.
+/// Measures each element once, however many instances it has: in a kilobyte of text, each element may instance the next
+/// one twice, so that the tree has 2^30 nodes.
 class ExpandedSizes {
 public:
     explicit ExpandedSizes(int most_levels) : most_levels_(most_levels) {}
 
     /// @param level     the level of the element below the root of the tree, which is 1
-    /// @param measure   returns the size of the element and of all below it; calls of() for these
+    /// @param measure   returns the size of the element and of all elements below it; calls of() for these
     /// @param too_deep  throws; called if the tree has more than `most_levels` levels, or never ends
     template <class Measure, class TooDeep>
     ExpandedSize of(const void* element, int level, Measure measure, TooDeep too_deep)

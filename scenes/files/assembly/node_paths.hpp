@@ -22,9 +22,9 @@ public:
     {
     }
 
-    /// "node 17" without a name; of a name longer than most_name, its ends.
+    /// "node 17" without a name; for a name longer than most_name, its two ends.
     std::string name(std::uint32_t node) const;
-    /// The names of the nearest ancestors and the node's own, as many as most_path bytes and the levels hold.
+    /// The names of the nearest ancestors and the node's own name, as many as most_path bytes and the levels allow.
     std::string path(std::uint32_t node) const;
 
 private:

@@ -46,7 +46,7 @@ public:
 
 private:
     /// Calls visit(node, mesh, pose) from the roots down, for each visible node with a mesh and for each of its
-    /// instances; reads the mesh first.
+    /// instances; reads the mesh before the call.
     template <class Visit>
     void each_mesh(Visit visit)
     {

@@ -53,7 +53,7 @@ struct NewTree {
     std::uint64_t record_bytes, node_bytes;
     FunctionRef<void(Hdf5Cursor)> visit;
     unsigned count_bytes = 0;                ///< bytes of the number of records in a child
-    std::vector<unsigned> all_count_bytes{}; ///< by level: of the number of records below a node
+    std::vector<unsigned> all_count_bytes{}; ///< by level: bytes of the number of records below a node
 
     /// The sizes of the fields of nodes follow from the largest possible numbers.
     void measure(unsigned depth)

@@ -46,7 +46,7 @@ private:
     std::map<std::uint64_t, Hdf5Block> blocks_; ///< by address
 };
 
-/// Texts of variable length. Reads each collection of them once.
+/// Texts of variable length. Reads each collection of texts once.
 class Hdf5TextHeap {
 public:
     explicit Hdf5TextHeap(const Hdf5Bytes& file) : walk_(file) {}

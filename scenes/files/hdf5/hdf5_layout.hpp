@@ -27,7 +27,7 @@ struct Hdf5Layout {
     std::string data;                     ///< compact
     std::uint64_t address = hdf5_nowhere; ///< address of the data, or of the index of chunks
     std::vector<std::uint64_t> edges;     ///< edges of a chunk
-    std::uint64_t value_bytes = 0;        ///< chunks: of a value
+    std::uint64_t value_bytes = 0;        ///< chunks: bytes of a value
     std::optional<std::uint64_t> stored;  ///< single, filtered: bytes in the file
     std::uint32_t skipped = 0;            ///< single: filters that were not used, one bit each
     bool parts_are_unfiltered = false;    ///< chunks that are partly outside the dataset are stored without filters

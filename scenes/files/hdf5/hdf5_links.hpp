@@ -14,7 +14,7 @@ struct Hdf5Link {
     enum class Kind { hard, soft, external, other };
     std::string name;
     Kind kind = Kind::hard;
-    std::uint64_t address = 0; ///< hard: of the object
+    std::uint64_t address = 0; ///< hard link: address of the object
     std::string target;        ///< soft: its path
 };
 

@@ -119,7 +119,7 @@ private:
         source_.fail(fmt::format("{}: line {}: {}", from.first, reference.line, what));
     }
 
-    /// Counts the nodes and checks all references before anything is made. Returns the size of all.
+    /// Counts the nodes and checks all references before anything is made. Returns the size of all elements.
     ExpandedSize count()
     {
         const Model& first = *models_.find(root_);

@@ -97,7 +97,7 @@ public:
     {
         return each_solid(top_, top_cube, wanted, visit);
     }
-    /// Bounds of the occupied cells; if unknown cells count as occupied too, of the known cells. Empty if there are
+    /// Bounds of the occupied cells; if unknown cells count as occupied, bounds of all known cells. Empty if there are
     /// none.
     CellBox bounds() const;
 

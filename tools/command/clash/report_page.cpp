@@ -70,7 +70,7 @@ std::string kind_text(const Clash& c)
                        c.was.empty() ? "" : note("was " + c.was), c.review.empty() ? "" : note(c.review));
 }
 
-/// A link into the 3D page, to the pair as seen from near; empty without such a page.
+/// A link into the 3D page that shows the pair from near; empty without such a page.
 std::string link_text(const ClashReport& r, const Clash& c, const ClashView& view)
 {
     if (r.view.empty()) return "";

@@ -73,7 +73,7 @@ public:
     void group(const std::string& name); ///< heading in --help of options added after this call
     void hide();                         ///< from --help: for scripts, not for people
     void at_most_one_command();          ///< words after a command belong to it
-    /// Adds a hidden command, of which every use is a usage error with this text.
+    /// Adds a hidden command; every use of it is a usage error with this text.
     void refuse_command(const std::string& name, const std::string& why);
     /// Sets the function that runs when this command, and none of its subcommands, is chosen.
     void action(Command command);

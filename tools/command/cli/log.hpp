@@ -6,7 +6,7 @@
 // Messages on standard error: "oncollide: warning: ...".
 namespace oncollide::tools {
 
-/// The name before messages: "oncollide", unless main() sets another one, which must stay.
+/// The name before messages: "oncollide", unless main() sets another one, whose text must stay valid.
 void set_program_name(const char* name);
 std::string_view program_name();
 

@@ -51,8 +51,8 @@ void check_extension(const char* option, const std::string& file, std::initializ
 /// Must be called before anything is read.
 void watch_files();
 
-/// Checks before any work that each file can be written, and that no two files, and no file and input, are the same.
-/// Each file comes with the option that names it; an empty name is skipped. Throws Error{cannot_write} or Error{usage}.
+/// Checks before any work that each file can be written, that all files differ, and that none of them is an input. Each
+/// file comes with the option that names it; an empty name is skipped. Throws Error{cannot_write} or Error{usage}.
 /// After watch_files(), every file read before counts as an input, and reading one of `files` later, under any name,
 /// throws OverwritesInput.
 void check_files(const std::vector<std::pair<const char*, std::string>>& files,

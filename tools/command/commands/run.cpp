@@ -57,7 +57,7 @@ bool lists_pairs(const RunOptions& options)
     return !(outputs.csv.empty() && outputs.json.empty() && outputs.pairs.empty() && options.view.empty());
 }
 
-/// The exit code of --exit-code for the pairs of all frames; the same codes as of `check`.
+/// The exit code of --exit-code for the pairs of all frames; `check` has the same codes.
 int code_of(const Report& report)
 {
     const std::array<std::uint64_t, 4> counts = report.verdicts();

@@ -51,7 +51,7 @@ Surfaces surfaces_of(const RobotSpheresOptions& options)
     return surfaces;
 }
 
-/// The models of all links, of the same error.
+/// The models of all links, with the same error.
 class ModelMaker {
 public:
     explicit ModelMaker(const Surfaces& surfaces) : surfaces_(surfaces), makers_(surfaces.links.size())
@@ -115,7 +115,7 @@ std::vector<Row> judge(const Surfaces& surfaces, const SphereModel& model)
     return rows;
 }
 
-/// The sums and the worst of all links.
+/// The sums and the worst values of all links.
 CoverJudgement all_of(const std::vector<Row>& rows)
 {
     CoverJudgement all;

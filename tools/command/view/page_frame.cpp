@@ -111,7 +111,7 @@ std::vector<std::uint8_t> PageFrames::worst_of_bodies(std::span<const PairResult
     return worst;
 }
 
-/// The sweeps of chosen pairs; null: there is none, or it found no contact.
+/// The sweeps of chosen pairs; null: there is no sweep, or it found no contact.
 std::vector<const PairSweep*> PageFrames::sweeps_of(const FrameView& view, std::span<const PairResult> chosen)
 {
     std::vector<const PairSweep*> sweeps(chosen.size(), nullptr);

@@ -39,7 +39,7 @@ bool is_beside_meshes(const fs::path& path)
     return std::ranges::count(kinds, lower_extension(path)) > 0;
 }
 
-/// ": b.ifc, c.step"; of many names the first; "" for none.
+/// ": b.ifc, c.step"; if there are many names, the first ones; "" if there are none.
 std::string colon_and(std::vector<std::string> names)
 {
     constexpr std::size_t most = 20;

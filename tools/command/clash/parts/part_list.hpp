@@ -15,7 +15,8 @@ namespace oncollide::tools {
 /// A part of an assembly, in the unit of the report.
 struct Part {
     std::string name{}; ///< unique
-    std::string path;   ///< its file, relative to the folder that was named, and in an assembly ":" and all its nodes
+    std::string path;   ///< its file, relative to the folder that was named; in an assembly, ":" and the names of all
+                        ///< its nodes follow
     std::string id;     ///< unique; stays if other parts come or go, or the files are moved as a whole
     std::string file;
     std::uint32_t mesh;      ///< in PartList::meshes
