@@ -69,6 +69,9 @@ def update(write):
             made = make(FIGURES, name)
             return match[0] if " ".join(old.split()) == made else replaced(name, begin, old, made, end)
 
+        marks = len(re.findall(r"<!-- figures?: ", text))
+        if marks != len(TABLE.findall(text)) + len(FIGURE.findall(text)):
+            sys.exit(f"{page.name}: a mark '<!-- figure' has another form; see figures.py --help")
         new = FIGURE.sub(with_figure, TABLE.sub(with_table, text))
         if page in HEADLINES:
             typed += [f"{page.name}: {match[0]}" for match in TYPED.finditer(FIGURE.sub("", text))]

@@ -50,7 +50,7 @@ def reading():
         "ply": "PLY, binary, floats",
     }
     return listed(rows_of("reading"), {
-        "": lambda r: styles[r["style"]], "MB": of("bytes", ",.0f", 1e-6),
+        "file": lambda r: styles[r["style"]], "MB": of("bytes", ",.0f", 1e-6),
         "triangles per second": lambda r: f"{float(r['triangles_per_s']) / 1e6:.1f} million",
         "peak MB": of("peak_bytes", ",.0f", 1e-6),
     })
