@@ -247,8 +247,8 @@ struct ManifoldOptions {
 struct Manifold {
     std::vector<ManifoldRegion> regions; ///< the deepest first
     std::vector<ManifoldPoint> points;
-    /// False if a limit left out a region or a point; or for two half-spaces, and for cooked meshes that are read on
-    /// demand, which have no manifold.
+    /// False if a limit left out a region or a point. False also for two half-spaces and for cooked meshes that are
+    /// read on demand, which have no manifold.
     bool complete = true;
 };
 

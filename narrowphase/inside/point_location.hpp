@@ -5,8 +5,8 @@
 
 namespace oncollide {
 
-/// The location of a point. Inside: the mesh winds around it, in either direction; so a part inside another part is a
-/// cavity if its orientation is opposite, and otherwise changes nothing.
+/// The location of a point. A point is inside if the mesh winds around it, in either direction. A part inside another
+/// part is therefore a cavity if its orientation is opposite; otherwise it changes nothing.
 enum class PointLocation { outside, inside, surface };
 
 /// Locates points in closed meshes: exactly, however near the surface, for the mesh's coordinates as stored and then

@@ -35,7 +35,7 @@ public:
     /// decides exactly where OBB trees refine: to find that two bodies meet takes less time than to bound their
     /// distance. Valid until the next call.
     std::span<const Finding> decide(std::span<const PairTask> tasks);
-    /// True if decide() decides by exact predicates, so that a verdict that is certain by other means is the same.
+    /// True if decide() decides by exact predicates. A verdict that is certain by other means is then the same verdict.
     bool is_exact() const;
 
 private:

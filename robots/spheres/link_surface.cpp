@@ -35,7 +35,7 @@ namespace {
 /// Negative inside. Infinity for a shape that URDF does not have.
 double distance_of(const Shape& shape, const Vector3d& p)
 {
-    const auto outside_box = [](const auto& beyond) { // beyond the half sizes
+    const auto outside_box = [](const auto& beyond) { // `beyond` is how far the point is beyond the half sizes
         return beyond.cwiseMax(0).norm() + std::min(beyond.maxCoeff(), 0.0);
     };
     if (const auto* sphere = std::get_if<Sphere>(&shape)) return p.norm() - sphere->radius;

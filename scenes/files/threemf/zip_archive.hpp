@@ -15,7 +15,7 @@ public:
     ~ZipArchive();
 
     bool has(const std::string& name) const;
-    /// Passes the file on in pieces: at most 2 GiB, whose checksum is compared at the end. Throws if the file is
+    /// Passes on the file in pieces, at most 2 GiB in all, and compares its checksum at the end. Throws if the file is
     /// missing, and if all files together unpack to more than 100 times the archive and 16 MiB: meshes are packed 3 to
     /// 20 times, and a longer text only takes time.
     void read(const std::string& name, const std::function<void(std::string_view)>& visit) const;

@@ -10,7 +10,8 @@ namespace oncollide {
 
 namespace {
 
-/// The share of each taker. The takers take one piece in turn. A taker stops at the number that the list gives for it.
+/// The share of each taker. The takers take one piece each in turn. A taker stops at the number that the list gives for
+/// it.
 std::vector<std::uint32_t> shares_in_turn(std::span<const std::uint32_t> wanted, std::size_t most)
 {
     std::vector<std::uint32_t> shares(wanted.size(), 0);
