@@ -40,7 +40,7 @@ ONCOLLIDE_API Aabb bounds_of(const GeometryData& geometry);
 ONCOLLIDE_API Aabb bounds_of(const Geometry& geometry);
 
 /// Throws Error{bad_data} naming `name` for a geometry made in code that check_mesh or check_shape refuses, and for a
-/// null cooked mesh. Cost: as theirs.
+/// null cooked mesh. Cost: as for these two checks.
 ONCOLLIDE_API void check_geometry(const std::string& name, const GeometryData& geometry);
 
 } // namespace oncollide

@@ -73,7 +73,7 @@ private:
     struct Windings {
         KeyNumbers numbers; ///< numbers of vertices
         std::vector<std::uint32_t> parent, vertex;
-        std::vector<int> above; ///< winding less the parent's
+        std::vector<int> above; ///< the winding minus the parent's winding
 
         void clear();
         std::uint32_t node(std::uint32_t vertex);

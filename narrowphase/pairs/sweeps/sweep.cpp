@@ -61,7 +61,8 @@ private:
     static constexpr double least_width = 0x1p-46;
     static constexpr double most_turn = 0.25; ///< radians: rotation of both bodies in one window
     static constexpr int many_steps = 256;
-    static constexpr double widest_graze = 0x1p-6; ///< then poses are decided at the ends of windows
+    static constexpr double widest_graze = 0x1p-6; ///< widest window in a graze, in which poses are decided at the ends
+                                                   ///< of windows
 
     double next_key() const { return oncollide::next_key(task_, now_); }
     /// Wider windows cost more than they gain: the motion in them is less linear.
