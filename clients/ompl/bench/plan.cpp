@@ -1,21 +1,15 @@
 // oncollide-ompl-bench plan: RRT-Connect in MotionBenchMaker's problems, with several checkers, and its plans judged.
 #include "contenders.hpp"
 
-#include <ctime>
-
 #include <ompl/base/ScopedState.h>
 #include <ompl/geometric/PathGeometric.h>
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
 #include <ompl/util/RandomNumbers.h>
 
-#include "bench/bench.hpp"
+#include "bench/common/benchmark.hpp"
 #include "cli/command.hpp"
 #include "cli/log.hpp"
-#include "cli/options.hpp"
-#include "cli/outputs.hpp"
 #include "cli/progress.hpp"
-#include "common/race.hpp"
-#include "common/text.hpp"
 
 namespace oncollide::tools {
 
@@ -23,13 +17,11 @@ namespace ob = ompl::base;
 
 namespace {
 
-struct PlanBenchOptions {
+struct PlanBenchOptions : SharedOptions {
     ProblemOptions problem;
     std::vector<std::string> spheres;
-    std::string csv;
     double limit = 5;
     int samples = 10'000, seeds = 1;
-    std::uint64_t seed = 1;
     bool no_fcl = false;
 };
 
@@ -42,13 +34,6 @@ struct PlanCounts {
 
 /// A plan as configurations, one after another; empty: none was found.
 using Plan = std::vector<double>;
-
-double processor_seconds()
-{
-    timespec time{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
-}
 
 ob::ScopedState<> state_of(const ob::SpaceInformationPtr& information, const Moving& moving, const Robot& robot,
                            const std::vector<double>& configuration)
@@ -79,10 +64,10 @@ Plan plan(PlanContender& contender, const RobotWork& work, const Moving& moving,
     ompl::geometric::RRTConnect planner(information);
     planner.setProblemDefinition(problem);
     planner.setup();
-    const double begin = processor_seconds();
+    const double begin = processor_ms();
     const ob::PlannerStatus status =
-        planner.solve(ob::PlannerTerminationCondition([&] { return processor_seconds() > begin + options.limit; }));
-    const double ms = 1e3 * (processor_seconds() - begin);
+        planner.solve(ob::PlannerTerminationCondition([&] { return processor_ms() > begin + 1e3 * options.limit; }));
+    const double ms = processor_ms() - begin;
     if (status != ob::PlannerStatus::EXACT_SOLUTION) return {};
     counts.ms.push_back(ms);
     counts.state_checks += states->count();
@@ -144,34 +129,25 @@ PlanContenders contenders_of(const PlanBenchOptions& options, const RobotDescrip
 void report(const PlanBenchOptions& options, const std::string& robot, std::size_t plans, const PlanContenders& all,
             const std::vector<PlanCounts>& counts)
 {
-    CsvFile csv(options.csv,
-                "robot,who,problems,solved,refused,mean_ms,median_ms,state_checks,edge_checks,edges,collide,"
-                "undecided,refuted,samples,limit_s,seeds");
-    say("{:<32}{:>8}{:>9}{:>12}{:>12}{:>10}{:>8}{:>8}{:>9}{:>11}{:>9}\n", "", "solved", "refused", "mean, ms",
-        "median, ms", "states", "edges", "of plan", "collide", "undecided", "refuted");
+    ResultTable table(options.csv, {32});
+    table.about(figures("robot", robot, "problems", plans, "samples", options.samples, "limit_s", options.limit,
+                        "seeds", options.seeds));
     for (std::size_t k = 0; k < all.size(); ++k) {
         const PlanCounts& c = counts[k];
         const double solved = std::max(1.0, double(c.ms.size()));
-        say("{:<32}{:>8}{:>9}{:>12.4g}{:>12.4g}{:>10.0f}{:>8.1f}{:>8.1f}{:>9}{:>11}{:>9}\n", all[k]->name(),
-            c.ms.size(), c.refused, mean(c.ms), median(c.ms), double(c.state_checks) / solved,
-            double(c.edge_checks) / solved, double(c.edges) / solved, c.collide, c.undecided, c.refuted);
-        csv.row(Quoted{robot}, Quoted{all[k]->name()}, plans, c.ms.size(), c.refused, Digits{mean(c.ms), 4},
-                Digits{median(c.ms), 4}, Digits{double(c.state_checks) / solved, 4},
-                Digits{double(c.edge_checks) / solved, 4}, Digits{double(c.edges) / solved, 4}, c.collide, c.undecided,
-                c.refuted, options.samples, options.limit, options.seeds);
+        table.row(figures("who", all[k]->name(), "solved", c.ms.size(), "refused", c.refused, "mean_ms", mean(c.ms),
+                          "median_ms", median(c.ms), "state_checks", double(c.state_checks) / solved, "edge_checks",
+                          double(c.edge_checks) / solved, "edges", double(c.edges) / solved, "collide", c.collide,
+                          "undecided", c.undecided, "refuted", c.refuted));
     }
-    csv.commit();
+    table.commit();
 }
 
 int bench_plan(const PlanBenchOptions& options)
 {
-    check_range("--samples", options.samples, 1, 10'000'000);
-    check_range("--seeds", options.seeds, 1, 1000);
     if (!(options.limit > 0)) usage("--limit: must be above 0");
-    const RobotOptions& files = options.problem.robot;
-    check_files({{"--csv", options.csv}}, {files.urdf, files.srdf});
     ompl::msg::setLogLevel(ompl::msg::LOG_NONE);
-    const RobotDescription robot = open_robot(files);
+    const RobotDescription robot = open_robot(options.problem.robot);
     const std::vector<PlanningProblem> problems = open_problems(options.problem);
     const PlanContenders all = contenders_of(options, robot);
     std::vector<PlanCounts> counts(all.size());
@@ -192,38 +168,33 @@ int bench_plan(const PlanBenchOptions& options)
     say("{}robot      {}\nproblems   {}, {} seeds: {} plans; at most {:g} s each\n\n", describe_program("plan"),
         robot.name, problems.size(), options.seeds, plans, options.limit);
     report(options, robot.name, plans, all, counts);
-    say("\nrefused: the start or the goal is not valid. Means are of a solved problem, in processor time of one "
-        "thread.\n"
-        "states, edges: checks of states and of motions. of plan: motions of a plan. collide: exact tests find a "
-        "contact in "
-        "the\nplan. undecided: exact tests do not decide the plan. refuted: motions that are certified although one of "
-        "{} "
-        "exact\nsamples collides.\n",
-        options.samples);
     for (std::size_t k = 0; k < all.size(); ++k)
-        if (counts[k].refuted || (all[k]->certified() && counts[k].collide)) return int(ErrorKind::internal);
+        if (counts[k].refuted || (all[k]->certified() && counts[k].collide)) return code_of(true);
     return 0;
 }
 
 void add_plan(Arguments app)
 {
-    Arguments sub = app.add_command("plan", "RRT-Connect of OMPL in MotionBenchMaker's problems, with certified and "
-                                            "sampled motions, spheres and FCL");
-    auto options = std::make_shared<PlanBenchOptions>();
-    add_problem_options(sub, options->problem);
-    sub.add_option("--spheres MODEL", options->spheres,
-                   "published model of spheres: cuRobo's .yml, or a .urdf of spheres")
+    Benchmark<PlanBenchOptions> b(app, "plan",
+                                  "RRT-Connect of OMPL in MotionBenchMaker's problems, with certified and sampled "
+                                  "motions, spheres and FCL",
+                                  bench_plan);
+    b->seed = 1;
+    add_problem_options(b, b->problem);
+    b.option("--spheres MODEL", b->spheres, "published model of spheres: cuRobo's .yml, or a .urdf of spheres")
         .repeatable();
-    sub.add_option("--limit S", options->limit, "processor time of a plan at most, seconds (default 5)");
-    sub.add_option("--samples N", options->samples, "exact checks of each motion of a plan (default 10000)");
-    sub.add_option("--seed N", options->seed, "of the planner's random numbers (default 1)");
-    sub.add_option("--seeds N", options->seeds, "plans of each problem, with one seed after another (default 1)");
-    sub.add_flag("--no-fcl", options->no_fcl, "leave out FCL");
-    sub.add_option("--csv FILE", options->csv, "write the table as CSV");
-    sub.footer("Exit code 70: a certified plan is in contact.\n"
-               "Example:\n"
-               "  ./dev bench plan panda.urdf --srdf panda.srdf --problems problems --spheres panda_spherized.urdf");
-    sub.action([options] { return bench_plan(*options); });
+    b.option("--limit S", b->limit, "processor time of a plan at most, seconds (default 5)");
+    b.whole("--samples N", b->samples, "exact checks of each motion of a plan", {1, 10'000'000});
+    b.seed("the planner's random numbers");
+    b.whole("--seeds N", b->seeds, "plans of each problem, with one seed after another", {1, 1000});
+    b.flag("--no-fcl", b->no_fcl, "leave out FCL");
+    b.csv("contender");
+    b.footer("refused: the start or the goal is not valid. Means are of a solved problem, in processor time of one\n"
+             "thread. state checks, edge checks: of states and of motions. edges: motions of a plan. collide: exact\n"
+             "tests find a contact in the plan. undecided: exact tests do not decide the plan. refuted: motions that\n"
+             "are certified although one of the exact samples collides. Exit code 70: a certified plan is in contact.\n"
+             "Example:\n"
+             "  ./dev bench plan panda.urdf --srdf panda.srdf --problems problems --spheres panda_spherized.urdf");
 }
 
 } // namespace

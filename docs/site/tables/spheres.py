@@ -85,9 +85,9 @@ def sphere_levels():
 
 
 def octants():
-    rows = [r for r in rows_of("octants") if r["part"] == "speed"]
-    per_second = {(r["backend"], r["mesh"], r["n"]): float(r["value"]) / 1e6 for r in rows}
-    meshes = dict.fromkeys((r["mesh"], r["triangles"]) for r in rows)
+    rows = rows_of("gpu/octants")
+    per_second = {(r["backend"], r["what"], r["rows"]): float(r["octants_per_s"]) / 1e6 for r in rows}
+    meshes = dict.fromkeys((r["what"], r["triangles"]) for r in rows)
     backends = ["cpu", "gl-compute"] + [f"gl-query 16 px, {way}" for way in ("soup", "indexed", "strips", "inherited")]
     cell = lambda value: "-" if value is None else f"{value:.2g}" if value < 10 else f"{value:.0f}"
     return table(["batches of 24 / 240 / 2,400 / 24,000"] +
@@ -97,17 +97,17 @@ def octants():
 
 
 def octants_missed():
-    by = pivot([r for r in rows_of("octants") if r["part"] == "misses"], "backend", "mesh")
+    by = pivot(rows_of("gpu/misses"), "backend", "what")
     ways = ["cpu", "gl-compute"] + [f"gl-query {px} px, soup" for px in (8, 16, 32, 64)] + ["gl-query 16 px, inherited, inflated"]
 
     def cell(r):
-        missed, extra = (f"{three(round(100 * int(r[k]) / int(r['n']), 2))} %" for k in ("value", "other"))
+        missed, extra = (f"{three(round(100 * int(r[k]) / int(r['octants']), 2))} %" for k in ("missed", "extra"))
         return missed + ("" if extra == "0 %" else f", {extra} too many")
     return table(["", *by["cpu"]], [[f"`{way}`"] + [cell(by[way][mesh]) for mesh in by["cpu"]] for way in ways])
 
 
 def paper():
-    by = pivot([r for r in rows_of("paper") if r["table"] == "2"], "backend", "what")
+    by = pivot(rows_of("gpu/timeline"), "backend", "to_frame")
     rates = lambda b: [1000 * int(r["frames"]) / float(r["ms"]) for r in by[b].values()]
     return listed(by, {
         "": lambda b: f"`{b}`",
@@ -120,8 +120,7 @@ def paper():
 def comparators():
     scenes = {"paper": "`paper`", "many": "`many`", "hard": "`hard`", "needles": "[`needles.json`](data/gl_query/needles.json)"}
     methods = ["CULLIDE", "CULLIDE, fattened", "viewing volumes", "gl-query, inherited", "gl-compute", "cpu"]
-    by = {name: {r["backend"]: r for r in rows_of("paper" if name == "paper" else f"comparators/{name}") if r["table"] == "3"}
-          for name in scenes}
+    by = {name: {r["backend"]: r for r in rows_of(f"comparators/{name}")} for name in scenes}
 
     def title(name):
         r = by[name]["cpu"]
@@ -129,8 +128,8 @@ def comparators():
                 f"{number(r['candidates'])} pairs")
 
     def cell(r):
-        queries, ms = (float(r[k]) / int(r["frames"]) for k in ("queries", "ms"))
-        return f"{number(r['left_over'])}, {number(r['missed'])}; {number(round(queries))}; {three(ms)}"
+        queries, seconds = (float(r[k]) / int(r["frames"]) for k in ("queries", "seconds"))
+        return f"{number(r['left_over'])}, {number(r['missed'])}; {number(round(queries))}; {three(1000 * seconds)}"
     return table(["left over, missed; queries per frame; ms per frame", *map(title, scenes)],
                  [[f"`{m}`"] + [cell(by[name][m]) for name in scenes] for m in methods])
 

@@ -12,7 +12,7 @@ void add_bench(Arguments app)
     bench.at_most_one_command();
     bench.action([]() -> int {
         usage("bench: choose a benchmark: broad, narrow, planner, continuous, rays, edges, contacts, robot, world, "
-              "environment, distances, shapes, clash, read, scale, many, octants, paper, gpu, poses or scene "
+              "environment, distances, shapes, clash, read, scale, many, gpu, poses or scene "
               "(oncollide-lab bench --help)");
     });
     add_broad(bench);
@@ -30,9 +30,7 @@ void add_bench(Arguments app)
     add_clash_bench(bench);
     add_read(bench);
     add_scene_bench(bench, "many", "Bunnies, dragons and cows in a cube");
-    add_paper(bench);
     add_poses(bench);
-    add_octants(bench);
     add_gpu(bench);
     add_scale(bench);
     add_any_scene_bench(bench);

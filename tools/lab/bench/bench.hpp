@@ -20,8 +20,6 @@ void add_environment(Arguments bench);
 void add_distances(Arguments bench);
 void add_clash_bench(Arguments bench);
 void add_read(Arguments bench);
-void add_paper(Arguments bench);
-void add_octants(Arguments bench);
 void add_gpu(Arguments bench);
 void add_scale(Arguments bench);
 /// One scene of the catalogue by its name, as a benchmark of its own.

@@ -1,22 +1,15 @@
 // oncollide-lab bench read: speed of reading files of meshes and scenes.
 #include "bench/bench.hpp"
+#include "bench/common/benchmark.hpp"
 #include "bench/mesh_files.hpp"
 #include "cli/log.hpp"
-#include "cli/options.hpp"
-#include "common/text.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <filesystem>
-#include <memory>
-#include <random>
 
-#include <oncollide/base/error.hpp>
-#include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/files/paths.hpp>
 #include <oncollide/base/text/near_word.hpp>
-#include <oncollide/base/text/printable.hpp>
 #include <oncollide/samples/catalogue.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
@@ -26,36 +19,14 @@
 namespace oncollide::tools {
 namespace {
 
-struct ReadOptions {
+struct ReadOptions : SharedOptions {
     std::vector<std::string> files; ///< empty: generated files
     std::string styles;             ///< styles of the generated files; empty: all
     int triangles = 10'000'000;
-    int repeats = 3;
-    std::uint64_t seed = 12345;
     std::string folder; ///< for generated files; empty: the system's temporary folder
-    std::string csv;
 };
 
 namespace fs = std::filesystem;
-
-/// A file that is removed at the end of its scope.
-class PassingFile {
-public:
-    PassingFile(const fs::path& folder, std::string_view extension)
-        : path_(folder / fmt::format("oncollide-read-{:08x}.{}", std::random_device()(), extension))
-    {
-    }
-    ~PassingFile()
-    {
-        std::error_code ignored;
-        fs::remove(path_, ignored);
-    }
-    PassingFile(const PassingFile&) = delete;
-    const fs::path& path() const { return path_; }
-
-private:
-    fs::path path_;
-};
 
 struct ReadRow {
     std::size_t count = 0; ///< triangles, or bodies
@@ -63,14 +34,6 @@ struct ReadRow {
     double ms = 0, wall_ms = 0; ///< processor time of the thread, and elapsed time
     std::size_t peak = 0;       ///< largest growth of the process, bytes
 };
-
-/// Processor time of this thread, because other work on the machine affects it less.
-double processor_ms()
-{
-    std::timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return 1e3 * double(t.tv_sec) + 1e-6 * double(t.tv_nsec);
-}
 
 /// Number of triangles of a mesh, or of bodies of a scene.
 std::size_t read_count(const fs::path& path)
@@ -101,10 +64,7 @@ ReadRow read_repeatedly(const fs::path& path, int repeats)
 
 class ReadBench {
 public:
-    explicit ReadBench(const ReadOptions& options)
-        : options_(options), csv_(options.csv, "style,bytes,triangles,ms,wall_ms,triangles_per_s,mb_per_s,peak_bytes")
-    {
-    }
+    explicit ReadBench(const ReadOptions& options) : options_(options), table_(options.csv) {}
 
     int run()
     {
@@ -113,12 +73,10 @@ public:
                                                          : fmt::format("{} given", options_.files.size());
         say("{}files      {}; least time of {} runs, on one thread\n\n", describe_program("reading"), files,
             options_.repeats);
-        say("{:<12}{:>10}{:>14}{:>10}{:>10}{:>16}{:>9}{:>10}{:>12}\n", "", "MB", "triangles", "ms", "wall ms",
-            "per second", "MB / s", "peak MB", "bytes each");
         for (const std::string& file : options_.files)
             if (!interrupted()) report(file, read_repeatedly(file, options_.repeats), "");
         if (options_.files.empty()) run_styles();
-        csv_.commit();
+        table_.commit();
         if (!interrupted()) return 0;
         log(LogLevel::error, "interrupted; the rows so far were written");
         return interrupted_code;
@@ -132,11 +90,11 @@ private:
             if (interrupted()) return;
             const std::vector<std::string> wanted = split(options_.styles);
             if (!options_.styles.empty() && std::ranges::find(wanted, style.name) == wanted.end()) continue;
-            const PassingFile file(options_.folder.empty() ? temporary_files() : fs::path(options_.folder),
-                                   style.extension);
-            write_mesh_file(style, file.path(), cells(), options_.seed);
+            const ScratchFolder folder(options_.folder);
+            const fs::path file = folder.path() / fmt::format("mesh.{}", style.extension);
+            write_mesh_file(style, file, cells(), options_.seed);
             if (interrupted()) return;
-            const ReadRow row = read_repeatedly(file.path(), options_.repeats);
+            const ReadRow row = read_repeatedly(file, options_.repeats);
             if (row.count != 2u * cells() * cells())
                 throw Error(ErrorKind::internal, fmt::format("bench read: {}: read {} triangles of {}", style.name,
                                                              row.count, 2 * cells() * cells()));
@@ -145,16 +103,15 @@ private:
     }
     void report(const std::string& name, const ReadRow& row, std::string_view what)
     {
-        const double seconds = row.ms / 1e3, megabytes = double(row.bytes) / 1e6;
-        say("{:<12}{:>10.1f}{:>14}{:>10.1f}{:>10.1f}{:>16}{:>9.0f}{:>10.0f}{:>12.0f}   {}\n", printable(name),
-            megabytes, grouped(row.count), row.ms, row.wall_ms, grouped(std::uint64_t(double(row.count) / seconds)),
-            megabytes / seconds, double(row.peak) / 1e6, double(row.peak) / double(row.count), what);
-        csv_.row(name, row.bytes, row.count, Fixed{row.ms, 3}, Fixed{row.wall_ms, 3},
-                 Fixed{double(row.count) / seconds, 0}, Fixed{megabytes / seconds, 1}, row.peak);
+        const double seconds = row.ms / 1e3;
+        table_.row(figures("style", name, "bytes", row.bytes, "triangles", row.count, "ms", row.ms, "wall_ms",
+                           row.wall_ms, "triangles_per_s", std::uint64_t(double(row.count) / seconds), "mb_per_s",
+                           1e-6 * double(row.bytes) / seconds, "peak_bytes", row.peak, "bytes_each",
+                           double(row.peak) / double(row.count), "what", what));
     }
 
     const ReadOptions& options_;
-    CsvFile csv_;
+    ResultTable table_;
 };
 
 void check_styles(const std::string& list)
@@ -171,10 +128,7 @@ void check_styles(const std::string& list)
 /// Reads mesh files of every format. Returns the exit code.
 int bench_read(const ReadOptions& options)
 {
-    check_range("--triangles", options.triangles, 2, 100'000'000);
-    check_range("--repeats", options.repeats, 1, 1000);
     check_styles(options.styles);
-    check_files({{"--csv", options.csv}}, options.files);
     catch_interrupts();
     return ReadBench(options).run();
 }
@@ -183,24 +137,21 @@ int bench_read(const ReadOptions& options)
 
 void add_read(Arguments bench)
 {
-    Arguments sub = bench.add_command("read", "Reading mesh files: triangles per second and memory, by format");
-    auto options = std::make_shared<ReadOptions>();
-    sub.add_option(
-           "files FILE...", options->files,
-           "mesh files, or scene files, whose bodies are counted (default: a generated height field in each style)")
+    Benchmark<ReadOptions> b(bench, "read", "Reading mesh files: triangles per second and memory, by format",
+                             bench_read);
+    b.input("files FILE...", b->files,
+            "mesh files, or scene files, whose bodies are counted (default: a generated height field in each style)")
         .expected(0, 1000);
-    sub.add_option("--styles LIST", options->styles,
-                   "styles of the generated files: obj, obj-full, obj-back, obj-exact, stl, stl-mixed, ply, stl-text, "
-                   "ply-text, off (default: all)");
-    sub.add_option("--triangles N", options->triangles, "approximate triangles of the height field (default 10000000)");
-    sub.add_option("--repeats N", options->repeats, "number of runs; each file's least time counts (default 3)");
-    sub.add_option("--seed S", options->seed, "seed of the heights (default 12345)");
-    sub.add_option("--folder DIR", options->folder, "folder for the generated files (default: $TMPDIR)");
-    sub.add_option("--csv FILE", options->csv, "write one row per file");
-    sub.footer("'ms' is processor time of the thread, 'wall ms' elapsed time: reading from the system's cache, checks, "
-               "welding (STL).\n"
-               "'peak MB' is the largest growth of the process, 'bytes each' the same per triangle.");
-    sub.action([options] { return bench_read(*options); });
+    b.option("--styles LIST", b->styles,
+             "styles of the generated files: obj, obj-full, obj-back, obj-exact, stl, stl-mixed, ply, stl-text, "
+             "ply-text, off (default: all)");
+    b.whole("--triangles N", b->triangles, "approximate triangles of the height field", {2, 100'000'000});
+    b.repeats("number of runs; each file's least time counts"), b.seed("the heights");
+    b.option("--folder DIR", b->folder, "folder for the generated files (default: $TMPDIR)");
+    b.csv("file");
+    b.footer("'ms' is processor time of the thread, 'wall, ms' elapsed time: reading from the system's cache, checks, "
+             "welding (STL).\n"
+             "'peak bytes' is the largest growth of the process, 'bytes each' the same per triangle.");
 }
 
 } // namespace oncollide::tools

@@ -1,4 +1,4 @@
-// bench gpu, at its small sizes on a software renderer, and the comparators of bench paper.
+// bench gpu, at its small sizes on a software renderer.
 #include "tools/command_fixture.hpp"
 #include "tools/csv_rows.hpp"
 
@@ -27,7 +27,7 @@ TEST_F(CommandLine, BenchGpuWritesOneTableAndOneJson)
             EXPECT_TRUE(row["what"].is_string() && row["backend"].is_string()) << row;
         }
     }
-    ASSERT_EQ(parts.size(), 7u);
+    ASSERT_EQ(parts.size(), 9u);
     EXPECT_EQ(parts["levels"].size(), 7u * 5);
     EXPECT_EQ(parts["correctness"].size(), 3u);
     for (const nlohmann::json& row : parts["correctness"]) EXPECT_EQ(row["equal"], true) << row;
@@ -81,14 +81,14 @@ TEST_F(CommandLine, BenchGpuRefusesNonsenseAndEndsInOneLineWithoutAGpu)
     EXPECT_NE(none.err.find("no GPU"), std::string::npos) << none.err;
 }
 
-TEST_F(CommandLine, BenchPaperCountsTheMissesOfComparators)
+TEST_F(CommandLine, BenchGpuCountsTheMissesOfComparators)
 {
-    const Outcome outcome =
-        run({"bench", "paper", "--scene", "hard", "--frames", "1", "--every", "1", "--csv", "p.csv"});
+    const Outcome outcome = run({"bench", "gpu", "--part", "comparators", "--scene", "hard", "--frames", "1", "--sizes",
+                                 "full", "--csv", "p.csv"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.out.find("\n{"), std::string::npos) << "the CSV is the result";
     std::map<std::string, std::map<std::string, std::string>> rows;
-    for (const auto& row : read_csv(folder_.read("p.csv")))
-        if (row.at("table") == "3") rows[row.at("backend")] = row;
+    for (const auto& row : read_csv(folder_.read("p.csv"))) rows[row.at("backend")] = row;
     ASSERT_EQ(rows.size(), 6u);
     for (const auto& [name, row] : rows) {
         SCOPED_TRACE(name);
@@ -99,26 +99,37 @@ TEST_F(CommandLine, BenchPaperCountsTheMissesOfComparators)
     EXPECT_GT(std::stoi(rows["CULLIDE"]["missed"]), 0);
     EXPECT_EQ(rows["CULLIDE, fattened"]["missed"], "0");
     EXPECT_EQ(rows["cpu"]["missed"], "0");
-    expect_error(64, {"bench", "paper", "--scene", "no"}, {"no"});
+    expect_error(64, {"bench", "gpu", "--part", "comparators", "--scene", "no"}, {"no"});
 }
 
-TEST_F(CommandLine, BenchesOfTheGpuRunAndRefuseNonsense)
+TEST_F(CommandLine, BenchGpuRunsSinglePartsAndRefusesNonsense)
 {
-    const Outcome paper =
-        run({"bench", "paper", "--frames", "24", "--data", folder_.path().string(), "--csv", "p.csv"});
+    const Outcome paper = run({"bench", "gpu", "--part", "timeline", "--sizes", "full", "--frames", "24", "--data",
+                               folder_.path().string(), "--csv", "p.csv"});
     EXPECT_EQ(paper.code, 0) << paper.err;
-    for (const char* word : {"Table 1", "Tables 2 and 3", "missed: of", "CULLIDE, fattened", "gl-compute"})
-        EXPECT_NE(paper.out.find(word), std::string::npos) << word;
-    EXPECT_GT(folder_.read("p.csv").size(), 1000u);
-    const Outcome octants =
-        run({"bench", "octants", "--only", "trees", "--repeats", "1", "--data", folder_.path().string()});
+    std::map<std::string, int> frames; // by backend
+    for (const auto& row : read_csv(folder_.read("p.csv"))) frames[row.at("backend")] += std::stoi(row.at("frames"));
+    EXPECT_EQ(frames.size(), 5u);
+    for (const auto& [backend, count] : frames) EXPECT_EQ(count, 24) << backend;
+    const Outcome octants = run({"bench", "gpu", "--part", "misses,trees", "--all-backends", "--sizes", "small",
+                                 "--repeats", "1", "--data", folder_.path().string(), "--json", "o.json"});
     EXPECT_EQ(octants.code, 0) << octants.err;
-    EXPECT_NE(octants.out.find("whole tree"), std::string::npos);
-    expect_error(64, {"bench", "octants", "--only", "half"}, {"half", "speed, trees, misses"});
-    expect_error(64, {"bench", "octants", "--repeats", "0"}, {"--repeats 0"});
-    expect_error(64, {"bench", "paper", "--frames", "0"}, {"--frames 0"});
-    expect_error(64, {"bench", "paper", "--every", "0"}, {"--every 0"});
-    expect_error(64, {"bench", "paper", "--viewport", "0"}, {"viewport", "1024"});
+    int missing = 0;
+    for (const nlohmann::json& row : read_json("o.json")["parts"][1]["rows"]) {
+        const std::string name = row["backend"];
+        if (name == "cpu" || name == "gl-compute") {
+            EXPECT_EQ(row["missed"], 0) << row;
+        } else {
+            missing += row["missed"] > 0;
+        }
+    }
+    EXPECT_GT(missing, 0) << "occlusion queries miss octants that needles enter";
+    expect_error(64, {"bench", "gpu", "--part", "half"}, {"half", "octants, trees, misses"});
+    expect_error(64, {"bench", "gpu", "--part", "paper,many", "--csv", "x.csv"}, {"--csv", "--part"});
+    expect_error(64, {"bench", "gpu", "--repeats", "0"}, {"--repeats 0"});
+    expect_error(64, {"bench", "gpu", "--frames", "0"}, {"--frames 0"});
+    expect_error(64, {"bench", "gpu", "--every", "0"}, {"--every 0"});
+    expect_error(64, {"bench", "gpu", "--viewport", "0"}, {"viewport", "1024"});
 }
 
 } // namespace

@@ -2,29 +2,20 @@
 #include "bench/bench.hpp"
 #include "bench/broad/aabbs_file.hpp"
 #include "bench/broad/broad_race.hpp"
-#include "cli/options.hpp"
-#include "cli/shard.hpp"
-#include "cli/standard_output.hpp"
+#include "bench/common/benchmark.hpp"
 #include "common/line_plot.hpp"
-#include "common/text.hpp"
 
 #include <algorithm>
 #include <map>
-#include <memory>
-
-#include <oncollide/base/error.hpp>
-#include <oncollide/base/files/output_file.hpp>
-#include <oncollide/base/text/printable.hpp>
-#include <oncollide/base/threads/parallel.hpp>
 
 namespace oncollide::tools {
 namespace {
 
-struct BroadOptions {
-    std::string scene = "brown", sizes, threads, only, csv, plot, shard;
+struct BroadOptions : SharedOptions {
+    std::string scene = "brown", sizes = "1k,10k,100k", thread_counts = "1";
+    bool sizes_given = false;
     bool per_box = false; ///< the plot shows nanoseconds per box
     std::optional<int> frames;
-    std::uint64_t seed = 12345;
 };
 
 bool is_recording(const std::string& scene)
@@ -36,17 +27,6 @@ bool is_recording(const std::string& scene)
 std::uint64_t usual_frames(std::size_t boxes)
 {
     return boxes <= 3'000 ? 60 : boxes <= 30'000 ? 40 : boxes <= 300'000 ? 12 : 8;
-}
-
-std::string memory_text(double bytes)
-{
-    return bytes < 1e5 ? "-" : fmt::format("{:.1f}", bytes / 1e6);
-}
-
-std::string answer_text(const RaceRow& row)
-{
-    if (row.missed) return fmt::format("MISSED {}", row.missed);
-    return row.extra ? fmt::format("+{}", row.extra) : "ok";
 }
 
 std::string delimitation_text(const RaceRow& row)
@@ -78,45 +58,40 @@ class BroadBench {
 public:
     explicit BroadBench(const BroadOptions& options)
         : options_(options), contenders_(broad_contenders()), shard_(shard_from(options.shard)),
-          csv_(options.csv,
-               "scene,boxes,movers,frame,seed,contender,library,threads,ms,ratio,pairs,hash,missed,extra,"
-               "bytes,regions,left,delimitation_ms",
-               shard_.line(fmt::format("bench broad, {}, sizes {}, {} frames, seed {}, threads {}, only {}",
-                                       options.scene, options.sizes, options.frames.value_or(0), options.seed,
-                                       options.threads, options.only)))
+          table_(options.csv, {18},
+                 shard_.line(fmt::format("bench broad, {}, sizes {}, {} frames, seed {}, threads {}, only {}",
+                                         options.scene, options.sizes, options.frames.value_or(0), options.seed,
+                                         options.thread_counts, options.only)))
     {
-        for (const std::size_t threads :
-             parse_counts("--threads", options.threads.empty() ? "1" : options.threads, 256))
+        for (const std::size_t threads : parse_counts("--threads", options.thread_counts, 256))
             threads_.push_back(int(threads));
         contenders_.keep(options.only);
         choose_scenes();
-        if (!options.plot.empty()) plot_.emplace(options.plot);
     }
 
     int run()
     {
         say("{}", describe_program("broad phase alone"));
-        for (const MissingPeer& peer : contenders_.missing)
-            say("{:<11}not in this build (Debian: {})\n", peer.library, peer.package);
+        print_missing(contenders_.missing);
         std::string last;
         for (const auto& [scene, size] : work_) {
             if (scene != last) panels_.push_back({scene, {}});
             last = scene;
             run(is_recording(scene) ? open_aabbs(scene) : make_box_scene(scene, size, options_.seed));
         }
-        csv_.commit();
-        if (plot_) draw_line_plot(*plot_, panels_, axes(options_.per_box)), plot_->commit();
-        return wrong_ ? 70 : 0;
+        table_.commit();
+        if (!options_.plot.empty()) {
+            OutputFile file(options_.plot);
+            draw_line_plot(file, panels_, axes(options_.per_box)), file.commit();
+        }
+        return code_of(wrong_);
     }
 
 private:
     /// Finds all faults of scenes before any work.
     void choose_scenes()
     {
-        const std::vector<std::size_t> sizes =
-            parse_counts("--sizes", options_.sizes.empty() ? "1k,10k,100k" : options_.sizes, most_boxes);
-        if (options_.frames && (*options_.frames < 2 || *options_.frames > 100'000))
-            usage(fmt::format("--frames {}: must be from 2 to 100000", *options_.frames));
+        const std::vector<std::size_t> sizes = parse_counts("--sizes", options_.sizes, most_boxes);
         if (is_recording(options_.scene))
             work_.emplace_back(options_.scene, 0);
         else
@@ -126,7 +101,7 @@ private:
             }
         keep_part(shard_, work_, "scenes and sizes");
         if (!is_recording(options_.scene)) return;
-        if (!options_.sizes.empty()) usage(fmt::format("--sizes: does not apply to the recording {}", options_.scene));
+        if (options_.sizes_given) usage(fmt::format("--sizes: does not apply to the recording {}", options_.scene));
         const std::uint64_t last = open_aabbs(options_.scene).last_frame;
         if (last < 2 || std::uint64_t(options_.frames.value_or(2)) > last)
             usage(fmt::format("{}: has {} frames after the initial one; {} are requested", options_.scene, last,
@@ -138,24 +113,20 @@ private:
         const std::uint64_t usual = usual_frames(scene.boxes.size());
         const std::uint64_t frames = std::min(scene.last_frame, std::uint64_t(options_.frames.value_or(int(usual))));
         const auto statics = std::size_t(std::count(scene.is_static.begin(), scene.is_static.end(), 1));
-        say("\n{}, {} boxes ({} static), seed {}: frames {} to {}\n", printable(scene.name),
-            grouped(scene.boxes.size()), grouped(statics), options_.seed, std::max<std::uint64_t>(2, frames / 3 + 1),
-            frames);
+        table_.section(fmt::format("{}, {} boxes ({} static), seed {}: frames {} to {}", printable(scene.name),
+                                   grouped(scene.boxes.size()), grouped(statics), options_.seed,
+                                   std::max<std::uint64_t>(2, frames / 3 + 1), frames));
         flush_stdout();
         const RaceResult result = race(scene, contenders_.all, threads_, frames, frames / 3);
-        print(scene, result);
         for (const RaceRow& row : result.rows) {
             wrong_ |= row.missed > 0;
             record(scene, row);
         }
+        print_result(scene, result);
     }
 
-    void print(const BoxScene& scene, const RaceResult& result)
+    void print_result(const BoxScene& scene, const RaceResult& result)
     {
-        say("  {:<18}{:>8}{:>12}{:>8}{:>9}  {:<12}{}\n", "", "threads", "ms", "ratio", "MB", "pairs", "");
-        for (const RaceRow& row : result.rows)
-            say("  {:<18}{:>8}{:>12.4f}{:>8.2f}{:>9}  {:<12}{}\n", row.contender->name, row.threads, row.ms, row.ratio,
-                memory_text(row.bytes), answer_text(row), row.contender->what);
         for (const RaceRow& row : result.rows)
             if (row.delimited && row.threads == threads_.front())
                 say("  {:<18}{}\n", row.contender->name, delimitation_text(row));
@@ -173,10 +144,13 @@ private:
 
     void record(const BoxScene& scene, const RaceRow& row)
     {
-        csv_.row(scene.name, scene.boxes.size(), scene.moved.size(), scene.frame, options_.seed, row.contender->name,
-                 Quoted{row.contender->what}, row.threads, row.ms, row.ratio, row.pairs.count, Hex{row.pairs.hash},
-                 row.missed, row.extra, std::uint64_t(row.bytes), regions_text(row.levels), row.left,
-                 delimitation_ms(row));
+        table_.about(figures("scene", scene.name, "boxes", scene.boxes.size(), "movers", scene.moved.size(), "frame",
+                             scene.frame, "seed", options_.seed));
+        table_.row(figures("contender", row.contender->name, "threads", row.threads, "ms", row.ms, "ratio", row.ratio,
+                           "bytes", std::uint64_t(row.bytes), "pairs", row.pairs.count, "missed", row.missed, "extra",
+                           row.extra, "library", row.contender->what),
+                   figures("hash", Hex{row.pairs.hash}, "regions", regions_text(row.levels), "left", row.left,
+                           "delimitation_ms", delimitation_ms(row)));
         const std::string label =
             row.threads == 1 ? row.contender->name : fmt::format("{}, {} threads", row.contender->name, row.threads);
         const auto style = styles_.try_emplace(label, styles_.size()).first;
@@ -197,8 +171,7 @@ private:
     std::vector<int> threads_;
     Shard shard_;
     std::vector<std::pair<std::string, std::size_t>> work_; ///< every combination of scene and size
-    CsvFile csv_;
-    std::optional<OutputFile> plot_;
+    ResultTable table_;
     std::vector<PlotPanel> panels_;             ///< one per scene
     std::map<std::string, std::size_t> styles_; ///< of the lines, by label
     bool wrong_ = false;
@@ -208,7 +181,6 @@ private:
 /// or a scene did not give its published pairs.
 int bench_broad(const BroadOptions& options)
 {
-    check_files({{"--csv", options.csv}, {"--plot", options.plot}});
     return BroadBench(options).run();
 }
 
@@ -216,22 +188,19 @@ int bench_broad(const BroadOptions& options)
 
 void add_broad(Arguments bench)
 {
-    Arguments sub = bench.add_command("broad", "Only the broad phase, on boxes, compared with other libraries");
-    auto options = std::make_shared<BroadOptions>();
-    sub.add_option("--scene LIST|FILE.aabbs", options->scene,
-                   "scenes, or a recording: brown (default), large, mixed, flat, clustered, static, giant, jump, and "
-                   "freefall, brownian, gravity with -cubes or -assorted");
-    sub.add_option("--sizes LIST", options->sizes, "numbers of boxes, such as 2500,10k,1M (default 1k,10k,100k)");
-    sub.add_option("--frames N", options->frames, "frames to play; the first third is not timed (default 60 to 8)");
-    sub.add_option("--threads LIST", options->threads, "numbers of threads (default 1)");
-    sub.add_option("--only LIST", options->only, "run only these contenders");
-    sub.add_option("--csv FILE", options->csv, "write one row per contender and size");
-    sub.add_option("--shard I/N", options->shard,
-                   std::string("divide the scenes and sizes among N processes: ") + shard_help);
-    Option plot = sub.add_option("--plot FILE.svg", options->plot, "draw time against size, one panel per scene");
-    sub.add_flag("--per-box", options->per_box, "plot nanoseconds per box, to show growth").needs(plot);
-    sub.add_option("--seed S", options->seed, "seed of the scene (default 12345)");
-    sub.action([options] { return bench_broad(*options); });
+    Benchmark<BroadOptions> b(bench, "broad", "Only the broad phase, on boxes, compared with other libraries",
+                              bench_broad);
+    b.option("--scene LIST|FILE.aabbs", b->scene,
+             "scenes, or a recording: brown (default), large, mixed, flat, clustered, static, giant, jump, and "
+             "freefall, brownian, gravity with -cubes or -assorted");
+    Option sizes = b.option("--sizes LIST", b->sizes, "numbers of boxes, such as 2500,10k,1M (default 1k,10k,100k)");
+    b.whole("--frames N", b->frames, "frames to play; the first third is not timed (default 60 to 8)", {2, 100'000});
+    b.option("--threads LIST", b->thread_counts, "numbers of threads (default 1)");
+    b.only(), b.csv("contender and size"), b.shard("scenes and sizes");
+    Option plot = b.plot("time against size, one panel per scene");
+    b.flag("--per-box", b->per_box, "plot nanoseconds per box, to show growth").needs(plot);
+    b.seed("the scene");
+    b.prepare([sizes](BroadOptions& o) { o.sizes_given = sizes.given(); });
 }
 
 } // namespace oncollide::tools

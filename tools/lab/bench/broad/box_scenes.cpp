@@ -90,32 +90,33 @@ BoxScene scene_of(const Swarm& swarm)
     return scene;
 }
 
-BoxScene walking(Swarm&& made, int axes = 3)
+/// All boxes move: move(swarm, scene) changes the positions to those of scene.frame.
+template <class Move>
+BoxScene moving(Swarm&& made, Move move)
 {
     const auto swarm = std::make_shared<Swarm>(std::move(made));
     BoxScene scene = scene_of(*swarm);
     scene.moved.resize(scene.boxes.size());
     std::iota(scene.moved.begin(), scene.moved.end(), 0u);
-    scene.next = [swarm, axes](BoxScene& s) {
-        walk(*swarm, s.frame, axes);
+    scene.next = [swarm, move](BoxScene& s) {
+        move(*swarm, s);
         place(s, *swarm);
     };
     return scene;
 }
 
-/// Every `stride`-th box moves at a constant velocity.
-BoxScene drifting(Swarm&& made, std::size_t stride)
+BoxScene walking(Swarm&& swarm, int axes = 3)
 {
-    const auto swarm = std::make_shared<Swarm>(std::move(made));
-    BoxScene scene = scene_of(*swarm);
-    for (std::size_t i = 0; i < scene.boxes.size(); ++i) {
-        swarm->velocity.push_back(0.4 * (uniform(swarm->seed, i, 20) - Vector3d::Constant(0.5)));
-        if (i % stride == 0) scene.moved.push_back(static_cast<std::uint32_t>(i));
-    }
-    scene.next = [swarm](BoxScene& s) {
-        drift(*swarm, s.moved);
-        place(s, *swarm);
-    };
+    return moving(std::move(swarm), [axes](Swarm& s, const BoxScene& scene) { walk(s, scene.frame, axes); });
+}
+
+/// Every `stride`-th box moves at a constant velocity.
+BoxScene drifting(Swarm&& swarm, std::size_t stride)
+{
+    for (std::size_t i = 0; i < swarm.position.size(); ++i)
+        swarm.velocity.push_back(0.4 * (uniform(swarm.seed, i, 20) - Vector3d::Constant(0.5)));
+    BoxScene scene = moving(std::move(swarm), [](Swarm& s, const BoxScene& scene) { drift(s, scene.moved); });
+    std::erase_if(scene.moved, [&](std::uint32_t i) { return i % stride != 0; });
     return scene;
 }
 
@@ -162,18 +163,12 @@ BoxScene mostly_static(Swarm&& swarm)
 }
 
 /// All boxes take a new position in every frame.
-BoxScene jumping(Swarm&& made)
+BoxScene jumping(Swarm&& swarm)
 {
-    const auto swarm = std::make_shared<Swarm>(std::move(made));
-    BoxScene scene = scene_of(*swarm);
-    scene.moved.resize(scene.boxes.size());
-    std::iota(scene.moved.begin(), scene.moved.end(), 0u);
-    scene.next = [swarm](BoxScene& s) {
-        for (std::uint64_t i = 0; i < swarm->position.size(); ++i)
-            swarm->position[i] = swarm->side * uniform(swarm->seed + 1000 + s.frame, i, 0);
-        place(s, *swarm);
-    };
-    return scene;
+    return moving(std::move(swarm), [](Swarm& s, const BoxScene& scene) {
+        for (std::uint64_t i = 0; i < s.position.size(); ++i)
+            s.position[i] = s.side * uniform(s.seed + 1000 + scene.frame, i, 0);
+    });
 }
 
 /// The first box is as large as the room.

@@ -9,8 +9,6 @@
 namespace oncollide::tools {
 namespace {
 
-using Group = Group;
-
 constexpr double longest_ms = 20'000; // limit for the start with the first frame, and for each other frame
 
 struct Difference {

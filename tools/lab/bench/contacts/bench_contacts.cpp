@@ -1,22 +1,15 @@
 // oncollide-lab bench contacts: contacts for a solver, in scenes that the reference solver plays, compared with other
 // libraries at the same poses.
 #include "bench/bench.hpp"
+#include "bench/common/benchmark.hpp"
 #include "bench/contacts/contact_scenes.hpp"
-#include "cli/options.hpp"
-#include "cli/outputs.hpp"
 #include "cli/system.hpp"
-#include "common/race.hpp"
-#include "common/text.hpp"
 #include "peers/contacts/contact_peer.hpp"
 
 #include <algorithm>
 #include <map>
 #include <memory>
-#include <optional>
 
-#include <oncollide/base/error.hpp>
-#include <oncollide/base/files/output_file.hpp>
-#include <oncollide/base/text/json_writer.hpp>
 #include <oncollide/samples/impulse_solver.hpp>
 
 namespace oncollide::tools {
@@ -26,10 +19,10 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using Poses = std::vector<Isometry3d>;
 
-struct ContactsOptions {
-    std::string scenes, only, csv, json;
+struct ContactsOptions : SharedOptions {
+    std::string scenes;
     ContactFiles files;
-    int repeats = 5, steps = 0, threads = 1;
+    int steps = 0;
 };
 
 /// The run of a scene in the reference solver.
@@ -193,72 +186,35 @@ std::vector<ContactRow> race(const ContactScene& scene, const Played& played, co
     return rows;
 }
 
-class ContactsReport {
-public:
-    explicit ContactsReport(const ContactsOptions& options)
-        : options_(options), csv_(options.csv, "scene,who,ms,contacts,of_oncollide,pairs,regions,most_points,complete,"
-                                               "step_ms,creep,aside,speed,depth,lead,turns,hash")
-    {
-        if (!options.json.empty()) {
-            json_file_.emplace(options.json), json_.emplace(*json_file_);
-            json_->begin_object(), json_->schema("oncollide.bench_contacts", 1);
-            json_->members("processor", processor_name(), "repeats", options.repeats, "threads", options.threads);
-            json_->key("scenes"), json_->begin_array();
-        }
-        say("{:<16}{:<11}{:>11}{:>10}{:>9}{:>8}{:>9}\n", "scene", "", "ms a step", "contacts", "ratio", "pairs",
-            "regions");
-    }
-    void add(const ContactScene& scene, const Played& p, const std::vector<ContactRow>& rows)
-    {
-        for (const ContactRow& row : rows) {
-            const bool ours = &row == &rows.front();
-            const double ratio = row.ms / rows.front().ms;
-            say("{:<16}{:<11}{:>11.4f}{:>10.1f}{:>9.2f}", ours ? scene.name : "", row.name, row.ms, row.contacts,
-                ratio);
-            say("{}\n", ours ? fmt::format("{:>8}{:>9}", p.pairs, p.regions) : "");
-            csv_.row(scene.name, row.name, Digits{row.ms, 4}, Digits{row.contacts, 5}, Digits{ratio, 4}, p.pairs,
-                     p.regions, p.most_points, int(p.complete), Digits{p.step_ms, 4}, Digits{p.creep, 3},
-                     Digits{p.aside, 3}, Digits{p.speed, 9}, Digits{p.depth, 3}, Digits{p.lead, 6}, Digits{p.turns, 4},
-                     fmt::format("{:016x}", p.hash));
-        }
-        say("  {}; at most {} points a pair{}", scene.what, p.most_points, p.complete ? "" : ", a limit left some out");
-        if (p.step_ms > 0)
-            say("; a step with the solver {:.3f} ms; creep {:.2g} mm/s, depth {:.2g} mm", p.step_ms, 1e3 * p.creep,
-                1e3 * p.depth);
-        if (p.speed > 0) say("; {:.2g} mm/s aside, speed kept to {:.1g}", 1e3 * p.aside, std::abs(p.speed - 1));
-        if (p.lead != 0) say("; {:.3f} mm a turn, {:.1f} turns", 1e3 * std::abs(p.lead), std::abs(p.turns));
-        say("\n");
-        if (json_) {
-            json_->begin_object();
-            json_->members("name", scene.name, "what", scene.what, "pairs", p.pairs, "regions", p.regions,
-                           "most_points", p.most_points, "complete", p.complete, "step_ms", p.step_ms, "creep", p.creep,
-                           "aside", p.aside, "speed", p.speed, "depth", p.depth, "lead", p.lead, "turns", p.turns);
-            json_->members("hash", fmt::format("{:016x}", p.hash)), json_->key("rows"), json_->begin_array();
-            for (const ContactRow& row : rows) json_->object("who", row.name, "ms", row.ms, "contacts", row.contacts);
-            json_->end_array(), json_->end_object();
-        }
-    }
-    void finish()
-    {
-        csv_.commit();
-        if (!json_) return;
-        json_->end_array(), json_->end_object(), json_file_->write("\n"), json_file_->commit();
-    }
+void report(ResultTable& table, const ContactScene& scene, const Played& p, const std::vector<ContactRow>& rows)
+{
+    for (const ContactRow& row : rows)
+        table.row(figures("scene", scene.name, "who", row.name, "ms", row.ms, "contacts", row.contacts, "of_oncollide",
+                          row.ms / rows.front().ms, "pairs", p.pairs, "regions", p.regions),
+                  figures("most_points", p.most_points, "complete", p.complete, "step_ms", p.step_ms, "creep", p.creep,
+                          "aside", p.aside, "speed", Digits{p.speed, 9}, "depth", p.depth, "lead", p.lead, "turns",
+                          p.turns, "hash", Hex{p.hash}, "what", scene.what));
+    say("  {}; at most {} points a pair{}", scene.what, p.most_points, p.complete ? "" : ", a limit left some out");
+    if (p.step_ms > 0)
+        say("; a step with the solver {:.3f} ms; creep {:.2g} mm/s, depth {:.2g} mm", p.step_ms, 1e3 * p.creep,
+            1e3 * p.depth);
+    if (p.speed > 0) say("; {:.2g} mm/s aside, speed kept to {:.1g}", 1e3 * p.aside, std::abs(p.speed - 1));
+    if (p.lead != 0) say("; {:.3f} mm a turn, {:.1f} turns", 1e3 * std::abs(p.lead), std::abs(p.turns));
+    say("\n");
+}
 
-private:
-    const ContactsOptions& options_;
-    CsvFile csv_;
-    std::optional<OutputFile> json_file_;
-    std::optional<JsonWriter> json_;
-};
+void write_contacts(const ContactsOptions& options, const ResultTable& table)
+{
+    OutputFile file(options.json);
+    JsonWriter json(file);
+    json.begin_object(), json.schema("oncollide.bench_contacts", 2);
+    json.members("processor", processor_name(), "repeats", options.repeats, "threads", options.threads);
+    json.key("rows"), table.write(json, 1), json.end_object();
+    file.write("\n"), file.commit();
+}
 
 int bench_contacts(const ContactsOptions& options)
 {
-    check_range("--repeats", options.repeats, 1, 1000);
-    check_range("--steps", options.steps, 0);
-    check_range("--threads", options.threads, 1, 256);
-    check_files({{"--csv", options.csv}, {"--json", options.json}},
-                {options.files.cow, options.files.nut, options.files.bolt});
     if (options.files.nut.empty() != options.files.bolt.empty())
         usage("bench contacts: --nut and --bolt are one scene; give both or none");
     ContactContenders contenders = contact_contenders();
@@ -271,44 +227,43 @@ int bench_contacts(const ContactsOptions& options)
     say("{}detection at the same poses, {} thread{}; a step of oncollide is World::step() and manifolds()\n",
         describe_program("contacts"), options.threads, options.threads == 1 ? "" : "s");
     for (const ContactContender& c : contenders.all) say("{:<11}{}\n", c.name, c.what);
-    for (const MissingPeer& m : contenders.missing) say("without {}: install {}\n", m.library, m.package);
+    print_missing(contenders.missing);
     say("\n");
-    ContactsReport report(options);
+    ResultTable table(options.csv, {16, 11});
     bool moved = false;
     for (const ContactScene& scene : scenes) {
         const bool all = options.steps == 0 || options.steps >= scene.steps;
         const Played played = play(scene, all ? scene.steps : options.steps, options.threads);
-        report.add(scene, played, race(scene, played, contenders, options));
+        report(table, scene, played, race(scene, played, contenders, options));
         moved |= all && scene.most_creep > 0 && played.creep > scene.most_creep;
     }
-    report.finish();
+    table.commit();
+    if (!options.json.empty()) write_contacts(options, table);
     if (moved) say("\nA body that should rest moves faster than its scene allows.\n");
-    return moved ? 70 : 0;
+    return code_of(moved);
 }
 
 } // namespace
 
 void add_contacts(Arguments bench)
 {
-    Arguments sub = bench.add_command("contacts", "Contacts for a solver: stacks, piles, knots, a box that slides, a "
-                                                  "nut on a bolt; compared with other libraries");
-    auto options = std::make_shared<ContactsOptions>();
-    sub.add_option("--scene NAMES", options->scenes, "names, with commas between them (default: all)");
-    sub.add_option("--cow FILE", options->files.cow, "mesh of the second pile (default: generated)");
-    sub.add_option("--nut FILE", options->files.nut, "nut along z, in metres; adds a scene");
-    sub.add_option("--bolt FILE", options->files.bolt, "its bolt");
-    sub.add_option("--only NAMES", options->only, "other libraries, with commas between them; oncollide: none of them");
-    sub.add_option("--repeats N", options->repeats,
-                   "runs over the recorded poses, of which the fastest counts "
-                   "(default 5)");
-    sub.add_option("--steps N", options->steps, "steps of each scene at most; 0: as many as it needs (default)");
-    sub.add_option("--threads N", options->threads, "of oncollide (default 1)");
-    sub.add_option("--csv FILE", options->csv, "write the table as CSV");
-    sub.add_option("--json FILE", options->json, "write the table as JSON");
-    sub.footer("Exit code 70: a body that should rest moves.\n"
-               "Example:\n"
-               "  oncollide-lab bench contacts --scene stack-shapes,stack-1200 --json contacts.json");
-    sub.action([options] { return bench_contacts(*options); });
+    Benchmark<ContactsOptions> b(bench, "contacts",
+                                 "Contacts for a solver: stacks, piles, knots, a box that slides, a nut on a bolt; "
+                                 "compared with other libraries",
+                                 bench_contacts);
+    b->repeats = 5;
+    b.option("--scene NAMES", b->scenes, "names, with commas between them (default: all)");
+    b.input("--cow FILE", b->files.cow, "mesh of the second pile (default: generated)");
+    b.input("--nut FILE", b->files.nut, "nut along z, in metres; adds a scene");
+    b.input("--bolt FILE", b->files.bolt, "its bolt");
+    b.option("--only NAMES", b->only, "other libraries, with commas between them; oncollide: none of them");
+    b.repeats("runs over the recorded poses, of which the fastest counts");
+    b.whole("--steps N", b->steps, "steps of each scene at most; 0: as many as it needs", {0});
+    b.whole("--threads N", b->threads, "of oncollide", {1, 256});
+    b.csv("scene and library"), b.json("the same");
+    b.footer("Exit code 70: a body that should rest moves.\n"
+             "Example:\n"
+             "  oncollide-lab bench contacts --scene stack-shapes,stack-1200 --json contacts.json");
 }
 
 } // namespace oncollide::tools

@@ -1,19 +1,13 @@
 // oncollide-lab bench continuous: when two moving meshes first meet, compared with FCL's modes; and an articulated
 // body.
 #include "bench/bench.hpp"
+#include "bench/common/benchmark.hpp"
 #include "bench/narrow/articulated.hpp"
-#include "cli/options.hpp"
-#include "common/race.hpp"
-#include "common/statistics.hpp"
-#include "common/text.hpp"
 #include "fcl/fcl_pair.hpp"
 
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 
-#include <oncollide/base/error.hpp>
-#include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/generators.hpp>
@@ -22,14 +16,12 @@
 namespace oncollide::tools {
 namespace {
 
-struct ContinuousOptions {
+struct ContinuousOptions : SharedOptions {
     std::vector<std::string> meshes; ///< two files; empty: two generated knots
     int motions = 1000, steps = 400;
     double reach = 1;        ///< of the positions, in diagonals of the meshes
     double tolerance = 1e-4; ///< of the time, and of the distance in diagonals
     int samples = 200;       ///< poses before each contact that are tested
-    std::uint64_t seed = 12345;
-    std::string csv;
 };
 
 constexpr double no_contact = std::numeric_limits<double>::infinity();
@@ -128,36 +120,38 @@ private:
     FclGeometry fcl_a_, fcl_b_;
 };
 
+Figures figures_of(const SweepTally& t, const SweepTally& ours)
+{
+    return figures("contender", t.name, "median_us", median(t.us), "mean_us", mean(t.us), "ratio",
+                   median(t.us) / median(ours.us), "contacts", t.contacts, "missed", t.missed, "invented", t.invented,
+                   "early", t.early, "late", t.late);
+}
+
 /// Returns how many results are wrong.
-std::size_t bench_articulated(const ContinuousOptions& options, CsvFile& csv)
+std::size_t bench_articulated(const ContinuousOptions& options, ResultTable& table)
 {
     constexpr int samples = 10;
     if (options.steps == 0) return 0;
     const ArticulatedResult r = walk_articulated_body(options.steps, options.tolerance, samples);
     say("\narticulated body: {} links, {} triangles, past {} posts of {} triangles; {} steps: {:.3g} ms, mean, {:.3g} "
-        "ms, "
-        "median; {} contacts; {} contradicted by exact tests of all pairs at {} poses in each step\n",
+        "ms, median; {} contacts; {} contradicted by exact tests of all pairs at {} poses in each step\n",
         r.links, grouped(r.triangles), r.posts, grouped(r.triangles_of_posts), options.steps, 1e-3 * mean(r.us),
         1e-3 * median(r.us), r.contacts, r.contradicted, samples);
-    csv.row(Quoted{"articulated"}, r.triangles, Quoted{"posts"}, r.triangles_of_posts, 0, options.tolerance,
-            options.steps, "oncollide", Digits{median(r.us), 4}, Digits{mean(r.us), 4}, r.contacts, r.contradicted, 0,
-            0, 0);
+    table.about(figures("a", "articulated", "a_triangles", r.triangles, "b", "posts", "b_triangles",
+                        r.triangles_of_posts, "reach", 0, "tolerance", options.tolerance, "motions", options.steps));
+    const SweepTally tally{.name = "oncollide", .us = r.us, .contacts = r.contacts, .missed = r.contradicted};
+    table.row({}, figures_of(tally, tally));
     return r.contradicted;
 }
 
 /// Returns the exit code: 70 if a result of oncollide is wrong.
 int bench_continuous(const ContinuousOptions& options)
 {
-    check_range("--motions", options.motions, 1, 10'000'000), check_range("--samples", options.samples, 0);
-    check_range("--steps", options.steps, 0, 1'000'000);
     if (!(options.tolerance >= 1e-12 && options.tolerance <= 1))
         usage(fmt::format("--tolerance {}: must be from 1e-12 to 1", options.tolerance));
     if (!(options.reach > 0 && options.reach <= 1e6))
         usage(fmt::format("--reach {}: must be above 0, and at most 1e6", options.reach));
     if (options.meshes.size() != 0 && options.meshes.size() != 2) usage("bench continuous: give no meshes, or two");
-    check_files({{"--csv", options.csv}}, options.meshes);
-    CsvFile csv(options.csv, "a,a_triangles,b,b_triangles,reach,tolerance,motions,contender,median_us,mean_us,"
-                             "contacts,missed,invented,early,late");
     const bool given = !options.meshes.empty();
     const auto load = [&](std::size_t i) {
         return mesh_of_unit_size(given ? load_mesh(options.meshes[i])
@@ -186,42 +180,34 @@ int bench_continuous(const ContinuousOptions& options)
             tally->add(timed_in(*tally, [&] { return pair.fcl(ways, how, options.tolerance); }), found,
                        options.tolerance);
     }
-    say("{:<18}{:>12}{:>12}{:>8}{:>10}{:>8}{:>10}{:>8}{:>8}\n", "", "median, us", "mean, us", "ratio", "contacts",
-        "missed", "invented", "early", "late");
-    for (const SweepTally* t : {&ours, &advance, &sampled}) {
-        say("{:<18}{:>12.1f}{:>12.1f}{:>8.1f}{:>10}{:>8}{:>10}{:>8}{:>8}\n", t->name, median(t->us), mean(t->us),
-            median(t->us) / median(ours.us), t->contacts, t->missed, t->invented, t->early, t->late);
-        csv.row(Quoted{name(0)}, a.triangles.size(), Quoted{name(1)}, b.triangles.size(), options.reach,
-                options.tolerance, options.motions, t->name, Digits{median(t->us), 4}, Digits{mean(t->us), 4},
-                t->contacts, t->missed, t->invented, t->early, t->late);
-    }
+    ResultTable table(options.csv, {18});
+    table.about(figures("a", name(0), "a_triangles", a.triangles.size(), "b", name(1), "b_triangles",
+                        b.triangles.size(), "reach", options.reach, "tolerance", options.tolerance, "motions",
+                        options.motions));
+    for (const SweepTally* t : {&ours, &advance, &sampled}) table.row(figures_of(*t, ours));
     say("\noncollide: {} of {} results contradicted by {} exact tests each; {} left open\n", wrong, options.motions,
         options.samples + 1, open);
-    wrong += bench_articulated(options, csv);
-    csv.commit();
-    return wrong ? int(ErrorKind::internal) : 0;
+    wrong += bench_articulated(options, table);
+    table.commit();
+    return code_of(wrong > 0);
 }
 
 } // namespace
 
 void add_continuous(Arguments bench)
 {
-    Arguments sub = bench.add_command("continuous", "When two moving meshes first meet");
-    auto options = std::make_shared<ContinuousOptions>();
-    sub.add_option("meshes A B", options->meshes, "two mesh files, scaled to a diagonal of 1 (default: two knots)")
-        .expected(0, 2);
-    sub.add_option("--motions N", options->motions, "random motions of both (default 1000)");
-    sub.add_option("--reach R", options->reach, "largest coordinate of B's random positions (default 1)");
-    sub.add_option("--tolerance T", options->tolerance, "of the time of contact and of the distance (default 1e-4)");
-    sub.add_option("--samples N", options->samples, "poses before each contact that exact tests check (default 200)");
-    sub.add_option("--steps N", options->steps,
-                   "steps of an articulated body of 15 links and 20,000 triangles (default 400; 0: none)");
-    sub.add_option("--seed S", options->seed, "seed of the motions (default 12345)");
-    sub.add_option("--csv FILE", options->csv, "write one row per contender");
-    sub.footer("Contenders take turns, motion by motion. missed: a contact that exact tests confirm is not found;\n"
-               "early, late: the time is off by more than ten tolerances; invented: a contact is reported where the\n"
-               "whole motion is certified free. Exit code 70: exact tests contradict a result of oncollide.");
-    sub.action([options] { return bench_continuous(*options); });
+    Benchmark<ContinuousOptions> b(bench, "continuous", "When two moving meshes first meet", bench_continuous);
+    b.input("meshes A B", b->meshes, "two mesh files, scaled to a diagonal of 1 (default: two knots)").expected(0, 2);
+    b.whole("--motions N", b->motions, "random motions of both", {1, 10'000'000});
+    b.option("--reach R", b->reach, "largest coordinate of B's random positions (default 1)");
+    b.option("--tolerance T", b->tolerance, "of the time of contact and of the distance (default 1e-4)");
+    b.whole("--samples N", b->samples, "poses before each contact that exact tests check", {0});
+    b.whole("--steps N", b->steps, "steps of an articulated body of 15 links and 20,000 triangles; 0: none",
+            {0, 1'000'000});
+    b.seed("the motions"), b.csv("contender");
+    b.footer("Contenders take turns, motion by motion. missed: a contact that exact tests confirm is not found;\n"
+             "early, late: the time is off by more than ten tolerances; invented: a contact is reported where the\n"
+             "whole motion is certified free. Exit code 70: exact tests contradict a result of oncollide.");
 }
 
 } // namespace oncollide::tools

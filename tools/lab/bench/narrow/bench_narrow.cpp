@@ -1,36 +1,26 @@
 // oncollide-lab bench narrow: time of a query of two meshes, compared with the narrow phases of other libraries.
 #include "bench/bench.hpp"
+#include "bench/common/benchmark.hpp"
 #include "bench/narrow/narrow_report.hpp"
-#include "cli/options.hpp"
-#include "cli/shard.hpp"
-#include "cli/standard_output.hpp"
-#include "common/text.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
-#include <fmt/format.h>
-
-#include <oncollide/base/error.hpp>
 #include <oncollide/base/text/near_word.hpp>
-#include <oncollide/base/text/printable.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 
 namespace oncollide::tools {
 namespace {
 
-struct NarrowOptions {
+struct NarrowOptions : SharedOptions {
     std::vector<std::string> meshes; ///< none or two files
     bool use_poses = false;          ///< a pose file instead of generated poses
     std::string poses;               ///< that file; empty: the set in the data folder, with its own meshes
-    std::string distances, ask, only, csv, plot, data, shard;
+    std::string distances, ask;
     std::string depths;       ///< of the sphere-trees, each also followed by FCL; empty: the usual ones
     std::string poses_csv;    ///< one row per pose, with the times of boolean queries
     std::optional<int> count; ///< poses per distance, or poses of the file
-    int repeats = 3;
-    std::uint64_t seed = 12345;
 };
 
 namespace fs = std::filesystem;
@@ -99,16 +89,12 @@ void check(const NarrowOptions& options)
     if (options.use_poses && options.poses.empty() && !options.meshes.empty())
         usage("--poses: the data folder's poses have their own meshes; name a pose file or no meshes");
     if (options.use_poses && !options.distances.empty()) usage("--distances: does not apply to the poses of a file");
-    check_range("--repeats", options.repeats, 1, 1000);
-    check_range("--count", options.count.value_or(1), 1, 100'000);
-    check_files({{"--csv", options.csv}, {"--plot", options.plot}, {"--csv", options.poses_csv}});
 }
 
 void print_settings(const NarrowOptions& options, const NarrowResult& result, const NarrowContenders& contenders)
 {
     say("{}", describe_program("narrow phase only"));
-    for (const MissingPeer& peer : contenders.missing)
-        say("{:<11}not in this build (Debian: {})\n", peer.library, peer.package);
+    print_missing(contenders.missing);
     const auto colliding = std::count(result.truth.colliding.begin(), result.truth.colliding.end(), true);
     say("meshes     {} ({} triangles), {} ({})\n"
         "poses      {}, {} colliding{}; least of {} runs of each query, after a warm-up pass\n",
@@ -160,11 +146,6 @@ int bench_narrow(const NarrowOptions& options)
     };
     if (std::none_of(contenders.all.begin(), contenders.all.end(), supports_any))
         usage(fmt::format("--only {}: supports none of --query {}", options.only, options.ask));
-    std::optional<OutputFile> csv, plot, poses_csv;
-    if (!options.poses_csv.empty()) poses_csv.emplace(options.poses_csv);
-    if (!options.csv.empty()) csv.emplace(options.csv);
-    if (!options.plot.empty()) plot.emplace(options.plot);
-
     const std::array<BenchedMesh, 2> meshes = open_meshes(options);
     const Mesh &a = meshes[0].mesh, &b = meshes[1].mesh;
     result.mesh_a = meshes[0].name, result.triangles_a = a.triangles.size();
@@ -179,68 +160,61 @@ int bench_narrow(const NarrowOptions& options)
     leave_out_fragile(contenders.all, std::min(result.triangles_a, result.triangles_b));
     result.rows = race(a, b, result.workload, result.truth, contenders.all, result.queries, options.repeats);
     print_narrow(result);
-    if (csv) {
-        csv->write(shard.line(fmt::format("bench narrow, {} and {}, query {}, distances {}, count {}, seed {}, only {}",
-                                          printable(result.mesh_a), printable(result.mesh_b), options.ask,
-                                          options.use_poses ? "of a file" : options.distances,
-                                          options.count.value_or(0), options.seed, options.only)));
-        write_narrow_csv(*csv, result), csv->commit();
-    }
-    if (poses_csv) write_poses_csv(*poses_csv, result), poses_csv->commit();
-    if (plot) draw_narrow_plot(*plot, result), plot->commit();
-    return broken_promise(result) ? int(ErrorKind::internal) : 0;
+    if (!options.csv.empty())
+        write_narrow_csv(
+            options.csv,
+            shard.line(fmt::format("bench narrow, {} and {}, query {}, distances {}, count {}, seed {}, only {}",
+                                   printable(result.mesh_a), printable(result.mesh_b), options.ask,
+                                   options.use_poses ? "of a file" : options.distances, options.count.value_or(0),
+                                   options.seed, options.only)),
+            result);
+    if (!options.poses_csv.empty()) write_poses_csv(options.poses_csv, result);
+    if (!options.plot.empty()) draw_narrow_plot(options.plot, result);
+    return code_of(broken_promise(result));
 }
 
 } // namespace
 
 void add_poses(Arguments bench)
 {
-    Arguments sub =
-        bench.add_command("poses", "One pair of meshes in 1,000 poses with known results (needs the data folder)");
-    auto options = std::make_shared<NarrowOptions>();
-    options->use_poses = true, options->ask = "boolean", options->depths = "4-8", options->repeats = 5;
-    sub.add_option("--data DIR", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)");
-    sub.add_option("--depths LIST", options->depths, "depths of the sphere-trees (default 4-8)");
-    sub.add_option("--repeats N", options->repeats, "number of runs; each query's least time counts (default 5)");
-    sub.add_option("--poses N", options->count, "use only the first N poses");
-    sub.add_option("--csv FILE", options->poses_csv, "write one row per pose");
-    sub.footer(
+    Benchmark<NarrowOptions> b(
+        bench, "poses", "One pair of meshes in 1,000 poses with known results (needs the data folder)", bench_narrow);
+    b->use_poses = true, b->ask = "boolean", b->depths = "4-8", b->repeats = 5;
+    b.data("poses/");
+    b.option("--depths LIST", b->depths, "depths of the sphere-trees (default 4-8)");
+    b.repeats("number of runs; each query's least time counts");
+    b.whole("--poses N", b->count, "use only the first N poses", {1, 100'000});
+    b.output("--csv", "FILE", b->poses_csv, "write one row per pose");
+    b.footer(
         "The same as 'oncollide-lab bench narrow --poses --query boolean' with FCL and these depths; each depth also\n"
         "with FCL for the pairs that are left over.");
-    sub.action([options] {
-        options->only = "fcl-obb,fcl-obbrss";
-        for (int depth : parse_depths("--depths", options->depths))
-            options->only += fmt::format(",walk-{0},walk-{0}+fcl", depth);
-        return bench_narrow(*options);
+    b.prepare([](NarrowOptions& o) {
+        o.only = "fcl-obb,fcl-obbrss";
+        for (int depth : parse_depths("--depths", o.depths)) o.only += fmt::format(",walk-{0},walk-{0}+fcl", depth);
     });
 }
 
 void add_narrow(Arguments bench)
 {
-    Arguments sub = bench.add_command("narrow", "Only the narrow phase, on two meshes, compared with other libraries");
-    auto options = std::make_shared<NarrowOptions>();
-    sub.add_option("meshes MESH_A MESH_B", options->meshes,
-                   "two mesh files; the second is moved (default: two generated knots)")
+    Benchmark<NarrowOptions> b(bench, "narrow", "Only the narrow phase, on two meshes, compared with other libraries",
+                               bench_narrow);
+    b.input("meshes MESH_A MESH_B", b->meshes, "two mesh files; the second is moved (default: two generated knots)")
         .expected(0, 2);
-    sub.add_option("--distances LIST", options->distances,
-                   "distances of the surfaces, in percent of the diagonal of MESH_A's AABB (default "
-                   "0,0.1,1,5,10,20,40); 0 just touches, negative collides");
-    Option poses = sub.add_option("--poses FILE", options->poses,
-                                  "poses from a file for these meshes, with exact results if FILE_expected exists; "
-                                  "without FILE: the data folder's set with its own meshes");
+    b.option("--distances LIST", b->distances,
+             "distances of the surfaces, in percent of the diagonal of MESH_A's AABB (default 0,0.1,1,5,10,20,40); 0 "
+             "just touches, negative collides");
+    Option poses = b.option("--poses FILE", b->poses,
+                            "poses from a file for these meshes, with exact results if FILE_expected exists; without "
+                            "FILE: the data folder's set with its own meshes");
     poses.expected(0, 1);
-    sub.add_option("--count N", options->count,
-                   "poses per distance (default 100), or poses of the file (default: all)");
-    sub.add_option("--query,--ask LIST", options->ask,
-                   "queries: boolean (do they collide?), all (which triangles meet?), distance (default: all three)");
-    sub.add_option("--only LIST", options->only, "run only these contenders");
-    sub.add_option("--repeats N", options->repeats, "number of runs; each query's least time counts (default 3)");
-    sub.add_option("--csv FILE", options->csv, "write one row per contender, query and distance");
-    sub.add_option("--shard I/N", options->shard, std::string("divide the distances among N processes: ") + shard_help);
-    sub.add_option("--plot FILE.svg", options->plot, "draw time against distance, one panel per query");
-    sub.add_option("--seed S", options->seed, "seed of the poses (default 12345)");
-    sub.add_option("--data DIR", options->data, "folder with poses/ (default: $ONCOLLIDE_DATA, else ../shared/data)");
-    sub.footer(
+    b.whole("--count N", b->count, "poses per distance (default 100), or poses of the file (default: all)",
+            {1, 100'000});
+    b.option("--query,--ask LIST", b->ask,
+             "queries: boolean (do they collide?), all (which triangles meet?), distance (default: all three)");
+    b.only(), b.repeats("number of runs; each query's least time counts");
+    b.csv("contender, query and distance"), b.shard("distances");
+    b.plot("time against distance, one panel per query"), b.seed("the poses"), b.data("poses/");
+    b.footer(
         "Examples:\n"
         "  oncollide-lab bench narrow                                     two generated knots, no files needed\n"
         "  oncollide-lab bench narrow cup.obj spoon.stl --distances 0,1,10 --plot narrow.svg\n"
@@ -248,10 +222,7 @@ void add_narrow(Arguments bench)
         "Every result is checked by exact arithmetic. In 'results', +k are k false positives and\n"
         "MISSED k is k missed collisions (of 'all': pairs of triangles). Exit code 70: oncollide missed a\n"
         "collision, or an exact result is wrong. Definitions for each contender: docs/notes/benchmark-methods.md.");
-    sub.action([options, poses] {
-        options->use_poses = poses.given();
-        return bench_narrow(*options);
-    });
+    b.prepare([poses](NarrowOptions& o) { o.use_poses = poses.given(); });
 }
 
 } // namespace oncollide::tools

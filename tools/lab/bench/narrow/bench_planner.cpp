@@ -1,17 +1,12 @@
 // oncollide-lab bench planner: which of many sampled poses of a body collide with a large static body?
 #include "bench/bench.hpp"
-#include "cli/options.hpp"
-#include "common/race.hpp"
-#include "common/text.hpp"
+#include "bench/common/benchmark.hpp"
 #include "fcl/fcl_pair.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <memory>
 
-#include <oncollide/base/error.hpp>
-#include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/pipeline/world.hpp>
@@ -22,11 +17,9 @@
 namespace oncollide::tools {
 namespace {
 
-struct PlannerOptions {
+struct PlannerOptions : SharedOptions {
     std::vector<std::string> meshes; ///< none, or the static and the moving mesh
     int poses = 100'000;
-    std::uint64_t seed = 12345;
-    std::string csv;
 };
 
 /// Poses of `moving`: random orientations, and positions in the AABB of `fixed` grown by half the size of `moving`.
@@ -53,7 +46,7 @@ std::string stem(const std::string& file)
 
 /// One library, or one of our exact levels, with its times and results.
 struct PlannerEntrant {
-    std::string name, who; ///< in the table, in the file
+    std::string who;
     ExactLevel exact = ExactLevel::off;
     std::function<void(std::vector<std::uint8_t>& hits)> run;
     double first = 0, second = 0; ///< seconds of the two calls; the first includes building the models and trees
@@ -69,7 +62,7 @@ PlannerEntrant fcl_in_a_loop(const Mesh& fixed, const Mesh& moving, std::span<co
             for (std::size_t i = begin; i < end; ++i) hits[i] = fcl->contacts(poses[i]) > 0;
         });
     };
-    return {"FCL OBB in a loop", "fcl", {}, run, 0, 0, {}};
+    return {"fcl", {}, run, 0, 0, {}};
 }
 
 PlannerEntrant in_one_call(const Mesh& fixed, const Mesh& moving, std::span<const Eigen::Isometry3d> poses, int threads,
@@ -87,13 +80,7 @@ PlannerEntrant in_one_call(const Mesh& fixed, const Mesh& moving, std::span<cons
         ours->pairs().decide(pairs, findings);
         std::ranges::transform(findings, hits.begin(), [](const Finding& f) { return f.verdict != Verdict::separate; });
     };
-    return {fmt::format("oncollide, exact {}", name_of(exact)),
-            exact == ExactLevel::off ? "bound" : "exact",
-            exact,
-            run,
-            0,
-            0,
-            {}};
+    return {exact == ExactLevel::off ? "bound" : "exact", exact, run, 0, 0, {}};
 }
 
 /// Two calls of each entrant, in turns.
@@ -116,64 +103,54 @@ std::vector<PlannerEntrant> race(const Mesh& fixed, const Mesh& moving, std::spa
 /// contradicts a result.
 int bench_planner(const PlannerOptions& options)
 {
-    check_range("--poses", options.poses, 1, 10'000'000);
     if (options.meshes.size() != 0 && options.meshes.size() != 2)
         usage("bench planner: give no meshes, or two: the static and the moving mesh");
-    check_files({{"--csv", options.csv}}, options.meshes);
-    CsvFile csv(
-        options.csv,
-        "fixed,fixed_triangles,moving,moving_triangles,poses,colliding,who,threads,first_s,second_s,ratio,false");
     const bool given = !options.meshes.empty();
     const Mesh fixed = given ? load_mesh(options.meshes[0]) : make_terrain_mesh(4, 0.8, 186, 1);
     const Mesh moving = given ? load_mesh(options.meshes[1]) : make_torus_knot_mesh(2, 3, 0.3, 0.12, 0.05, 5000);
-    const std::string fixed_name = given ? stem(options.meshes[0]) : "terrain",
-                      moving_name = given ? stem(options.meshes[1]) : "knot";
     const std::vector<Eigen::Isometry3d> poses = sample(fixed, moving, std::size_t(options.poses), options.seed);
     say("{}static     {} triangles\nmoving     {} triangles\nposes      {}, seed {}\n\n", describe_program("planner"),
         grouped(fixed.triangles.size()), grouped(moving.triangles.size()), grouped(poses.size()), options.seed);
-
+    ResultTable table(options.csv);
     std::uint64_t wrong = 0, colliding = 0;
-    say("{:<28}{:>8}{:>16}{:>16}{:>8}{:>12}{:>8}\n", "", "threads", "first call, s", "second call, s", "ratio",
-        "poses/s", "false");
     for (int threads = 1; threads <= std::min(2, hardware_threads()); ++threads) {
         const std::vector<PlannerEntrant> all = race(fixed, moving, poses, threads);
         const std::vector<std::uint8_t>& expected = all.front().hits;
         colliding = std::uint64_t(std::ranges::count(expected, 1));
+        table.about(figures("fixed", given ? stem(options.meshes[0]) : "terrain", "fixed_triangles",
+                            fixed.triangles.size(), "moving", given ? stem(options.meshes[1]) : "knot",
+                            "moving_triangles", moving.triangles.size(), "poses", poses.size(), "colliding",
+                            colliding));
         for (const PlannerEntrant& entrant : all) {
             std::uint64_t false_positives = 0, missed = 0;
             for (std::size_t i = 0; i < poses.size(); ++i)
                 false_positives += entrant.hits[i] > expected[i], missed += entrant.hits[i] < expected[i];
             wrong += missed + (entrant.exact == ExactLevel::off ? 0 : false_positives);
-            const double ratio = all.front().second / entrant.second;
-            say("{:<28}{:>8}{:>16.3f}{:>16.3f}{:>8.2f}{:>12}{:>8}\n", entrant.name, threads, entrant.first,
-                entrant.second, ratio, grouped(std::uint64_t(double(poses.size()) / entrant.second)),
-                grouped(false_positives));
-            csv.row(Quoted{fixed_name}, fixed.triangles.size(), Quoted{moving_name}, moving.triangles.size(),
-                    poses.size(), colliding, entrant.who, threads, Digits{entrant.first, 4}, Digits{entrant.second, 4},
-                    Digits{ratio, 3}, false_positives);
+            table.row(figures("who", entrant.who, "threads", threads, "first_s", entrant.first, "second_s",
+                              entrant.second, "ratio", all.front().second / entrant.second, "poses_per_s",
+                              double(poses.size()) / entrant.second, "false", false_positives));
         }
     }
     say("\ncolliding  {} of {}; results that FCL contradicts: {}\n", grouped(colliding), grouped(poses.size()),
         grouped(wrong));
-    csv.commit();
-    return wrong ? int(ErrorKind::internal) : 0;
+    table.commit();
+    return code_of(wrong > 0);
 }
 
 } // namespace
 
 void add_planner(Arguments bench)
 {
-    Arguments sub = bench.add_command("planner", "Many sampled poses of one mesh against another, in one call");
-    auto options = std::make_shared<PlannerOptions>();
-    sub.add_option("meshes STATIC MOVING", options->meshes,
-                   "two mesh files; the second is moved (default: terrain and knot)")
+    Benchmark<PlannerOptions> b(bench, "planner", "Many sampled poses of one mesh against another, in one call",
+                                bench_planner);
+    b.input("meshes STATIC MOVING", b->meshes, "two mesh files; the second is moved (default: terrain and knot)")
         .expected(0, 2);
-    sub.add_option("--poses N", options->poses, "poses to sample (default 100000)");
-    sub.add_option("--seed S", options->seed, "seed of the poses (default 12345)");
-    sub.add_option("--csv FILE", options->csv, "write one row per kind of query and number of threads");
-    sub.footer("The first call includes building FCL's models and oncollide's trees. Ratios compare second calls.\n"
-               "'false': poses that oncollide leaves over and FCL finds separate.");
-    sub.action([options] { return bench_planner(*options); });
+    b.whole("--poses N", b->poses, "poses to sample", {1, 10'000'000});
+    b.seed("the poses"), b.csv("kind of query and number of threads");
+    b.footer(
+        "fcl: FCL's OBB trees in a loop; bound: oncollide within its error; exact: oncollide, exact. The first call\n"
+        "includes building FCL's models and oncollide's trees. Ratios compare second calls.\n"
+        "'false': poses that oncollide leaves over and FCL finds separate.");
 }
 
 } // namespace oncollide::tools

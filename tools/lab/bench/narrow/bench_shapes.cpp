@@ -1,31 +1,21 @@
 // oncollide-lab bench shapes: pairs of shapes close to contact, compared with FCL, which passes most of them to libccd.
 #include "bench/bench.hpp"
+#include "bench/common/benchmark.hpp"
 #include "bench/narrow/shape_pairs.hpp"
-#include "cli/options.hpp"
-#include "common/race.hpp"
-#include "common/text.hpp"
 #include "truth/judge.hpp"
 
 #include <algorithm>
 #include <array>
-#include <ctime>
-#include <memory>
 
-#include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
-
-#include "cli/outputs.hpp"
 
 namespace oncollide::tools {
 namespace {
 
-struct ShapesOptions {
+struct ShapesOptions : SharedOptions {
     int pairs = 100'000;
-    int threads = 0; ///< for the checks; both libraries are timed on one thread
     double least_gap = 1e-6;
-    std::uint64_t seed = 12345;
-    std::string csv;
 };
 
 constexpr std::size_t batch = 2000;
@@ -69,25 +59,12 @@ void judge(const ClosePair& pair, const ShapeResults& results, ShapeRow& row)
     if (apart && results.fcl) row.fcl_worst = std::max(row.fcl_worst, truth.distance.low);
 }
 
-/// Processor time of this thread, so that other work on the machine does not count.
-double processor_ns()
-{
-    std::timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return 1e9 * double(t.tv_sec) + double(t.tv_nsec);
-}
-
-std::string named(std::size_t a, std::size_t b)
-{
-    return fmt::format("{} {}", shape_kinds[a], shape_kinds[b]);
-}
-
-void print_row(const std::string& name, const ShapeRow& r)
+Figures figures_of(std::string_view a, std::string_view b, const ShapeRow& r)
 {
     const double n = double(std::max<std::uint64_t>(r.pairs, 1));
-    say("{:<22}{:>10}{:>11.1f}%{:>12.0f}{:>10.0f}{:>8.2f}{:>8}{:>7}{:>10}{:>10}{:>11.1e}\n", name, grouped(r.pairs),
-        100 * double(r.colliding) / n, r.ours_ns / n, r.fcl_ns / n, r.fcl_ns / r.ours_ns, grouped(r.open),
-        grouped(r.wrong), grouped(r.fcl_missed), grouped(r.fcl_invented), r.fcl_worst);
+    return figures("a", a, "b", b, "pairs", r.pairs, "colliding", r.colliding, "oncollide_ns", r.ours_ns / n, "fcl_ns",
+                   r.fcl_ns / n, "ratio", r.fcl_ns / r.ours_ns, "within", r.open, "wrong", r.wrong, "fcl_lost",
+                   r.fcl_missed, "fcl_made", r.fcl_invented, "fcl_worst_m", r.fcl_worst);
 }
 
 class ShapeRace {
@@ -124,7 +101,7 @@ private:
     void time(std::size_t begin, std::size_t end, ShapeRow& row, unsigned turn)
     {
         take_turns(2, turn, [&](std::size_t fcl) {
-            const double from = processor_ns();
+            const double from = processor_ms();
             for (std::size_t i = begin; i < end; ++i) {
                 const ClosePair& p = drawn_[i];
                 const PairTask task{0, p.a->model.get(), p.b->model.get(), &p.pose_a, &p.pose_b};
@@ -133,7 +110,7 @@ private:
                 else
                     results_[i].ours = tests_for(task).decide(worker_, task, {}, nullptr);
             }
-            (fcl ? row.fcl_ns : row.ours_ns) += processor_ns() - from;
+            (fcl ? row.fcl_ns : row.ours_ns) += 1e6 * (processor_ms() - from);
         });
     }
     void judge_all()
@@ -161,53 +138,41 @@ private:
 /// contradicts a result of oncollide.
 int bench_shapes(const ShapesOptions& options)
 {
-    check_range("--pairs", options.pairs, 1, 1'000'000'000);
-    check_range("--threads", options.threads, 0, 1024);
     if (!(options.least_gap > 0 && options.least_gap <= 0.1))
         usage("bench shapes: --least-gap must be above 0 and at most 0.1");
-    check_files({{"--csv", options.csv}});
-    CsvFile csv(options.csv, "a,b,pairs,colliding,oncollide_ns,fcl_ns,within,wrong,fcl_lost,fcl_made,fcl_worst_m");
+    ResultTable table(options.csv);
     say("{}pairs      {}, gaps of {} to 0.1 m, seed {}; checked in extended precision on {} threads\n\n",
         describe_program("shapes"), grouped(std::uint64_t(options.pairs)), options.least_gap, options.seed,
-        thread_count({.threads = options.threads}));
+        threads_of(options));
     ShapeRace race(options);
     for (std::uint64_t first = 0; first < std::uint64_t(options.pairs); first += batch)
         race.run(first, std::min<std::uint64_t>(batch, std::uint64_t(options.pairs) - first));
 
-    say("{:<22}{:>10}{:>12}{:>12}{:>10}{:>8}{:>8}{:>7}{:>10}{:>10}{:>11}\n", "", "pairs", "colliding", "oncollide ns",
-        "FCL ns", "ratio", "within", "wrong", "FCL lost", "FCL made", "worst, m");
     ShapeRow all;
     for (std::size_t a = 0; a < kinds; ++a)
         for (std::size_t b = a; b < kinds; ++b) {
             const ShapeRow& r = race.rows[a][b];
-            if (r.pairs == 0) continue;
-            print_row(named(a, b), r), all += r;
-            csv.row(shape_kinds[a], shape_kinds[b], r.pairs, r.colliding, Fixed{r.ours_ns / double(r.pairs), 1},
-                    Fixed{r.fcl_ns / double(r.pairs), 1}, r.open, r.wrong, r.fcl_missed, r.fcl_invented, r.fcl_worst);
+            if (r.pairs > 0) table.row(figures_of(shape_kinds[a], shape_kinds[b], r)), all += r;
         }
-    print_row("all", all);
+    table.print(figures_of("all", "", all));
     say("\nhash       {:016x}\n", race.hash);
-    csv.commit();
-    return all.wrong ? int(ErrorKind::internal) : 0;
+    table.commit();
+    return code_of(all.wrong > 0);
 }
 
 } // namespace
 
 void add_shapes(Arguments bench)
 {
-    Arguments sub = bench.add_command("shapes", "Pairs of shapes close to contact, checked in extended precision");
-    auto options = std::make_shared<ShapesOptions>();
-    sub.add_option("--pairs N", options->pairs, "number of random pairs (default 100000)");
-    sub.add_option("--seed S", options->seed, "seed of the pairs (default 12345)");
-    sub.add_option("--least-gap", options->least_gap, "least gap or overlap; 0.1 m is the largest (default 1e-6)")
-        .length();
-    sub.add_option("--threads N", options->threads, "number of threads for the checks; 0: all (default 0)");
-    sub.add_option("--csv FILE", options->csv, "write one row per pair of kinds");
-    sub.footer(
-        "Both libraries are timed on one thread, in alternation. 'within': pairs that oncollide does not decide; 'FCL "
-        "lost' and 'FCL made': collisions that FCL misses, and false collisions of FCL; 'worst': largest distance "
-        "of such a pair. Exit code 70: the truth contradicts a result or a bound of oncollide.");
-    sub.action([options] { return bench_shapes(*options); });
+    Benchmark<ShapesOptions> b(bench, "shapes", "Pairs of shapes close to contact, checked in extended precision",
+                               bench_shapes);
+    b->threads = 0;
+    b.whole("--pairs N", b->pairs, "number of random pairs", {1, 1'000'000'000});
+    b.option("--least-gap", b->least_gap, "least gap or overlap; 0.1 m is the largest (default 1e-6)").length();
+    b.seed("the pairs"), b.threads("number of threads for the checks"), b.csv("pair of kinds");
+    b.footer("Both libraries are timed on one thread, in alternation. 'within': pairs that oncollide does not decide; "
+             "'fcl lost' and 'fcl made': collisions that FCL misses, and false collisions of FCL; 'fcl worst': largest "
+             "distance of such a pair. Exit code 70: the truth contradicts a result or a bound of oncollide.");
 }
 
 } // namespace oncollide::tools

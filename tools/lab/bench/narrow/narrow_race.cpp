@@ -52,11 +52,6 @@ std::uint64_t not_in(const std::vector<TrianglePair>& these, const std::vector<T
     return count;
 }
 
-struct NarrowEntrant {
-    NarrowRow row;
-    std::unique_ptr<NarrowPeer> peer;
-};
-
 class NarrowRace {
 public:
     NarrowRace(const Mesh& a, const Mesh& b, const NarrowWorkload& workload, const NarrowTruth& truth,
@@ -68,24 +63,24 @@ public:
     /// Builds the contender and runs every pose once.
     void enter(const NarrowContender& contender)
     {
-        NarrowEntrant entrant;
-        entrant.row.contender = &contender;
+        NarrowRow row;
+        row.contender = &contender;
         for (NarrowQuery query : queries_)
-            if (supports(contender, query)) entrant.row.queries[std::size_t(query)] = empty_result(query);
+            if (supports(contender, query)) row.queries[std::size_t(query)] = empty_result(query);
         trim_memory();
         const double before = double(resident_memory());
-        entrant.row.build_ms = least_ms(1, [&] { entrant.peer = contender.make(a_, b_); });
+        row.build_ms = least_ms(1, [&] { row.peer = contender.make(a_, b_); });
         const Clock::time_point from = Clock::now();
         Progress progress("warming up " + contender.name, workload_.poses.size());
         for (const NarrowPose& pose : workload_.poses) {
             for (NarrowQuery query : queries_)
-                if (supports(contender, query)) give(*entrant.peer, query, pose.known.b, found_);
+                if (supports(contender, query)) give(*row.peer, query, pose.known.b, found_);
             progress.step();
         }
-        entrant.row.warm_up_ms = milliseconds_since(from);
+        row.warm_up_ms = milliseconds_since(from);
         trim_memory();
-        entrant.row.bytes = std::max(0.0, double(resident_memory()) - before);
-        entrants_.push_back(std::move(entrant));
+        row.bytes = std::max(0.0, double(resident_memory()) - before);
+        rows_.push_back(std::move(row));
     }
 
     std::vector<NarrowRow> run()
@@ -93,20 +88,16 @@ public:
         Progress progress("measuring", workload_.poses.size());
         for (std::size_t pose = 0; pose < workload_.poses.size(); ++pose, progress.step())
             for (NarrowQuery query : queries_)
-                take_turns(entrants_.size(), pose, [&](std::size_t k) {
-                    if (supports(*entrants_[k].row.contender, query)) measure(entrants_[k], query, pose);
+                take_turns(rows_.size(), pose, [&](std::size_t k) {
+                    if (supports(*rows_[k].contender, query)) measure(rows_[k], query, pose);
                 });
         for (std::size_t group = 0; group < workload_.groups.size(); ++group)
             for (NarrowQuery query : queries_)
-                take_turns(entrants_.size(), group, [&](std::size_t k) {
-                    if (supports(*entrants_[k].row.contender, query)) measure_loop(entrants_[k], query, group);
+                take_turns(rows_.size(), group, [&](std::size_t k) {
+                    if (supports(*rows_[k].contender, query)) measure_loop(rows_[k], query, group);
                 });
-        std::vector<NarrowRow> rows;
-        for (NarrowEntrant& entrant : entrants_) {
-            entrant.row.figures = entrant.peer->figures();
-            rows.push_back(std::move(entrant.row));
-        }
-        return rows;
+        for (NarrowRow& row : rows_) row.figures = row.peer->figures();
+        return std::move(rows_);
     }
 
 private:
@@ -122,26 +113,26 @@ private:
         return result;
     }
 
-    void measure(NarrowEntrant& entrant, NarrowQuery query, std::size_t pose)
+    void measure(NarrowRow& row, NarrowQuery query, std::size_t pose)
     {
-        QueryResult& result = *entrant.row.queries[std::size_t(query)];
+        QueryResult& result = *row.queries[std::size_t(query)];
         result.us[pose] =
             1e3 * least_ms(
-                      repeats_, [&] { give(*entrant.peer, query, workload_.poses[pose].known.b, found_); }, long_ms);
+                      repeats_, [&] { give(*row.peer, query, workload_.poses[pose].known.b, found_); }, long_ms);
         result.hashes[pose] = hash_of(query, found_);
         compare(query, pose, result);
     }
 
-    void measure_loop(NarrowEntrant& entrant, NarrowQuery query, std::size_t group)
+    void measure_loop(NarrowRow& row, NarrowQuery query, std::size_t group)
     {
-        QueryResult& result = *entrant.row.queries[std::size_t(query)];
+        QueryResult& result = *row.queries[std::size_t(query)];
         std::vector<const Eigen::Isometry3d*> poses;
         for (const NarrowPose& pose : workload_.poses)
             if (pose.group == group) poses.push_back(&pose.known.b);
         const double ms = least_ms(
             repeats_,
             [&] {
-                for (const Eigen::Isometry3d* pose : poses) give(*entrant.peer, query, *pose, found_);
+                for (const Eigen::Isometry3d* pose : poses) give(*row.peer, query, *pose, found_);
             },
             long_loop_ms);
         result.loop_us.push_back(poses.empty() ? 0 : 1e3 * ms / double(poses.size()));
@@ -170,7 +161,7 @@ private:
     const NarrowTruth& truth_;
     const std::vector<NarrowQuery>& queries_;
     int repeats_;
-    std::vector<NarrowEntrant> entrants_;
+    std::vector<NarrowRow> rows_;
     Found found_;
 };
 

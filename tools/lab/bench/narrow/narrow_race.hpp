@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -41,6 +42,7 @@ struct QueryResult {
 
 struct NarrowRow {
     const NarrowContender* contender = nullptr;
+    std::unique_ptr<NarrowPeer> peer{};
     double build_ms = 0;   ///< time to build its data from two meshes
     double warm_up_ms = 0; ///< time of the warm-up pass over all poses
     double bytes = 0;      ///< growth of the process in both

@@ -1,20 +1,18 @@
 #include "bench/narrow/narrow_report.hpp"
 
 #include <algorithm>
-#include <bit>
 
 #include <fmt/format.h>
 
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/scenes/motion.hpp>
 
+#include "bench/common/result_table.hpp"
 #include "common/line_plot.hpp"
 #include "common/text.hpp"
 
 namespace oncollide::tools {
 namespace {
-
-using Group = Group;
 
 constexpr double distance_tolerance = 1e-6; // relative to the diagonal; FCL rounds by about 1e-9
 
@@ -53,47 +51,45 @@ std::string_view name_of(Promise promise)
     return names[int(promise)];
 }
 
+void append(Figures& to, const Figures& more)
+{
+    to.insert(to.end(), more.begin(), more.end());
+}
+
+Figures times_of(const NarrowResult& result, const NarrowSummary& s, NarrowQuery query, std::size_t group)
+{
+    const auto to_fcl = [&](double NarrowSummary::*part) { return ratio(result, s, query, group, part); };
+    return figures("median_us", s.median, "mean_us", s.mean, "mean_colliding_us", s.mean_colliding, "mean_separate_us",
+                   s.mean_separate, "loop_us", s.in_loop, "ratio_median", to_fcl(&NarrowSummary::median), "ratio_mean",
+                   to_fcl(&NarrowSummary::mean), "ratio_loop", to_fcl(&NarrowSummary::in_loop));
+}
+
 void print_contenders(const NarrowResult& result)
 {
-    say("\n  {:<16}{:>10}{:>12}{:>9}  {:<14}\n", "", "build ms", "warm-up ms", "MB", "promises");
+    ResultTable table({}, {16, 14});
+    say("\n");
     for (const NarrowRow& row : result.rows)
-        say("  {:<16}{:>10.2f}{:>12.1f}{:>9}  {:<14}{}\n", row.contender->name, row.build_ms, row.warm_up_ms,
-            row.bytes < 1e5 ? "-" : fmt::format("{:.1f}", row.bytes / 1e6), name_of(row.contender->promise),
-            row.contender->what);
+        table.print(figures("contender", row.contender->name, "build_ms", row.build_ms, "warm_up_ms", row.warm_up_ms,
+                            "bytes", std::uint64_t(row.bytes), "promises", name_of(row.contender->promise), "what",
+                            row.contender->what));
     for (const NarrowRow& row : result.rows)
         if (!row.figures.empty()) say("  {:<16}{}\n", row.contender->name, row.figures);
 }
 
-/// Three digits: times are not more precise.
-std::string microseconds(double us)
-{
-    return us >= 99.95   ? fmt::format("{:.0f}", us)
-           : us >= 9.995 ? fmt::format("{:.1f}", us)
-                         : fmt::format("{:.2f}", us);
-}
-
 void print_query(const NarrowResult& result, NarrowQuery query)
 {
-    say("\n{}, microseconds: median at each distance; over all poses\n  {:<16}", query_names[std::size_t(query)], "");
-    std::vector<std::size_t> widths;
-    for (const std::string& group : result.workload.groups) {
-        widths.push_back(std::max<std::size_t>(9, group.size() + 2));
-        say("{:>{}}", group, widths.back());
-    }
-    say("  |{:>9}{:>9}{:>11}{:>10}{:>9}{:>12}{:>10}{:>10}  {:<14}{}\n", "median", "mean", "colliding", "separate",
-        "in loop", "RSS/median", "RSS/mean", "RSS/loop", "results", "hash");
+    ResultTable table({}, {16});
+    table.section(fmt::format("{}, microseconds: median at each distance; over all poses; ratios: FCL's OBBRSS",
+                              query_names[std::size_t(query)]));
     for (const NarrowRow& row : result.rows) {
         if (!took_part(row, query)) continue;
-        say("  {:<16}", row.contender->name);
+        Figures line = figures("contender", row.contender->name);
         for (std::size_t group = 0; group < result.workload.groups.size(); ++group)
-            say("{:>{}}", microseconds(summarise(result, row, query, group).median), widths[group]);
+            line.emplace_back(result.workload.groups[group], summarise(result, row, query, group).median);
         const NarrowSummary s = summarise(result, row, query);
-        say("  |{:>9}{:>9}{:>11}{:>10}{:>9}{:>12.2f}{:>10.2f}{:>10.2f}  {:<14}{:016x}\n", microseconds(s.median),
-            microseconds(s.mean), s.colliding ? microseconds(s.mean_colliding) : "-",
-            s.colliding < s.poses ? microseconds(s.mean_separate) : "-", microseconds(s.in_loop),
-            ratio(result, s, query, every_group, &NarrowSummary::median),
-            ratio(result, s, query, every_group, &NarrowSummary::mean),
-            ratio(result, s, query, every_group, &NarrowSummary::in_loop), result_text(s, query), s.hash);
+        append(line, times_of(result, s, query, every_group));
+        append(line, figures("results", result_text(s, query), "hash", Hex{s.hash}));
+        table.print(line);
     }
 }
 
@@ -146,52 +142,51 @@ void print_narrow(const NarrowResult& result)
     for (const std::string& note : result.truth.notes) say("checked by {}\n", note);
 }
 
-void write_narrow_csv(OutputFile& file, const NarrowResult& result)
+void write_narrow_csv(const std::string& file, const std::string& line, const NarrowResult& result)
 {
-    CsvWriter csv(file,
-                  "mesh_a,triangles_a,mesh_b,triangles_b,seed,ask,distance,poses,colliding,contender,library,promise,"
-                  "median_us,mean_us,mean_colliding_us,mean_separate_us,ratio_median,ratio_mean,missed,extra,error,"
-                  "hash,build_ms,warm_up_ms,bytes,loop_us,ratio_loop");
+    ResultTable table(file, {}, line);
     for (std::size_t group = 0; group < result.workload.groups.size(); ++group)
         for (NarrowQuery query : result.queries)
             for (const NarrowRow& row : result.rows) {
                 if (!took_part(row, query)) continue;
                 const NarrowSummary s = summarise(result, row, query, group);
-                const auto short_of = [](double x) { return Digits{x, 4}; };
-                csv.row(result.mesh_a, result.triangles_a, result.mesh_b, result.triangles_b, result.seed,
-                        query_names[std::size_t(query)], result.workload.groups[group], s.poses, s.colliding,
-                        row.contender->name, Quoted{row.contender->what}, name_of(row.contender->promise),
-                        short_of(s.median), short_of(s.mean), short_of(s.mean_colliding), short_of(s.mean_separate),
-                        short_of(ratio(result, s, query, group, &NarrowSummary::median)),
-                        short_of(ratio(result, s, query, group, &NarrowSummary::mean)), s.missed, s.extra,
-                        Digits{s.error, 3}, Hex{s.hash}, short_of(row.build_ms), short_of(row.warm_up_ms),
-                        std::uint64_t(row.bytes), short_of(s.in_loop),
-                        short_of(ratio(result, s, query, group, &NarrowSummary::in_loop)));
+                Figures all = figures("mesh_a", result.mesh_a, "triangles_a", result.triangles_a, "mesh_b",
+                                      result.mesh_b, "triangles_b", result.triangles_b, "seed", result.seed, "ask",
+                                      query_names[std::size_t(query)], "distance", result.workload.groups[group],
+                                      "poses", s.poses, "colliding", s.colliding, "contender", row.contender->name,
+                                      "library", row.contender->what, "promise", name_of(row.contender->promise));
+                append(all, times_of(result, s, query, group));
+                append(all,
+                       figures("missed", s.missed, "extra", s.extra, "error", s.error, "hash", Hex{s.hash}, "build_ms",
+                               row.build_ms, "warm_up_ms", row.warm_up_ms, "bytes", std::uint64_t(row.bytes)));
+                table.row({}, all);
             }
+    table.commit();
 }
 
-void write_poses_csv(OutputFile& file, const NarrowResult& result)
+void write_poses_csv(const std::string& file, const NarrowResult& result)
 {
     const auto title = [](const std::string& name) {
         if (!name.starts_with("walk-")) return name == "fcl-obb" ? std::string("FCL OBB") : "FCL OBBRSS";
         const std::size_t end = std::min(name.find('+'), name.size());
         return fmt::format("depth {}{}", name.substr(5, end - 5), end < name.size() ? " + fcl" : "");
     };
-    std::string header = "pose,colliding,triangle_pairs";
-    for (const NarrowRow& row : result.rows) header += fmt::format(",{} us", title(row.contender->name));
-    CsvWriter csv(file, header);
     std::vector<std::size_t> order(result.workload.poses.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[result.workload.poses[i].number] = i;
+    ResultTable table(file);
     for (const std::size_t i : order) {
         const NarrowPose& pose = result.workload.poses[i];
-        csv.add(pose.number, int(result.truth.colliding[i]), pose.known.triangle_pairs);
+        Figures all = figures("pose", pose.number, "colliding", bool(result.truth.colliding[i]), "triangle_pairs",
+                              pose.known.triangle_pairs);
         for (const NarrowRow& row : result.rows)
-            csv.add(Fixed{row.queries[std::size_t(NarrowQuery::boolean)]->us[i], 3});
-        csv.end_row();
+            all.emplace_back(fmt::format("{} us", title(row.contender->name)),
+                             row.queries[std::size_t(NarrowQuery::boolean)]->us[i]);
+        table.row({}, all);
     }
+    table.commit();
 }
 
-void draw_narrow_plot(OutputFile& file, const NarrowResult& result)
+void draw_narrow_plot(const std::string& path, const NarrowResult& result)
 {
     std::vector<PlotPanel> panels;
     for (NarrowQuery query : result.queries) {
@@ -210,9 +205,11 @@ void draw_narrow_plot(OutputFile& file, const NarrowResult& result)
         }
         panels.push_back(std::move(panel));
     }
+    OutputFile file(path);
     draw_line_plot(file, panels,
                    {"distance, % of the diagonal of the first mesh", "microseconds, median",
                     [](double us) { return plain_measure(us, 3) + " us"; }, result.workload.groups});
+    file.commit();
 }
 
 } // namespace oncollide::tools

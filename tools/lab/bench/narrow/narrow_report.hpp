@@ -1,9 +1,6 @@
 #pragma once
-#include <span>
 #include <string>
 #include <vector>
-
-#include <oncollide/base/files/output_file.hpp>
 
 #include "bench/narrow/narrow_race.hpp"
 
@@ -40,11 +37,11 @@ bool broken_promise(const NarrowResult& result);
 
 /// Prints a table of the contenders, and one table per query: medians by group, then over all poses.
 void print_narrow(const NarrowResult& result);
-/// Writes one row per contender, query and group.
-void write_narrow_csv(OutputFile& file, const NarrowResult& result);
+/// Writes one row per contender, query and group. @param line  first line of the file, with its line break
+void write_narrow_csv(const std::string& file, const std::string& line, const NarrowResult& result);
 /// Writes one row per pose, in the order of the file, with the times of boolean queries.
-void write_poses_csv(OutputFile& file, const NarrowResult& result);
+void write_poses_csv(const std::string& file, const NarrowResult& result);
 /// Draws median against group, one panel per query.
-void draw_narrow_plot(OutputFile& file, const NarrowResult& result);
+void draw_narrow_plot(const std::string& file, const NarrowResult& result);
 
 } // namespace oncollide::tools

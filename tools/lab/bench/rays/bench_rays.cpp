@@ -1,20 +1,14 @@
 // oncollide-lab bench rays: which of many segments meet a mesh, a terrain or a map, and where, compared with other
 // libraries.
 #include "bench/bench.hpp"
-#include "cli/options.hpp"
-#include "cli/system.hpp"
-#include "common/statistics.hpp"
-#include "common/text.hpp"
+#include "bench/common/benchmark.hpp"
 #include "peers/rays/ray_peer.hpp"
 
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 
 #include <octomap/octomap.h>
 
-#include <oncollide/base/error.hpp>
-#include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 #include <oncollide/narrowphase/shapes/cell_test.hpp>
@@ -25,13 +19,10 @@
 namespace oncollide::tools {
 namespace {
 
-struct RaysOptions {
+struct RaysOptions : SharedOptions {
     std::string mesh; ///< file; empty: generated hills and a building
     int triangles = 500'000;
     int rays = 10'000; ///< of each kind
-    int repeats = 3;   ///< the fastest counts
-    std::uint64_t seed = 12345;
-    std::string csv;
 };
 
 constexpr const char* ray_kinds[] = {"slanted", "vertical", "short"};
@@ -233,14 +224,9 @@ RayResult measure(const RayContender& contender, const Mesh& mesh, std::span<con
     result.first_ms = milliseconds_since(begin);
     for (const std::vector<Segment>& segments : rays) {
         Hits& hits = result.hits.emplace_back(segments.size());
-        double least = std::numeric_limits<double>::infinity();
         peer->trace(segments, hits); // warms up
-        for (int k = 0; k < repeats; ++k) {
-            const auto from = Clock::now();
-            peer->trace(segments, hits);
-            least = std::min(least, milliseconds_since(from));
-        }
-        result.us.push_back(1000 * least / double(segments.size()));
+        const double ms = least_ms(repeats, [&] { peer->trace(segments, hits); });
+        result.us.push_back(1000 * ms / double(segments.size()));
     }
     return result;
 }
@@ -261,68 +247,55 @@ Hits judged_hits(const RayCase& in, std::span<const Segment> segments, std::span
 /// a result of oncollide is wrong.
 int bench_rays(const RaysOptions& options)
 {
-    check_range("--rays", options.rays, 1, 10'000'000), check_range("--repeats", options.repeats, 1);
-    check_range("--triangles", options.triangles, 100, 100'000'000);
-    check_files({{"--csv", options.csv}});
-    CsvFile csv(options.csv, "geometry,parts,rays,contender,count,hits,us_per_ray,missed,invented,build_ms,first_ms");
     const RayContenders peers = ray_contenders();
     const std::vector<RayCase> cases = cases_of(options, peers);
     say("{}", describe_program("cpu"));
-    for (const MissingPeer& missing : peers.missing) say("without {}: install {}\n", missing.library, missing.package);
-    say("microseconds per segment, one thread; missed and invented: hits, by tests of all triangles and cells\n");
+    print_missing(peers.missing);
+    say("one thread; missed and invented: hits, by tests of all triangles and cells\n");
+    ResultTable table(options.csv, {22, 10});
     bool wrong = false;
     for (const RayCase& in : cases) {
-        say("\n{:<28}", fmt::format("{}, {}", in.name, grouped(in.parts())));
-        for (const char* kind : ray_kinds) say("{:>12}{:>8}{:>8}{:>9}", kind, "hits", "missed", "invented");
-        say("{:>12}{:>12}\n", "build, ms", "first, ms");
+        table.section(fmt::format("{}, {}", in.name, grouped(in.parts())));
+        table.about(figures("geometry", in.name, "parts", in.parts()));
         std::vector<std::vector<Segment>> rays;
         for (const char* kind : ray_kinds)
             rays.push_back(make_rays(kind, in.box, std::size_t(options.rays), options.seed));
         std::vector<RayResult> results;
         for (const RayContender& contender : in.contenders)
             results.push_back(measure(contender, in.mesh, rays, options.repeats));
-        std::vector<Hits> truth;
-        for (std::size_t kind = 0; kind < rays.size(); ++kind)
-            truth.push_back(judged_hits(in, rays[kind], results, kind));
-        for (std::size_t c = 0; c < results.size(); ++c) {
-            const RayResult& result = results[c];
-            say("{:<28}", in.contenders[c].name);
-            for (std::size_t kind = 0; kind < rays.size(); ++kind) {
+        for (std::size_t kind = 0; kind < rays.size(); ++kind) {
+            const Hits truth = judged_hits(in, rays[kind], results, kind);
+            for (std::size_t c = 0; c < results.size(); ++c) {
                 std::size_t hits = 0, missed = 0, invented = 0;
-                for (std::size_t i = 0; i < truth[kind].size(); ++i) {
-                    const bool mine = result.hits[kind][i], there = truth[kind][i];
+                for (std::size_t i = 0; i < truth.size(); ++i) {
+                    const bool mine = results[c].hits[kind][i], there = truth[i];
                     hits += mine, missed += there && !mine, invented += !there && mine;
                 }
                 wrong |= in.contenders[c].promise == Promise::exact && (missed || invented);
-                say("{:>12.3f}{:>8}{:>8}{:>9}", result.us[kind], hits, missed, invented);
-                csv.row(in.name, in.parts(), ray_kinds[kind], in.contenders[c].name, truth[kind].size(), hits,
-                        Digits{result.us[kind], 4}, missed, invented, Fixed{result.build_ms, 2},
-                        Fixed{result.first_ms, 2});
+                table.row(figures("contender", in.contenders[c].name, "rays", ray_kinds[kind], "us_per_ray",
+                                  results[c].us[kind], "count", truth.size(), "hits", hits, "missed", missed,
+                                  "invented", invented, "build_ms", results[c].build_ms, "first_ms",
+                                  results[c].first_ms));
             }
-            say("{:>12.2f}{:>12.2f}\n", result.build_ms, result.first_ms);
         }
     }
-    csv.commit();
-    return wrong ? int(ErrorKind::internal) : 0;
+    table.commit();
+    return code_of(wrong);
 }
 
 } // namespace
 
 void add_rays(Arguments bench)
 {
-    Arguments sub = bench.add_command("rays", "Segments against a mesh, a terrain and a map");
-    auto options = std::make_shared<RaysOptions>();
-    sub.add_option("mesh FILE", options->mesh, "mesh file (default: generated hills, and a building)");
-    sub.add_option("--triangles N", options->triangles, "approximate triangles of the hills (default 500000)");
-    sub.add_option("--rays N", options->rays, "number of segments of each kind (default 10000)");
-    sub.add_option("--repeats N", options->repeats, "number of runs; the fastest counts (default 3)");
-    sub.add_option("--seed S", options->seed, "seed of the hills and the segments (default 12345)");
-    sub.add_option("--csv FILE", options->csv, "write one row per contender and kind of segment");
-    sub.footer("slanted: down through the height of the box, in any direction, 0.37 to 0.42 of its diagonal long;\n"
-               "vertical: from top to bottom; short: a hundredth of the diagonal, anywhere. 'first': until the result\n"
-               "of the first segment, building included.\n"
-               "Exit code 70: oncollide missed or invented a hit.");
-    sub.action([options] { return bench_rays(*options); });
+    Benchmark<RaysOptions> b(bench, "rays", "Segments against a mesh, a terrain and a map", bench_rays);
+    b.input("mesh FILE", b->mesh, "mesh file (default: generated hills, and a building)");
+    b.whole("--triangles N", b->triangles, "approximate triangles of the hills", {100, 100'000'000});
+    b.whole("--rays N", b->rays, "number of segments of each kind", {1, 10'000'000});
+    b.repeats(), b.seed("the hills and the segments"), b.csv("contender and kind of segment");
+    b.footer("slanted: down through the height of the box, in any direction, 0.37 to 0.42 of its diagonal long;\n"
+             "vertical: from top to bottom; short: a hundredth of the diagonal, anywhere. 'first': until the result\n"
+             "of the first segment, building included.\n"
+             "Exit code 70: oncollide missed or invented a hit.");
 }
 
 } // namespace oncollide::tools

@@ -1,11 +1,7 @@
 // oncollide-lab bench edges: motions of a robot between configurations, certified and sampled as planners sample them.
 #include "bench/bench.hpp"
 #include "bench/robot/robot_place.hpp"
-#include "cli/options.hpp"
-#include "cli/outputs.hpp"
 #include "cli/progress.hpp"
-#include "common/race.hpp"
-#include "common/text.hpp"
 
 #include <cmath>
 
@@ -14,12 +10,10 @@
 namespace oncollide::tools {
 namespace {
 
-struct EdgeBenchOptions {
+struct EdgeBenchOptions : SharedOptions {
     ProblemOptions problem;
-    std::string csv;
     double length = 0.2, tolerance = 1e-4;
-    int edges = 20, truth = 1000, repeats = 3;
-    std::uint64_t seed = 1;
+    int edges = 20, truth = 1000;
 };
 
 /// The joints that a problem moves, and the largest distance of two configurations within their limits.
@@ -149,63 +143,46 @@ void measure(const EdgeBenchOptions& options, RobotPlace& place, const PlanningP
 
 int bench_edges(const EdgeBenchOptions& options)
 {
-    check_range("--edges", options.edges, 1, 1'000'000);
-    check_range("--samples", options.truth, 1, 10'000'000);
-    check_range("--repeats", options.repeats, 1, 1000);
-    const RobotOptions& files = options.problem.robot;
-    check_files({{"--csv", options.csv}}, {files.urdf, files.srdf});
-    const RobotDescription robot = open_robot(files);
+    const RobotDescription robot = open_robot(options.problem.robot);
     const std::vector<PlanningProblem> problems = open_problems(options.problem);
     RobotPlace place(robot, {});
     EdgeCounts counts;
     Progress progress("problems", problems.size());
     for (std::size_t i = 0; i < problems.size(); ++i, progress.step()) measure(options, place, problems[i], i, counts);
-    const auto each = [&](double seconds) { return 1e6 * seconds / static_cast<double>(counts.edges); };
     say("{}robot      {}\nproblems   {}, {} edges of at most {:g} of the extent\n\n", describe_program("edges"),
         robot.name, problems.size(), counts.edges, options.length);
-    say("{:<44}{:>10}{:>9}\n", "", "us/edge", "ratio");
-    const auto row = [&](const char* who, double seconds) {
-        say("{:<44}{:>10.1f}{:>9.2f}\n", who, each(seconds), seconds / counts.sampled_seconds);
-    };
-    row("certified, with the first contact", counts.first_seconds);
-    row("certified, free or not", counts.any_seconds);
-    row("sampled, at 1 % of the extent", counts.sampled_seconds);
-    say("\nfree {}, contacts {}, undecided {}; contacts that sampling misses {}; certified edges with a sample in "
-        "contact {}\n(of {} samples each).\n",
-        counts.free, counts.contacts, counts.undecided, counts.missed, counts.refuted, options.truth);
-    CsvFile csv(options.csv, "robot,edges,length,first_us,any_us,sampled_us,free,contacts,undecided,missed,refuted,"
-                             "samples");
-    csv.row(Quoted{robot.name}, counts.edges, options.length, Digits{each(counts.first_seconds), 4},
-            Digits{each(counts.any_seconds), 4}, Digits{each(counts.sampled_seconds), 4}, counts.free, counts.contacts,
-            counts.undecided, counts.missed, counts.refuted, options.truth);
-    csv.commit();
-    return counts.refuted > 0 ? 70 : 0;
+    const auto each_us = [&](double seconds) { return 1e6 * seconds / static_cast<double>(counts.edges); };
+    ResultTable table(options.csv);
+    table.about(figures("robot", robot.name, "length", options.length, "samples", options.truth));
+    table.row(figures("edges", counts.edges, "first_us", each_us(counts.first_seconds), "any_us",
+                      each_us(counts.any_seconds), "sampled_us", each_us(counts.sampled_seconds), "free", counts.free,
+                      "contacts", counts.contacts, "undecided", counts.undecided, "missed", counts.missed, "refuted",
+                      counts.refuted));
+    table.commit();
+    return code_of(counts.refuted > 0);
 }
 
 } // namespace
 
 void add_edges_bench(Arguments bench)
 {
-    Arguments sub =
-        bench.add_command("edges", "Motions of a robot in MotionBenchMaker's problems: certified, and sampled "
-                                   "as planners do");
-    auto options = std::make_shared<EdgeBenchOptions>();
-    add_problem_options(sub, options->problem);
-    sub.add_option("--edges N", options->edges, "motions of each problem (default 20)");
-    sub.add_option("--length X", options->length,
-                   "longest motion, as a share of the extent of the joints' limits (default "
-                   "0.2, as RRT-Connect in OMPL)");
-    sub.add_option("--tolerance X", options->tolerance,
-                   "closeness of the first contact, as a share of the motion (default "
-                   "1e-4)");
-    sub.add_option("--samples N", options->truth, "exact checks of each certified motion (default 1000)");
-    sub.add_option("--seed N", options->seed, "of the random motions (default 1)");
-    sub.add_option("--repeats N", options->repeats, "runs of each problem, of which the fastest counts (default 3)");
-    sub.add_option("--csv FILE", options->csv, "write the figures as CSV");
-    sub.footer("Exit code 70: an exact check found a contact where a motion is certified.\n"
-               "Example:\n"
-               "  oncollide-lab bench edges panda.urdf --srdf panda.srdf --problems problems");
-    sub.action([options] { return bench_edges(*options); });
+    Benchmark<EdgeBenchOptions> b(
+        bench, "edges", "Motions of a robot in MotionBenchMaker's problems: certified, and sampled as planners do",
+        bench_edges);
+    b->seed = 1;
+    add_problem_options(b, b->problem);
+    b.whole("--edges N", b->edges, "motions of each problem", {1, 1'000'000});
+    b.option("--length X", b->length,
+             "longest motion, as a share of the extent of the joints' limits (default 0.2, as RRT-Connect in OMPL)");
+    b.option("--tolerance X", b->tolerance, "closeness of the first contact, as a share of the motion (default 1e-4)");
+    b.whole("--samples N", b->truth, "exact checks of each certified motion", {1, 10'000'000});
+    b.seed("the random motions"), b.repeats("runs of each problem, of which the fastest counts"), b.csv("run");
+    b.footer(
+        "first: certified, with the first contact; any: certified, free or not; sampled: at 1 % of the extent, each\n"
+        "per edge. missed: contacts that sampling misses; refuted: certified edges with a sample in contact.\n"
+        "Exit code 70: an exact check found a contact where a motion is certified.\n"
+        "Example:\n"
+        "  oncollide-lab bench edges panda.urdf --srdf panda.srdf --problems problems");
 }
 
 } // namespace oncollide::tools

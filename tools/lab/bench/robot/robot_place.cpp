@@ -3,29 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
-#include <oncollide/base/error.hpp>
-#include <oncollide/base/text/printable.hpp>
-
-#include "cli/options.hpp"
-
 namespace oncollide::tools {
 
-void add_problem_options(Arguments command, ProblemOptions& options)
+void add_problem_options(BenchmarkCommand& command, ProblemOptions& options)
 {
-    command.add_option("URDF URDF", options.robot.urdf, "robot").required();
-    command.add_option("--srdf FILE", options.robot.srdf, "SRDF file").required();
-    command.add_option("--package NAME=FOLDER", options.robot.packages, "folder of the meshes named package://NAME/...")
+    command.input("URDF URDF", options.robot.urdf, "robot").required();
+    command.input("--srdf FILE", options.robot.srdf, "SRDF file").required();
+    command.option("--package NAME=FOLDER", options.robot.packages, "folder of the meshes named package://NAME/...")
         .repeatable();
-    command.add_option("--problems FOLDER", options.problems, "folder of MotionBenchMaker's problems, unpacked")
-        .required();
-    command.add_option("--most N", options.most, "problems of each set at most; 0: all (default)");
+    command.option("--problems FOLDER", options.problems, "folder of MotionBenchMaker's problems, unpacked").required();
+    command.whole("--most N", options.most, "problems of each set at most; 0: all", {0});
 }
 
 std::vector<PlanningProblem> open_problems(const ProblemOptions& options)
 {
-    check_range("--most", options.most, 0);
     return load_problems(options.problems, static_cast<std::size_t>(options.most));
 }
 

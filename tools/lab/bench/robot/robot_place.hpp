@@ -1,5 +1,6 @@
 // A robot among the obstacles of a planning problem.
 #pragma once
+#include "bench/common/benchmark.hpp"
 #include "robot/planning_problem.hpp"
 #include "robot/robot_world.hpp"
 #include "robot/sphere_files.hpp"
@@ -12,7 +13,7 @@ struct ProblemOptions {
     std::string problems;
     int most = 0; ///< of each set; 0: all
 };
-void add_problem_options(Arguments command, ProblemOptions& options);
+void add_problem_options(BenchmarkCommand& command, ProblemOptions& options);
 std::vector<PlanningProblem> open_problems(const ProblemOptions& options);
 
 /// Configurations between the start and the goal of a problem, and its obstacles.

@@ -1,42 +1,31 @@
 // oncollide-lab bench distances: distances of small bodies to large environments, near and far, compared with FCL.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <memory>
 #include <vector>
 
-#include <oncollide/base/error.hpp>
-#include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/pipeline/world.hpp>
 
 #include "bench/bench.hpp"
 #include "bench/scenes/environment_scenes.hpp"
-#include "cli/options.hpp"
 #include "cli/progress.hpp"
-#include "cli/shard.hpp"
-#include "common/race.hpp"
-#include "common/text.hpp"
 #include "fcl/fcl_world.hpp"
 
 namespace oncollide::tools {
 
 namespace {
 
-struct DistancesOptions {
+struct DistancesOptions : SharedOptions {
     EnvironmentChoice in{.bodies = 12};
     std::string distances = "0.1,1,5,10,25,50,100,200"; ///< percent of the environment's diagonal
     double tolerance = 0;                               ///< metres
-    int repeats = 3;
-    std::string csv, shard;
 };
 
 using Eigen::Vector3d;
 
 /// One environment, kind of bodies, and distance.
 struct DistanceRow {
-    std::string environment, bodies_of;
-    double percent = 0, metres = 0, fcl_us = 0, our_us = 0;
+    double metres = 0, fcl_us = 0, our_us = 0;
     int differ = 0; ///< results of FCL outside oncollide's certified bounds
 };
 
@@ -57,7 +46,6 @@ public:
     DistanceRow at(double percent, const DistancesOptions& o)
     {
         DistanceRow row;
-        row.percent = percent;
         const auto bodies = std::uint32_t(scene_.size() - 1);
         for (std::uint32_t body = 1; body <= bodies; ++body) {
             place(body, 0.01 * percent * diagonal_, o.in.seed);
@@ -125,37 +113,27 @@ std::vector<double> percents_of(const std::string& list)
 /// Distances of bodies to large environments, compared with FCL. Returns the exit code.
 int bench_distances(const DistancesOptions& o)
 {
-    check_range("--bodies", o.in.bodies, 1, 100'000), check_range("--repeats", o.repeats, 1, 100);
     if (!(o.tolerance >= 0)) usage("bench distances: --tolerance must be 0 or more");
-    check_files({{"--csv", o.csv}});
     const std::vector<double> percents = percents_of(o.distances);
     std::vector<EnvironmentScene> scenes = scenes_of(o.in, 1);
     const Shard shard = shard_from(o.shard);
     keep_part(shard, scenes, "environments with their bodies");
     say("{}{} bodies, one after the other; microseconds per query, warm, least of {} runs; tolerance {} m\n\n",
         describe_program("distances"), o.in.bodies, o.repeats, o.tolerance);
-    say("{:<11} {:<10} {:>10} {:>10} {:>10} {:>10} {:>7} {:>7}\n", "environment", "bodies", "% diagonal", "metres",
-        "FCL us", "us", "ratio", "differ");
-    std::vector<DistanceRow> rows;
+    ResultTable table(o.csv, {},
+                      shard.line(fmt::format("bench distances, {}, distances {}, tolerance {}", o.in.work(),
+                                             o.distances, o.tolerance)));
     for (const EnvironmentScene& which : scenes) {
         Scene scene = make_environment_scene(which);
         DistanceRace race(scene);
         for (const double percent : percents) {
-            DistanceRow row = race.at(percent, o);
-            row.environment = which.environment, row.bodies_of = which.bodies_of;
-            say("{:<11} {:<10} {:>10} {:>10.4f} {:>10.2f} {:>10.2f} {:>7.2f} {:>7}\n", row.environment, row.bodies_of,
-                row.percent, row.metres, row.fcl_us, row.our_us, row.fcl_us / row.our_us, row.differ);
-            rows.push_back(row);
+            const DistanceRow row = race.at(percent, o);
+            table.row(figures("environment", which.environment, "bodies", which.bodies_of, "percent", percent, "metres",
+                              row.metres, "fcl_us", row.fcl_us, "us", row.our_us, "ratio", row.fcl_us / row.our_us,
+                              "differ", row.differ));
         }
     }
-    say("\n'differ' counts results of FCL outside oncollide's certified bounds.\n");
-    CsvFile csv(o.csv, "environment,bodies,percent,metres,fcl_us,us,ratio,differ",
-                shard.line(fmt::format("bench distances, {}, distances {}, tolerance {}", o.in.work(), o.distances,
-                                       o.tolerance)));
-    for (const DistanceRow& r : rows)
-        csv.row(r.environment, r.bodies_of, r.percent, Digits{r.metres, 6}, Digits{r.fcl_us, 6}, Digits{r.our_us, 6},
-                Digits{r.fcl_us / r.our_us, 4}, r.differ);
-    csv.commit();
+    table.commit();
     return 0;
 }
 
@@ -163,23 +141,21 @@ int bench_distances(const DistancesOptions& o)
 
 void add_distances(Arguments bench)
 {
-    Arguments sub = bench.add_command("distances", "Distances of bodies to buildings and terrains, near and far");
-    auto options = std::make_shared<DistancesOptions>();
-    add_environment_choice(sub, options->in);
-    sub.add_option("--distances LIST", options->distances,
-                   "in percent of the environment's diagonal (default 0.1,1,5,10,25,50,100,200)");
-    sub.add_option(
-           "--tolerance", options->tolerance,
-           "largest difference of oncollide's bounds in metres (default 0); FCL's error for shapes is up to 1e-6")
+    Benchmark<DistancesOptions> b(bench, "distances", "Distances of bodies to buildings and terrains, near and far",
+                                  bench_distances);
+    add_environment_choice(b, b->in, 100'000);
+    b.option("--distances LIST", b->distances,
+             "in percent of the environment's diagonal (default 0.1,1,5,10,25,50,100,200)");
+    b.option("--tolerance", b->tolerance,
+             "largest difference of oncollide's bounds in metres (default 0); FCL's error for shapes is up to 1e-6")
         .length();
-    sub.add_option("--repeats N", options->repeats, "number of runs; each query's least time counts (default 3)");
-    sub.add_option("--csv FILE", options->csv, "write one row per environment, bodies and distance");
-    sub.add_option("--shard I/N", options->shard,
-                   std::string("divide the environments with their bodies among N processes: ") + shard_help);
-    sub.footer("Examples:\n"
-               "  oncollide-lab bench distances --environments hills --distances 1,10,100 --bodies 30\n"
-               "  oncollide-lab bench distances --environments campus --bodies-of shapes --csv distances.csv");
-    sub.action([options] { return bench_distances(*options); });
+    b.repeats("number of runs; each query's least time counts"), b.csv("environment, bodies and distance");
+    b.shard("environments with their bodies");
+    b.footer("'percent' of the environment's diagonal; 'differ' counts results of FCL outside oncollide's certified "
+             "bounds.\n"
+             "Examples:\n"
+             "  oncollide-lab bench distances --environments hills --distances 1,10,100 --bodies 30\n"
+             "  oncollide-lab bench distances --environments campus --bodies-of shapes --csv distances.csv");
 }
 
 } // namespace oncollide::tools

@@ -3,42 +3,31 @@
 // region.
 
 #include <algorithm>
-#include <array>
-#include <chrono>
 #include <cmath>
-#include <functional>
-#include <memory>
 #include <numeric>
 #include <vector>
 
-#include <fmt/format.h>
-
-#include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/runs/ranks/body_record.hpp>
 
 #include "bench/bench.hpp"
-#include "cli/options.hpp"
-#include "cli/shard.hpp"
+#include "bench/common/benchmark.hpp"
 #include "cli/system.hpp"
-#include "common/text.hpp"
 
 namespace oncollide::tools {
 namespace {
 
-struct ScaleOptions {
+struct ScaleOptions : SharedOptions {
     double bodies = 1e6;
     std::string ranks = "64"; ///< numbers of ranks; each number divides the whole world
     int sample = 0;           ///< ranks to play; 0: all
     double edge = 1;          ///< mean, in mean spacings
-    int frame = 0, threads = 1;
-    std::uint64_t seed = 12345;
-    std::string csv, shard;
+    int frame = 0;
 };
 
-using Eigen::Vector3d;
+using Eigen::Array3d, Eigen::Array3i, Eigen::Vector3d;
 
 constexpr std::uint32_t large_every = 1000; // about one body of this many, chosen randomly, is 8 times as large
 constexpr double large_by = 8;
@@ -86,7 +75,7 @@ private:
 /// The world in equal blocks, as recursive bisection divides a uniform world.
 class Blocks {
 public:
-    Blocks(int ranks, double side) : side_(side)
+    Blocks(int ranks, double side) : ranks_(ranks), side_(side)
     {
         // The factors nearest to each other.
         int best = 1 << 30;
@@ -95,30 +84,30 @@ public:
                 if (ranks / a % b == 0 && ranks / a / b - a < best)
                     best = ranks / a / b - a, count_ = {a, b, ranks / a / b};
     }
-    std::array<int, 3> place(int rank) const
+    int ranks() const { return ranks_; }
+    const Array3i& count() const { return count_; }
+    Array3i place(int rank) const
     {
         return {rank % count_[0], rank / count_[0] % count_[1], rank / count_[0] / count_[1]};
     }
-    /// The block along an axis: monotonic in x.
-    int part(double x, int axis) const
+    /// The block of a point: monotonic in each coordinate.
+    Array3i of(const Vector3d& p) const
     {
-        const int count = count_[std::size_t(axis)];
-        return std::clamp(int(std::floor(x * count / side_)), 0, count - 1);
+        return (p.array() * count_.cast<double>() / side_).floor().cast<int>().max(0).min(count_ - 1);
     }
-    double begin(int part, int axis) const { return part * side_ / count_[std::size_t(axis)]; }
-    const std::array<int, 3>& count() const { return count_; }
+    Array3d begin(const Array3i& place) const { return place.cast<double>() * side_ / count_.cast<double>(); }
 
 private:
+    int ranks_;
     double side_;
-    std::array<int, 3> count_{};
+    Array3i count_;
 };
 
 struct Rank {
     int number = 0;
     std::uint64_t home = 0, ghosts = 0, pairs = 0, hash = 0;
-    std::size_t bytes = 0; ///< of received ghosts, and of all data held
-    std::size_t held = 0;
-    double ms = 0;
+    std::size_t bytes = 0, held = 0; ///< of received ghosts, and of all data
+    double model_ghosts = 0, ms = 0;
 };
 
 /// Bytes that a rank receives for a ghost without a name.
@@ -129,33 +118,34 @@ std::size_t ghost_bytes()
     return message.size() + 1;
 }
 
+/// Number of ghosts of a block: bodies whose AABBs extend into it over a face, an edge or a corner inside the world.
+double model_ghosts(const UniformWorld& world, const Blocks& blocks, const Array3i& place)
+{
+    const Array3d e = world.side() / blocks.count().cast<double>(); // lengths of the block
+    const Array3d o =                                               // half the number of faces with a neighbour
+        0.5 * ((place > 0).cast<double>() + (place + 1 < blocks.count()).cast<double>());
+    return world.moment(1) * (e[1] * e[2] * o[0] + e[0] * e[2] * o[1] + e[0] * e[1] * o[2]) +
+           world.moment(2) * (e[0] * o[1] * o[2] + e[1] * o[0] * o[2] + e[2] * o[0] * o[1]) +
+           world.moment(3) * o.prod();
+}
+
 /// Finds the bodies of the rank, their pairs, and the owners of the pairs, by the rules of RankWorld.
 Rank play_rank(const UniformWorld& world, const Blocks& blocks, int number)
 {
-    const auto begin_time = std::chrono::steady_clock::now();
-    Rank rank{.number = number};
-    const auto place = blocks.place(number);
-    std::array<int, 3> from, to;
+    const Clock::time_point began = Clock::now();
+    const Array3i place = blocks.place(number);
+    Rank rank{.number = number, .model_ghosts = model_ghosts(world, blocks, place)};
     const double halo = 0.5 * world.largest() + 1;
-    for (int k = 0; k < 3; ++k) {
-        from[std::size_t(k)] = std::max(0, int(std::floor(blocks.begin(place[std::size_t(k)], k) - halo)));
-        to[std::size_t(k)] = std::min(world.side(), int(std::ceil(blocks.begin(place[std::size_t(k)] + 1, k) + halo)));
-    }
+    const Array3i from = (blocks.begin(place) - halo).floor().cast<int>().max(0),
+                  to = (blocks.begin(place + 1) + halo).ceil().cast<int>().min(world.side());
     std::vector<Aabb> boxes;
     std::vector<std::uint32_t> gids;
     for (int z = from[2]; z < to[2]; ++z)
         for (int y = from[1]; y < to[1]; ++y)
             for (int x = from[0]; x < to[0]; ++x) {
                 const Aabb box = world.box(x, y, z);
-                const Vector3d centre = box.centre();
-                bool touches = true, home = true;
-                for (int k = 0; k < 3; ++k) {
-                    const int here = place[std::size_t(k)];
-                    touches &= blocks.part(box.min[k], k) <= here && here <= blocks.part(box.max[k], k);
-                    home &= blocks.part(centre[k], k) == here;
-                }
-                if (!touches) continue;
-                ++(home ? rank.home : rank.ghosts);
+                if ((blocks.of(box.min) > place).any() || (blocks.of(box.max) < place).any()) continue;
+                ++((blocks.of(box.centre()) == place).all() ? rank.home : rank.ghosts);
                 boxes.push_back(box), gids.push_back(world.index(x, y, z));
             }
     const auto broad = make_kd_tree();
@@ -164,10 +154,7 @@ Rank play_rank(const UniformWorld& world, const Blocks& blocks, int number)
     broad->add(all);
     const auto pairs = broad->find_pairs({.boxes = boxes}, true);
     for (const BodyPair pair : pairs) {
-        const Vector3d corner = boxes[pair.a].min.cwiseMax(boxes[pair.b].min);
-        bool mine = true;
-        for (int k = 0; k < 3; ++k) mine &= blocks.part(corner[k], k) == place[std::size_t(k)];
-        if (!mine) continue;
+        if ((blocks.of(boxes[pair.a].min.cwiseMax(boxes[pair.b].min)) != place).any()) continue;
         ++rank.pairs;
         const auto [low, high] = std::minmax(gids[pair.a], gids[pair.b]);
         rank.hash += splitmix(std::uint64_t{low} << 32 | high);
@@ -175,24 +162,8 @@ Rank play_rank(const UniformWorld& world, const Blocks& blocks, int number)
     rank.bytes = rank.ghosts * ghost_bytes();
     rank.held = boxes.capacity() * sizeof(Aabb) + (gids.capacity() + all.capacity()) * 4 + broad->bytes() +
                 pairs.size() * sizeof(BodyPair) + rank.home * sizeof(BodyRecord) + rank.ghosts * sizeof(BodyHere);
-    rank.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_time).count();
+    rank.ms = milliseconds_since(began);
     return rank;
-}
-
-/// Number of ghosts of a block: bodies whose AABBs extend into it over a face, an edge or a corner inside the world.
-double model_ghosts(const UniformWorld& world, const Blocks& blocks, int number)
-{
-    const auto place = blocks.place(number);
-    std::array<double, 3> edge, open; // lengths; number of faces with a neighbour, halved
-    for (int k = 0; k < 3; ++k) {
-        const int count = blocks.count()[std::size_t(k)], at = place[std::size_t(k)];
-        edge[std::size_t(k)] = double(world.side()) / count;
-        open[std::size_t(k)] = 0.5 * ((at > 0) + (at + 1 < count));
-    }
-    const double s1 = world.moment(1), s2 = world.moment(2), s3 = world.moment(3);
-    return s1 * (edge[1] * edge[2] * open[0] + edge[0] * edge[2] * open[1] + edge[0] * edge[1] * open[2]) +
-           s2 * (edge[0] * open[1] * open[2] + edge[1] * open[0] * open[2] + edge[2] * open[0] * open[1]) +
-           s3 * open[0] * open[1] * open[2];
 }
 
 /// Parallel efficiency of a frame by the model: the time of one process divided by the total time of all ranks; broad
@@ -206,94 +177,45 @@ double model_efficiency(double home, double ghosts, int ranks)
 
 std::vector<int> sampled(int ranks, int sample)
 {
-    std::vector<int> numbers;
-    if (sample == 0 || sample >= ranks) {
-        numbers.resize(std::size_t(ranks));
-        std::iota(numbers.begin(), numbers.end(), 0);
-        return numbers;
-    }
+    if (sample == 0 || sample > ranks) sample = ranks;
     // A stride coprime to `ranks`, which the blocks' counts divide; otherwise only blocks at edges would be sampled.
     int stride = std::max(1, ranks / sample);
     while (std::gcd(stride, ranks) != 1) ++stride;
+    std::vector<int> numbers;
     for (int k = 0; k < sample; ++k) numbers.push_back(int(std::int64_t(k) * stride % ranks));
     return numbers;
 }
 
-/// A partition of the world, as far as it was played.
-struct Partition {
-    Blocks blocks;
-    int count; ///< number of ranks
-    std::vector<Rank> ranks;
-
-    bool all() const { return ranks.size() == std::size_t(count); }
-    std::uint64_t pairs() const { return sum(&Rank::pairs); }
-    std::uint64_t hash() const { return sum(&Rank::hash); }
-
-private:
-    std::uint64_t sum(std::uint64_t Rank::*of) const
-    {
-        return std::transform_reduce(ranks.begin(), ranks.end(), std::uint64_t{0}, std::plus<>(),
-                                     [&](const Rank& rank) { return rank.*of; });
-    }
-};
-
-Partition play(const UniformWorld& world, int count, int sample, int threads, const Shard& shard)
-{
-    Partition partition{Blocks(count, world.side()), count, {}};
-    std::vector<int> numbers = sampled(count, sample);
-    keep_part(shard, numbers, "ranks");
-    partition.ranks.resize(numbers.size());
-    parallel_chunks(numbers.size(), 1, threads, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t k = begin; k < end; ++k) partition.ranks[k] = play_rank(world, partition.blocks, numbers[k]);
-    });
-    return partition;
-}
-
 /// Prints the cost of the ranks. True if the number of ghosts agrees with the model to a tenth.
-bool report(const UniformWorld& world, const Partition& partition)
+bool report(const UniformWorld& world, const Blocks& blocks, const std::vector<Rank>& ranks, const Rank& sum)
 {
-    double home = 0, ghosts = 0, model = 0, ms = 0, bytes = 0, most_home = 0, most_ghosts = 0, most_held = 0;
-    double least_efficiency = 1;
-    for (const Rank& r : partition.ranks) {
-        home += double(r.home), ghosts += double(r.ghosts), ms += r.ms, bytes += double(r.bytes);
-        model += model_ghosts(world, partition.blocks, r.number);
-        most_home = std::max(most_home, double(r.home)), most_ghosts = std::max(most_ghosts, double(r.ghosts));
-        most_held = std::max(most_held, double(r.held));
-        least_efficiency =
-            std::min(least_efficiency, model_efficiency(double(r.home), double(r.ghosts), partition.count));
+    Rank most;
+    double worst = 1;
+    for (const Rank& r : ranks) {
+        most.home = std::max(most.home, r.home), most.ghosts = std::max(most.ghosts, r.ghosts);
+        most.held = std::max(most.held, r.held);
+        worst = std::min(worst, model_efficiency(double(r.home), double(r.ghosts), blocks.ranks()));
     }
-    const double n = double(partition.ranks.size());
-    const auto& blocks = partition.blocks.count();
-    say("ranks      {} as {} x {} x {} blocks, {} played\n\n", partition.count, blocks[0], blocks[1], blocks[2],
-        partition.ranks.size());
-    say("{:<34}{:>14}{:>14}{:>14}\n", "per rank", "mean", "max", "model");
-    say("{:<34}{:>14.0f}{:>14.0f}{:>14.0f}\n", "own bodies", home / n, most_home,
-        double(world.bodies()) / partition.count);
-    say("{:<34}{:>14.0f}{:>14.0f}{:>14.0f}\n", "ghosts", ghosts / n, most_ghosts, model / n);
-    say("{:<34}{:>14.3f}{:>14}{:>14.3f}\n", "MB of ghosts per frame", bytes / n / 1e6, "",
-        double(ghost_bytes()) * model / n / 1e6);
-    say("{:<34}{:>14}{:>14.1f}\n", "MB held", "", most_held / 1e6);
-    say("{:<34}{:>14.3f}\n", "us per body, with its creation", 1e3 * ms / (home + ghosts));
-    say("{:<34}{:>14.3f}{:>14}\n", "efficiency by the model", model_efficiency(home / n, ghosts / n, partition.count),
-        "");
-    say("{:<34}{:>14.3f}\n\n", "  of the worst rank", least_efficiency);
-    say("pairs      {}, order-free hash {:016x}{}\n", partition.pairs(), partition.hash(),
-        partition.all() ? "" : " (of the ranks played)");
-    const bool off = model > 0 && std::abs(ghosts / model - 1) > 0.1;
+    const double n = double(ranks.size()), home = double(sum.home) / n, ghosts = double(sum.ghosts) / n;
+    say("ranks      {} as {} x {} x {} blocks, {} played\n\n", blocks.ranks(), blocks.count()[0], blocks.count()[1],
+        blocks.count()[2], ranks.size());
+    ResultTable table({}, {36});
+    using Maybe = std::optional<double>;
+    const auto row = [&](const char* what, double mean, Maybe extreme, Maybe model) {
+        table.print(figures("per_rank", what, "mean", mean, "extreme", extreme, "model", model));
+    };
+    row("own bodies", home, double(most.home), double(world.bodies()) / blocks.ranks());
+    row("ghosts", ghosts, double(most.ghosts), sum.model_ghosts / n);
+    row("MB of ghosts per frame", 1e-6 * double(sum.bytes) / n, {},
+        1e-6 * double(ghost_bytes()) * sum.model_ghosts / n);
+    row("MB held", 1e-6 * double(sum.held) / n, 1e-6 * double(most.held), {});
+    row("us per body, with its creation", 1e3 * sum.ms / n / (home + ghosts), {}, {});
+    row("efficiency by the model", model_efficiency(home, ghosts, blocks.ranks()), worst, {});
+    say("pairs      {}, order-free hash {:016x}{}\n", sum.pairs, sum.hash,
+        int(ranks.size()) == blocks.ranks() ? "" : " (of the ranks played)");
+    const bool off = sum.model_ghosts > 0 && std::abs(double(sum.ghosts) / sum.model_ghosts - 1) > 0.1;
     if (off) say("FAULT      the number of ghosts differs from the model by more than a tenth\n");
     return !off;
-}
-
-void write_rows(const std::string& path, const std::string& head, const UniformWorld& world,
-                const std::vector<Partition>& partitions)
-{
-    CsvFile csv(path, "world,ranks,rank,bodies,ghosts,model_ghosts,pairs,hash,ghost_bytes,held_bytes,ms", head);
-    for (const Partition& partition : partitions)
-        for (const Rank& r : partition.ranks)
-            csv.row(world.bodies(), partition.count, r.number, r.home, r.ghosts,
-                    Fixed{model_ghosts(world, partition.blocks, r.number), 1}, r.pairs, Hex{r.hash}, r.bytes, r.held,
-                    Fixed{r.ms, 3});
-    csv.commit();
 }
 
 /// Plays ranks of a large uniform world one after another on this machine, and compares them with a cost model. Returns
@@ -303,60 +225,63 @@ int bench_scale(const ScaleOptions& o)
 {
     if (!(o.bodies >= 1 && o.bodies <= 4e9)) usage(fmt::format("--bodies {}: must be from 1 to 4e9", o.bodies));
     if (!(o.edge > 0 && o.edge <= 10)) usage(fmt::format("--edge {}: must be above 0 and at most 10", o.edge));
-    check_range("--sample", o.sample, 0);
-    check_range("--frame", o.frame, 0), check_range("--threads", o.threads, 0, 1024);
-    check_files({{"--csv", o.csv}});
     const std::vector<std::size_t> counts = parse_counts("--ranks", o.ranks, 1'000'000);
     const Shard shard = shard_from(o.shard);
     if (!shard.whole() && counts.size() > 1) usage("--shard: needs a single number of ranks, whose ranks are divided");
     check_parts(shard, sampled(int(counts.front()), o.sample).size(), "ranks");
     const UniformWorld world(o.bodies, o.edge, o.seed, o.frame);
-    const int threads = o.threads ? o.threads : hardware_threads();
     say("world      {} cubes, frame {}, mean edge {} spacings, one of {} is {} times as large\n", world.bodies(),
         o.frame, o.edge, large_every, large_by);
-    std::vector<Partition> partitions;
+    ResultTable table(o.csv, {},
+                      shard.line(fmt::format("bench scale, {} bodies, {} ranks, sample {}, edge {}, seed {}, frame {}",
+                                             world.bodies(), o.ranks, o.sample, o.edge, o.seed, o.frame)));
+    std::optional<Rank> whole; // the sums of the first number of ranks of which all were played; its number: of ranks
     bool good = true;
     for (const std::size_t count : counts) {
-        partitions.push_back(play(world, int(count), o.sample, threads, shard));
-        good &= report(world, partitions.back());
-        const Partition& first = partitions.front();
-        if (first.all() && partitions.back().all() &&
-            (partitions.back().pairs() != first.pairs() || partitions.back().hash() != first.hash())) {
-            say("FAULT      {} ranks found different pairs than {}\n", count, first.count);
+        const Blocks blocks(int(count), world.side());
+        std::vector<int> numbers = sampled(int(count), o.sample);
+        keep_part(shard, numbers, "ranks");
+        std::vector<Rank> ranks(numbers.size());
+        parallel_chunks(numbers.size(), 1, threads_of(o), [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t k = begin; k < end; ++k) ranks[k] = play_rank(world, blocks, numbers[k]);
+        });
+        Rank sum{.number = int(count)};
+        for (const Rank& r : ranks) {
+            sum.home += r.home, sum.ghosts += r.ghosts, sum.pairs += r.pairs, sum.hash += r.hash;
+            sum.bytes += r.bytes, sum.held += r.held, sum.model_ghosts += r.model_ghosts, sum.ms += r.ms;
+            table.row({}, figures("world", world.bodies(), "ranks", count, "rank", r.number, "bodies", r.home, "ghosts",
+                                  r.ghosts, "model_ghosts", r.model_ghosts, "pairs", r.pairs, "hash", Hex{r.hash},
+                                  "ghost_bytes", r.bytes, "held_bytes", r.held, "ms", r.ms));
+        }
+        good &= report(world, blocks, ranks, sum);
+        if (ranks.size() < count) continue;
+        if (!whole) whole = sum;
+        if (sum.pairs != whole->pairs || sum.hash != whole->hash) {
+            say("FAULT      {} ranks found different pairs than {}\n", count, whole->number);
             good = false;
         }
     }
     say("process    {:.0f} MB at most\n", double(peak_memory()) / 1e6);
-    write_rows(o.csv,
-               shard.line(fmt::format("bench scale, {} bodies, {} ranks, sample {}, edge {}, seed {}, frame {}",
-                                      world.bodies(), o.ranks, o.sample, o.edge, o.seed, o.frame)),
-               world, partitions);
-    return good ? 0 : int(ErrorKind::internal);
+    table.commit();
+    return code_of(!good);
 }
 
 } // namespace
 
 void add_scale(Arguments bench)
 {
-    Arguments sub = bench.add_command("scale", "Ranks of a large world, simulated one after another, compared with a "
-                                               "cost model");
-    auto options = std::make_shared<ScaleOptions>();
-    sub.add_option("--bodies N", options->bodies,
-                   "approximate number of bodies in the world, a cube of cells (default 1e6)");
-    sub.add_option("--ranks LIST", options->ranks, "numbers of ranks to compare (default 64)");
-    sub.add_option("--sample N", options->sample, "number of ranks to play; 0: all (default 0)");
-    sub.add_option("--edge E", options->edge, "mean edge of the bodies, in mean spacings (default 1)");
-    sub.add_option("--frame F", options->frame, "frame of the motion (default 0)");
-    sub.add_option("--threads N", options->threads,
-                   "ranks played at the same time; 0: as many as processors (default 1)");
-    sub.add_option("--seed S", options->seed, "seed of the bodies (default 12345)");
-    sub.add_option("--csv FILE", options->csv, "write one row per rank");
-    sub.add_option("--shard I/N", options->shard, std::string("divide the ranks among N processes: ") + shard_help);
-    sub.footer("If all ranks are played, pairs and hash do not depend on the number of ranks. Exit code 70: they do,\n"
-               "or the number of ghosts differs from the model by more than a tenth.\n"
-               "  oncollide-lab bench scale --ranks 8,64 --bodies 1e6\n"
-               "  oncollide-lab bench scale --ranks 10000 --bodies 1e9 --sample 26");
-    sub.action([options] { return bench_scale(*options); });
+    Benchmark<ScaleOptions> b(
+        bench, "scale", "Ranks of a large world, simulated one after another, compared with a cost model", bench_scale);
+    b.option("--bodies N", b->bodies, "approximate number of bodies in the world, a cube of cells (default 1e6)");
+    b.option("--ranks LIST", b->ranks, "numbers of ranks to compare (default 64)");
+    b.whole("--sample N", b->sample, "number of ranks to play; 0: all", {0});
+    b.option("--edge E", b->edge, "mean edge of the bodies, in mean spacings (default 1)");
+    b.whole("--frame F", b->frame, "frame of the motion", {0});
+    b.threads("ranks played at the same time"), b.seed("the bodies"), b.csv("rank"), b.shard("ranks");
+    b.footer("If all ranks are played, pairs and hash do not depend on the number of ranks. Exit code 70: they do,\n"
+             "or the number of ghosts differs from the model by more than a tenth.\n"
+             "  oncollide-lab bench scale --ranks 8,64 --bodies 1e6\n"
+             "  oncollide-lab bench scale --ranks 10000 --bodies 1e9 --sample 26");
 }
 
 } // namespace oncollide::tools

@@ -1,19 +1,14 @@
 // oncollide-lab bench world: cost of a frame by the number of bodies added, removed or moved, and cost of queries.
 #include "bench/bench.hpp"
-#include "cli/options.hpp"
+#include "bench/common/benchmark.hpp"
 #include "cli/system.hpp"
-#include "common/statistics.hpp"
-#include "common/text.hpp"
 
 #include <algorithm>
-#include <memory>
 #include <numeric>
 #include <set>
 #include <thread>
 #include <tuple>
 
-#include <oncollide/base/error.hpp>
-#include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/pipeline/world.hpp>
@@ -22,13 +17,12 @@
 namespace oncollide::tools {
 namespace {
 
-struct WorldOptions {
+struct WorldOptions : SharedOptions {
     int bodies = 100'000;
     int changes = 1000; ///< bodies that move, or are removed and added, per frame
     int frames = 20;
-    std::uint64_t seed = 12345;
+    SettingsOptions given;
     Settings settings;
-    std::string csv;
 };
 
 /// The bodies of the catalogue's scene `many` in a World. Each body's user number is its index in the list.
@@ -176,37 +170,32 @@ double time_queries(const World& world, std::span<const PlacedModel> queries, st
 /// made World finds other pairs.
 int bench_world(const WorldOptions& options)
 {
-    check_range("--frames", options.frames, 1, 1'000'000);
-    check_range("--bodies", options.bodies, 2, 1'000'000);
     check_range("--changes", options.changes, 1, options.bodies);
-    check_files({{"--csv", options.csv}});
-    CsvFile csv(options.csv, "bodies,pairs,refined_by,exact,skip,change,count,changes_ms,step_ms");
-
     const auto begin = Clock::now();
     Crowd crowd(options, std::uint32_t(options.bodies));
     const double made = milliseconds_since(begin);
     World& world = crowd.world();
     const std::size_t pairs = world.step().pairs.size();
     say("{}scene      many, {} bodies, {} pairs; made in {:.0f} ms, first frame after {:.0f} ms\n"
-        "settings   {}\nframes     {}, medians\n\n",
+        "settings   {}\nframes     {}; medians, ms per frame\n\n",
         describe_program(world.inspect().backend), grouped(crowd.size()), grouped(pairs), made,
         milliseconds_since(begin), describe(world.settings()), options.frames);
 
-    const auto changes = std::size_t(options.changes);
-    say("{:<34}{:>14}{:>14}{:>14}\n", "ms per frame", "changes", "step", "together");
-    const auto row = [&](const std::string& what, const char* kind, std::size_t count, auto change) {
-        const auto [changed, step] = time_frames(crowd, options.frames, change);
-        csv.row(crowd.size(), pairs, wants_obbs(world.settings()) ? "obb" : "sphere", name_of(world.settings().exact),
-                fmt::format("{}", fmt::join(names_of(world.settings().skip), " ")), kind, count, Digits{changed, 4},
-                Digits{step, 4});
-        say("{:<34}{:>14.3f}{:>14.3f}{:>14.3f}\n", what, changed, step, changed + step);
+    ResultTable table(options.csv);
+    table.about(figures("bodies", crowd.size(), "pairs", pairs, "refined_by",
+                        wants_obbs(world.settings()) ? "obb" : "sphere", "exact", name_of(world.settings().exact),
+                        "skip", fmt::format("{}", fmt::join(names_of(world.settings().skip), " "))));
+    const auto row = [&](const char* change, std::size_t count, auto work) {
+        const auto [changed, step] = time_frames(crowd, options.frames, work);
+        table.row(figures("change", change, "count", count, "changes_ms", changed, "step_ms", step, "together_ms",
+                          changed + step));
         return changed + step;
     };
-    row("nothing changes", "none", 0, [] {});
-    const double moved = row(grouped(changes) + " move", "move", changes, [&] { crowd.move(changes); });
-    const double exchanged = row(fmt::format("{0} removed, {0} added", grouped(changes)), "exchange", changes,
-                                 [&] { crowd.exchange(changes); });
-    row("all move", "move", crowd.size(), [&] { crowd.move(crowd.size()); });
+    const auto changes = std::size_t(options.changes);
+    row("none", 0, [] {});
+    const double moved = row("move", changes, [&] { crowd.move(changes); });
+    const double exchanged = row("exchange", changes, [&] { crowd.exchange(changes); });
+    row("move", crowd.size(), [&] { crowd.move(crowd.size()); });
     say("\nremoved and added / moved  {:.2f}\n", exchanged / moved);
 
     const std::vector<PlacedModel> queries = crowd.queries(10'000);
@@ -217,32 +206,26 @@ int bench_world(const WorldOptions& options)
         grouped(std::uint64_t(one)), grouped(std::uint64_t(two)), two / one);
     say("memory     World {} MB; process {} MB at its peak\n", world.inspect().bytes / 1'000'000,
         peak_memory() / 1'000'000);
-
-    csv.commit();
+    table.commit();
     const bool same = crowd.is_as_made_anew();
     say("results    {} a newly made World\n", same ? "same as of" : "WRONG: not the same as of");
-    return same ? 0 : int(ErrorKind::internal);
+    return code_of(!same);
 }
 
 } // namespace
 
 void add_world(Arguments bench)
 {
-    Arguments sub = bench.add_command("world", "Bodies that are added, removed and moved between frames, and queries");
-    auto options = std::make_shared<WorldOptions>();
-    auto settings = std::make_shared<SettingsOptions>();
-    sub.add_option("--bodies N", options->bodies, "bodies (default 100000)");
-    sub.add_option("--changes N", options->changes, "bodies moved, or removed and added, per frame (default 1000)");
-    sub.add_option("--frames N", options->frames, "frames to time (default 20)");
-    sub.add_option("--seed S", options->seed, "seed of the scene (default 12345)");
-    sub.add_option("--csv FILE", options->csv, "write one row per kind of change");
-    add_accuracy_options(sub, *settings);
-    add_pipeline_options(sub, *settings);
-    sub.footer("A newly made World must give the same results. Exit code 70: they differ.");
-    sub.action([options, settings] {
-        options->settings = settings_from(*settings);
-        return bench_world(*options);
-    });
+    Benchmark<WorldOptions> b(bench, "world", "Bodies that are added, removed and moved between frames, and queries",
+                              bench_world);
+    b.whole("--bodies N", b->bodies, "bodies", {2, 1'000'000});
+    b.whole("--changes N", b->changes, "bodies moved, or removed and added (exchange), per frame");
+    b.whole("--frames N", b->frames, "frames to time", {1, 1'000'000});
+    b.seed("the scene"), b.csv("kind of change");
+    add_accuracy_options(b.arguments(), b->given);
+    add_pipeline_options(b.arguments(), b->given);
+    b.prepare([](WorldOptions& o) { o.settings = settings_from(o.given); });
+    b.footer("A newly made World must give the same results. Exit code 70: they differ.");
 }
 
 } // namespace oncollide::tools

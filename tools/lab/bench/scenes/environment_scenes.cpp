@@ -6,11 +6,8 @@
 #include <string_view>
 #include <utility>
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "common/text.hpp"
-#include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/samples/bodies_above.hpp>
 #include <oncollide/samples/generators.hpp>
@@ -104,7 +101,6 @@ std::string EnvironmentChoice::work() const
 
 std::vector<EnvironmentScene> scenes_of(const EnvironmentChoice& choice, int frames)
 {
-    check_range("--cells", choice.cells, 8, 20'000);
     std::vector<EnvironmentScene> scenes;
     for (const std::string& environment : split(choice.environments))
         for (const std::string& bodies_of : split(choice.bodies_of))
@@ -129,20 +125,19 @@ Scene make_environment_scene(const EnvironmentScene& which)
     return scene;
 }
 
-void add_environment_choice(Arguments sub, EnvironmentChoice& in)
+void add_environment_choice(BenchmarkCommand& sub, EnvironmentChoice& in, int most_bodies)
 {
-    sub.add_option("--environments LIST", in.environments,
-                   "environments (default building,hills,hills-mesh): building, a map of 30 x 30 rooms at 6 cm; hills, "
-                   "a height grid; hills-mesh, the same as a mesh; campus and st-helens, from the data folder; or one "
-                   "shape of about a metre: sphere, box, capsule, cylinder, hull, ellipsoid, cone");
-    sub.add_option("--bodies-of LIST", in.bodies_of,
-                   "meshes, shapes (spheres, boxes and capsules), all-shapes (all bounded kinds), both, or a list "
-                   "(default meshes,shapes)");
-    sub.add_option("--bodies N", in.bodies, fmt::format("bodies in each environment (default {})", in.bodies));
-    sub.add_option("--cells N", in.cells,
-                   "cells along a side of the hills (default 500; 2200 give 9.7 million triangles)");
-    sub.add_option("--seed S", in.seed, "seed of environments and bodies (default 1)");
-    sub.add_option("--data DIR", in.data, "data folder (default: $ONCOLLIDE_DATA, else ../shared/data if present)");
+    sub.option("--environments LIST", in.environments,
+               "environments (default building,hills,hills-mesh): building, a map of 30 x 30 rooms at 6 cm; hills, "
+               "a height grid; hills-mesh, the same as a mesh; campus and st-helens, from the data folder; or one "
+               "shape of about a metre: sphere, box, capsule, cylinder, hull, ellipsoid, cone");
+    sub.option("--bodies-of LIST", in.bodies_of,
+               "meshes, shapes (spheres, boxes and capsules), all-shapes (all bounded kinds), both, or a list "
+               "(default meshes,shapes)");
+    sub.whole("--bodies N", in.bodies, "bodies in each environment", {1, most_bodies});
+    sub.whole("--cells N", in.cells, "cells along a side of the hills; 2200 give 9.7 million triangles", {8, 20'000});
+    sub.option("--seed S", in.seed, "seed of environments and bodies (default 1)");
+    sub.option("--data DIR", in.data, "data folder (default: $ONCOLLIDE_DATA, else ../shared/data if present)");
 }
 
 } // namespace oncollide::tools

@@ -6,7 +6,7 @@
 
 #include <oncollide/scenes/scene.hpp>
 
-#include "cli/arguments.hpp"
+#include "bench/common/benchmark.hpp"
 
 namespace oncollide::tools {
 
@@ -26,7 +26,7 @@ struct EnvironmentChoice {
 };
 
 /// Adds the options of `in`; its values are their defaults.
-void add_environment_choice(Arguments sub, EnvironmentChoice& in);
+void add_environment_choice(BenchmarkCommand& sub, EnvironmentChoice& in, int most_bodies);
 
 /// One large static body, and many small ones on and just above its surface, which drift slightly in every frame.
 struct EnvironmentScene {
@@ -42,7 +42,7 @@ struct EnvironmentScene {
 
 /// Throws Error{usage} for an unknown name and for a file without a data folder, Error{no_input} for a missing file.
 void check(const EnvironmentScene& which);
-/// One scene per environment and kind of bodies. Throws as check(), and for `cells` out of range.
+/// One scene per environment and kind of bodies. Throws as check().
 std::vector<EnvironmentScene> scenes_of(const EnvironmentChoice& choice, int frames);
 /// Calls check() first.
 Scene make_environment_scene(const EnvironmentScene& which);

@@ -2,11 +2,8 @@
 
 #include <optional>
 
-#include "cli/shard.hpp"
-#include "common/race.hpp"
 #include "truth/scene_truth.hpp"
 
-#include <oncollide/base/error.hpp>
 #include <oncollide/pipeline/results.hpp>
 #include <oncollide/pipeline/world/world_access.hpp>
 

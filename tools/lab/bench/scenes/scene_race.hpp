@@ -6,24 +6,22 @@
 
 #include <oncollide/runs/pipeline.hpp>
 
-#include "cli/options.hpp"
+#include "bench/common/benchmark.hpp"
 #include "fcl/fcl_world.hpp"
 
 // FCL and oncollide on the same scene, in alternation, frame by frame.
 namespace oncollide::tools {
 
-struct CompareOptions {
+/// Repeats are runs from frame 0, of which the least time of each frame counts; `only` is "fcl" or "oncollide", or
+/// empty; the CSV has a row per frame.
+struct CompareOptions : SharedOptions {
     SceneOptions scene;
     SettingsOptions settings;
     int warm_up = 3;       ///< frames at the start that are not timed
-    int repeats = 1;       ///< runs from frame 0; the least time of each frame counts
     int cold_runs = 5;     ///< cold starts, from the scene to the first frame's results
     bool contacts = false; ///< find all contacts of each pair; with exact predicates
     int timeline = 0;      ///< frames between printed lines; 0: none
-    std::string only;      ///< "fcl" or "oncollide": measure only that library
-    std::string csv;       ///< one row per frame
-    std::string summary;   ///< a single row
-    std::string shard;     ///< of the frames
+    std::string summary;   ///< file of a single row
 };
 
 constexpr std::size_t stage_count = 5;

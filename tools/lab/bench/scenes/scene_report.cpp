@@ -2,18 +2,52 @@
 
 #include <algorithm>
 
-#include <oncollide/base/files/output_file.hpp>
-#include <oncollide/base/text/printable.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 
-#include "cli/outputs.hpp"
-#include "cli/shard.hpp"
 #include "cli/system.hpp"
-#include "common/statistics.hpp"
-#include "common/text.hpp"
 
 namespace oncollide::tools {
+namespace {
+
+/// The figures of a frame, as in the CSV.
+Figures figures_of(const SceneRow& r, int frame)
+{
+    const Comparison& c = r.counts;
+    const TreeStats& t = r.trees;
+    return figures("frame", frame, "fcl_ms", r.fcl_ms, "fcl_transforms_ms", r.fcl_parts[0], "fcl_update_ms",
+                   r.fcl_parts[1], "fcl_pairs_ms", r.fcl_parts[2], "fcl_narrow_ms", r.fcl_parts[3], "fcl_candidates",
+                   r.fcl_candidates, "fcl_colliding", c.fcl_colliding, "fcl_contacts", r.fcl_contacts, "ms", r.our_ms,
+                   "bounds_ms", r.our_parts[0], "delimitation_ms", r.our_parts[1], "broad_ms", r.our_parts[2],
+                   "ocst_ms", r.our_parts[3], "exact_ms", r.our_parts[4], "contacts_ms", r.contacts_ms, "candidates",
+                   c.pairs, "left_over", c.left_over, "colliding", c.colliding, "undecided", c.undecided, "contacts",
+                   r.our_contacts, "false_positives", c.false_positives, "missed", c.missed, "cells", t.nodes,
+                   "cells_asked", t.rows, "cell_pairs", t.node_pairs, "bytes", t.bytes, "rounds", t.rounds, "gpu_ms",
+                   r.gpu_ms, "wait_ms", r.wait_ms, "gpu_bytes", t.gpu_bytes, "queries", t.queries, "hash", Hex{r.hash},
+                   "regions", r.regions, "left", r.left, "narrowed", t.narrowed, "by_gap", t.by_gap, "by_hull",
+                   t.by_hull, "by_inner_spheres", t.by_inner_spheres, "by_witness", t.by_witness);
+}
+
+/// The mean of a figure over the frames.
+std::string mean_of(std::span<const SceneRow> frames, std::string_view name)
+{
+    double sum = 0;
+    for (const SceneRow& row : frames)
+        for (const Figure& figure : figures_of(row, 0))
+            if (figure.name == name) sum += number_of(figure);
+    return plain_measure(sum / double(frames.size()), 4);
+}
+
+/// The same of several, with their titles: "bounds, ms 0.0932; broad, ms 0.0081".
+std::string means(std::span<const SceneRow> frames, std::initializer_list<std::string_view> names)
+{
+    std::string text;
+    for (const std::string_view name : names)
+        text += fmt::format("{}{} {}", text.empty() ? "" : "; ", title_of(name), mean_of(frames, name));
+    return text;
+}
+
+} // namespace
 
 std::uint64_t SceneReport::print() const
 {
@@ -42,82 +76,58 @@ std::span<const SceneRow> SceneReport::counted() const
 void SceneReport::print_times() const
 {
     std::vector<double> fcl, ours, ratios;
-    std::array<double, 4> fcl_parts{};
-    std::array<double, stage_count> our_parts{};
-    double contacts = 0;
-    for (const SceneRow& row : counted()) {
+    for (const SceneRow& row : counted())
         fcl.push_back(row.fcl_ms), ours.push_back(row.our_ms), ratios.push_back(row.fcl_ms / row.our_ms);
-        for (std::size_t i = 0; i < fcl_parts.size(); ++i) fcl_parts[i] += row.fcl_parts[i];
-        for (std::size_t i = 0; i < stage_count; ++i) our_parts[i] += row.our_parts[i];
-        contacts += row.contacts_ms;
-    }
-    const double n = double(counted().size());
-    say("{:<17}{:>12}{:>12}{:>14}{:>24}\n", "ms per frame", "median", "mean", "frames/s", "first, cold start");
-    const auto line = [](const char* who, const std::vector<double>& ms, const std::vector<double>& cold) {
-        say("{:<17}{:>12.4f}{:>12.4f}{:>14.1f}{:>24.3f}\n", who, median(ms), mean(ms), 1e3 / mean(ms), median(cold));
+    ResultTable table({}, {17});
+    const auto line = [&](const char* who, const std::vector<double>& ms, const std::vector<double>& cold) {
+        table.print(figures("per_frame", who, "median_ms", median(ms), "mean_ms", mean(ms), "frames_per_s",
+                            1e3 / mean(ms), "cold_start_ms", median(cold)));
     };
     if (with_fcl_) line("FCL", fcl, runs_.fcl_cold);
     if (with_ours_) line("oncollide", ours, runs_.our_cold);
-    if (with_fcl_ && with_ours_)
-        say("{:<17}{:>12.2f}{:>12.2f}{:>14}{:>24.2f}   (median of the frames' ratios; ratio of the totals)\n",
-            "FCL / oncollide", median(ratios), mean(fcl) / mean(ours), "",
-            median(runs_.fcl_cold) / median(runs_.our_cold));
-    say("\ntime by part, mean ms\n");
-    if (with_fcl_)
-        say("  FCL        transforms {:.4f}, tree update {:.4f}, pairs {:.4f}, narrow {:.4f}\n", fcl_parts[0] / n,
-            fcl_parts[1] / n, fcl_parts[2] / n, fcl_parts[3] / n);
-    if (with_ours_)
-        say("  oncollide  bounds {:.4f}, delimitation {:.4f}, broad {:.4f}, refine {:.4f}, exact {:.4f}",
-            our_parts[0] / n, our_parts[1] / n, our_parts[2] / n, our_parts[3] / n, our_parts[4] / n);
-    if (with_ours_ && options_.contacts) say(", contacts {:.4f}", contacts / n);
-    say("\n\n");
+    if (with_fcl_ && with_ours_) // of medians: the median of the frames' ratios
+        table.print(figures("per_frame", "FCL / oncollide", "median_ms", median(ratios), "mean_ms",
+                            mean(fcl) / mean(ours), "frames_per_s", std::optional<double>(), "cold_start_ms",
+                            median(runs_.fcl_cold) / median(runs_.our_cold)));
 }
 
 std::uint64_t SceneReport::print_counts() const
 {
-    Comparison sum;
-    std::uint64_t fcl_candidates = 0, node_pairs = 0, nodes = 0, rows = 0;
-    for (const SceneRow& row : counted()) {
-        sum += row.counts, fcl_candidates += row.fcl_candidates;
-        node_pairs += row.trees.node_pairs, rows += row.trees.rows, nodes = std::max(nodes, row.trees.nodes);
-    }
-    const std::uint64_t n = counted().size();
-    say("pairs, mean per frame\n");
+    say("\nmeans per frame\n");
     if (with_fcl_)
-        say("  FCL        candidates {}, colliding {}\n", mean_text(fcl_candidates, n),
-            mean_text(sum.fcl_colliding, n));
+        say("  FCL        {}\n", means(counted(), {"fcl_transforms_ms", "fcl_update_ms", "fcl_pairs_ms",
+                                                   "fcl_narrow_ms", "fcl_candidates", "fcl_colliding"}));
     if (with_ours_)
-        say("  oncollide  candidates {}, left over {} (colliding {}, undecided {}); cell pairs compared {}, cells "
-            "requested {}\n",
-            mean_text(sum.pairs, n), mean_text(sum.left_over, n), mean_text(sum.colliding, n),
-            mean_text(sum.undecided, n), mean_text(node_pairs, n), mean_text(rows, n));
-    if (options_.contacts) {
-        std::uint64_t theirs = 0, ours = 0;
-        for (const SceneRow& row : counted()) theirs += row.fcl_contacts, ours += row.our_contacts;
-        say("  contacts   FCL {}, oncollide {} pairs of triangles\n", mean_text(theirs, n), mean_text(ours, n));
-    }
-    if (with_ours_) print_rounds();
-    const std::uint64_t faults = with_fcl_ && with_ours_ ? print_faults(sum, n) : 0;
-    print_memory(nodes);
+        say("  oncollide  {}\n             {}\n",
+            means(counted(), {"bounds_ms", "delimitation_ms", "broad_ms", "ocst_ms", "exact_ms", "contacts_ms"}),
+            means(counted(), {"candidates", "left_over", "colliding", "undecided", "cell_pairs", "cells_asked"}));
+    if (options_.contacts)
+        say("  contacts   FCL {}, oncollide {} pairs of triangles\n", mean_of(counted(), "fcl_contacts"),
+            mean_of(counted(), "contacts"));
+    if (with_ours_)
+        for (const auto& [what, rows] :
+             {std::pair("rounds     ", counted()), std::pair("at first   ", std::span(runs_.rows).first(1))})
+            say("  {}{}\n", what, means(rows, {"rounds", "cells_asked", "gpu_ms", "wait_ms", "gpu_bytes", "queries"}));
+    const std::uint64_t faults = with_fcl_ && with_ours_ ? print_faults() : 0;
+    print_memory();
     if (with_ours_) say("hash       {:016x}\n", runs_.hash);
     return faults;
 }
 
-std::uint64_t SceneReport::print_faults(const Comparison& sum, std::uint64_t frames) const
+std::uint64_t SceneReport::print_faults() const
 {
     Comparison all; // missed collisions count in every frame
     for (const SceneRow& row : runs_.rows) all += row.counts;
-    say("  oncollide  false positives {} ({:.1f} % of pairs left over), missed {}, within FCL's rounding {}, wrong "
-        "exact results {}\n",
-        mean_text(sum.false_positives, frames),
-        sum.left_over ? 100.0 * double(sum.false_positives) / double(sum.left_over) : 0.0, all.missed,
-        all.missed_by_rounding, all.wrong_exact);
+    say("  oncollide  {}; in all frames: missed {}, within FCL's rounding {}, wrong exact results {}\n",
+        means(counted(), {"false_positives"}), all.missed, all.missed_by_rounding, all.wrong_exact);
     if (all.missed) say("MISSED     {}\n", all.first_missed);
     return all.missed + all.wrong_exact;
 }
 
-void SceneReport::print_memory(std::uint64_t nodes) const
+void SceneReport::print_memory() const
 {
+    std::uint64_t nodes = 0;
+    for (const SceneRow& row : counted()) nodes = std::max(nodes, row.trees.nodes);
     say("\nmemory     ");
     if (with_ours_) say("trees {:.3f} MB at most ({} cells); ", double(runs_.our_bytes) / 1e6, grouped(nodes));
     if (with_fcl_) say("FCL models {:.3f} MB; ", double(runs_.fcl_bytes.obb) / 1e6);
@@ -157,31 +167,10 @@ std::uint64_t SceneReport::triangles() const
     return sum;
 }
 
-/// Requests of the sphere-trees to the backend, in later frames and in the first.
-void SceneReport::print_rounds() const
-{
-    std::uint64_t rounds = 0, rows = 0, bytes = 0, queries = 0;
-    double gpu_ms = 0, wait_ms = 0;
-    for (const SceneRow& row : counted()) {
-        rounds += row.trees.rounds, rows += row.trees.rows;
-        bytes += row.trees.gpu_bytes, queries += row.trees.queries, gpu_ms += row.gpu_ms, wait_ms += row.wait_ms;
-    }
-    const std::uint64_t n = counted().size();
-    const SceneRow& first = runs_.rows.front();
-    say("  rounds     {} per frame, {} cells per round; the first frame: {} rounds of {} cells\n", mean_text(rounds, n),
-        mean_text(rows, rounds), first.trees.rounds, mean_text(first.trees.rows, first.trees.rounds));
-    if (first.trees.gpu_bytes)
-        say("  GPU        {:.3f} ms GPU time per frame, {:.3f} ms waiting for it, {} bytes moved, {} queries; the "
-            "first "
-            "frame: {:.3f}, {:.3f}, {}, {}\n",
-            gpu_ms / double(n), wait_ms / double(n), mean_text(bytes, n), mean_text(queries, n), first.gpu_ms,
-            first.wait_ms, grouped(first.trees.gpu_bytes), grouped(first.trees.queries));
-}
-
 void SceneReport::print_timeline() const
 {
-    say("\n{:>8}{:>14}{:>12}{:>14}{:>14}{:>12}{:>14}{:>14}\n", "frame", "cells alive", "left over", "FCL collides",
-        "requested", "dropped", "oncollide ms", "FCL ms");
+    ResultTable table;
+    say("\n");
     for (std::size_t from = 0; from < runs_.rows.size(); from += static_cast<std::size_t>(options_.timeline)) {
         const std::size_t to = std::min(from + static_cast<std::size_t>(options_.timeline), runs_.rows.size());
         std::uint64_t requested = 0, dropped = 0;
@@ -191,33 +180,26 @@ void SceneReport::print_timeline() const
             ours += runs_.rows[f].our_ms / double(to - from), fcl += runs_.rows[f].fcl_ms / double(to - from);
         }
         const SceneRow& last = runs_.rows[to - 1];
-        say("{:>8}{:>14}{:>12}{:>14}{:>14}{:>12}{:>14.5f}{:>14.5f}\n", to - 1, last.trees.nodes, last.counts.left_over,
-            last.counts.fcl_colliding, requested, dropped, ours, fcl);
+        table.print(figures("frame", to - 1, "cells", last.trees.nodes, "left_over", last.counts.left_over,
+                            "fcl_colliding", last.counts.fcl_colliding, "requested", requested, "dropped", dropped,
+                            "ms", ours, "fcl_ms", fcl));
     }
 }
 
 void SceneReport::write_csv() const
 {
-    CsvFile csv(
-        options_.csv,
-        "frame,fcl_ms,fcl_transforms_ms,fcl_update_ms,fcl_pairs_ms,fcl_narrow_ms,fcl_candidates,fcl_colliding,"
-        "ms,bounds_ms,delimitation_ms,broad_ms,ocst_ms,exact_ms,candidates,left_over,colliding,undecided,"
-        "false_positives,missed,cells,cells_asked,cell_pairs,bytes,hash,regions,left,"
-        "narrowed,by_gap,by_hull,by_inner_spheres,by_witness",
+    ResultTable table(
+        options_.csv, {},
         shard_from(options_.shard)
             .line(fmt::format("bench scene {}, {} bodies, {} frames, pace {}, settings {:016x}, only {}", scene_.name,
                               scene_.size(), scene_.frames, scene_.pace, hash_of(settings_), options_.only)));
-    for (std::size_t frame = 0; frame < runs_.rows.size(); ++frame) {
-        const SceneRow& r = runs_.rows[frame];
-        csv.rows().add(runs_.first + int(frame), with_fcl_ ? r.fcl_ms : 0);
-        for (const double ms : r.fcl_parts) csv.rows().add(ms);
-        csv.rows().add(r.fcl_candidates, r.counts.fcl_colliding, with_ours_ ? r.our_ms : 0);
-        for (const double ms : r.our_parts) csv.rows().add(ms);
-        csv.row(r.counts.pairs, r.counts.left_over, r.counts.colliding, r.counts.undecided, r.counts.false_positives,
-                r.counts.missed, r.trees.nodes, r.trees.rows, r.trees.node_pairs, r.trees.bytes, Hex{r.hash}, r.regions,
-                r.left, r.trees.narrowed, r.trees.by_gap, r.trees.by_hull, r.trees.by_inner_spheres, r.trees.by_witness);
+    int frame = runs_.first;
+    for (SceneRow row : runs_.rows) {
+        if (!with_fcl_) row.fcl_ms = 0;
+        if (!with_ours_) row.our_ms = 0;
+        table.row({}, figures_of(row, frame++));
     }
-    csv.commit();
+    table.commit();
 }
 
 void SceneReport::write_summary() const
@@ -228,19 +210,19 @@ void SceneReport::write_summary() const
     std::uint64_t missed = 0;
     for (const SceneRow& row : runs_.rows) missed += row.counts.missed + row.counts.wrong_exact;
     const double n = double(counted().size());
-    CsvFile csv(options_.summary,
-                "scene,bodies,triangles,exact,threads,frames,only,fcl_first_ms,fcl_ms,fcl_median_ms,fcl_mb,first_ms,"
-                "ms,median_ms,slowest_ms,trees_mb,process_mb,colliding,false_positives,missed,hash");
     const auto of_fcl = [&](double value) { return with_fcl_ ? std::optional(value) : std::nullopt; };
     const auto of_ours = [&](double value) { return with_ours_ ? std::optional(value) : std::nullopt; };
-    csv.row(Quoted{scene_.name}, scene_.size(), triangles(), name_of(settings_.exact), settings_.threads,
-            counted().size(), options_.only, of_fcl(median(runs_.fcl_cold)), of_fcl(mean(fcl)), of_fcl(median(fcl)),
-            of_fcl(double(runs_.fcl_bytes.obb) / 1e6), of_ours(median(runs_.our_cold)), of_ours(mean(ours)),
-            of_ours(median(ours)), of_ours(*std::max_element(ours.begin(), ours.end())),
-            of_ours(double(runs_.our_bytes) / 1e6), double(peak_memory()) / 1e6,
-            double(with_fcl_ ? sum.fcl_colliding : sum.colliding) / n, double(sum.false_positives) / n, missed,
-            Hex{runs_.hash});
-    csv.commit();
+    ResultTable table(options_.summary);
+    table.row({}, figures("scene", scene_.name, "bodies", scene_.size(), "triangles", triangles(), "exact",
+                          name_of(settings_.exact), "threads", settings_.threads, "frames", counted().size(), "only",
+                          options_.only, "fcl_first_ms", of_fcl(median(runs_.fcl_cold)), "fcl_ms", of_fcl(mean(fcl)),
+                          "fcl_median_ms", of_fcl(median(fcl)), "fcl_mb", of_fcl(1e-6 * double(runs_.fcl_bytes.obb)),
+                          "first_ms", of_ours(median(runs_.our_cold)), "ms", of_ours(mean(ours)), "median_ms",
+                          of_ours(median(ours)), "slowest_ms", of_ours(*std::ranges::max_element(ours)), "trees_mb",
+                          of_ours(1e-6 * double(runs_.our_bytes)), "process_mb", 1e-6 * double(peak_memory()),
+                          "colliding", double(with_fcl_ ? sum.fcl_colliding : sum.colliding) / n, "false_positives",
+                          double(sum.false_positives) / n, "missed", missed, "hash", Hex{runs_.hash}));
+    table.commit();
 }
 
 } // namespace oncollide::tools

@@ -23,9 +23,8 @@ private:
     void print_head() const;
     void print_times() const;
     std::uint64_t print_counts() const;
-    std::uint64_t print_faults(const Comparison& sum, std::uint64_t frames) const;
-    void print_memory(std::uint64_t nodes) const;
-    void print_rounds() const;
+    std::uint64_t print_faults() const;
+    void print_memory() const;
     void print_timeline() const;
 
     std::span<const SceneRow> counted() const; ///< rows after the warm-up

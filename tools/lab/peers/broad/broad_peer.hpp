@@ -10,7 +10,7 @@
 
 #include "peers/common/contender.hpp"
 
-// BroadContenders of the broad phase benchmark. One file per library; each adds its contenders to the list.
+// Contenders of the broad phase benchmark. One file per library; each adds its contenders to the list.
 namespace oncollide::tools {
 
 /// The input of a frame, the same for all contenders.

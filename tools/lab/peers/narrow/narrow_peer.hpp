@@ -11,7 +11,7 @@
 
 #include "peers/common/contender.hpp"
 
-// BroadContenders of the narrow phase benchmark. One file per library; each adds its contenders to the list.
+// Contenders of the narrow phase benchmark. One file per library; each adds its contenders to the list.
 namespace oncollide::tools {
 
 /// Triangle `a` of the first mesh and triangle `b` of the second.

@@ -10,7 +10,7 @@
 
 #include "peers/common/contender.hpp"
 
-// BroadContenders of the benchmark of rays. One file per library; each adds its contenders to the list.
+// Contenders of the benchmark of rays. One file per library; each adds its contenders to the list.
 namespace oncollide::tools {
 
 /// Finds which segments meet a mesh.

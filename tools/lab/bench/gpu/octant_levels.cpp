@@ -1,4 +1,4 @@
-#include "bench/paper/octant_levels.hpp"
+#include "bench/gpu/octant_levels.hpp"
 
 #include <array>
 #include <cmath>

@@ -10,7 +10,7 @@
 #include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
 #include <oncollide/runs/pipeline.hpp>
 
-#include "bench/paper/octant_levels.hpp"
+#include "bench/gpu/octant_levels.hpp"
 
 namespace oncollide::tools {
 
@@ -24,7 +24,7 @@ struct Method {
     World make(Settings settings) const;
 };
 
-/// The paper's method and oncollide's backends; the last is the cpu.
+/// The paper's method and oncollide's backends; the first is the cpu.
 std::vector<Method> tree_methods(int gpu, int viewport);
 std::vector<Method> comparators(int gpu, int viewport = CullideOptions{}.viewport); ///< viewport: of CULLIDE
 
@@ -44,6 +44,7 @@ struct Played {
     bool stopped = false; ///< not all frames were played
 
     Window total() const;
+    std::pair<double, double> least_and_most_per_s() const; ///< of the windows: frames per second
     std::uint64_t left_over() const;
 };
 

@@ -1,15 +1,73 @@
-#include "bench/paper/paper_methods.hpp"
+#include "bench/gpu/paper_methods.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include <oncollide/narrowphase/gl/gpu.hpp>
+#include <oncollide/pipeline/world/stage.hpp>
 #include <oncollide/pipeline/world/world_access.hpp>
 
-#include "bench/paper/culling_stage.hpp"
 #include "common/statistics.hpp"
 #include "truth/scene_truth.hpp"
 
 namespace oncollide::tools {
+namespace {
+
+/// A comparator in the place of the refine stage: it drops pairs of meshes, and all others stay undecided.
+class CullingStage final : public Stage {
+public:
+    CullingStage(std::unique_ptr<Stage> refine, std::unique_ptr<PairCulling> culling)
+        : refine_(std::move(refine)), culling_(std::move(culling))
+    {
+    }
+    StageId id() const override { return refine_->id(); }
+    std::string_view unit() const override { return refine_->unit(); }
+    std::string_view reason_to_skip(const BodyTable& bodies, const Frame& frame) const override
+    {
+        return refine_->reason_to_skip(bodies, frame);
+    }
+
+    void run(BodyTable& bodies, Frame& frame, StageStats& stats) override
+    {
+        refine_->skip(bodies, frame, stats); // lists every pair as undecided
+        rows_.clear(), pairs_.clear(), culled_.resize(bodies.slots());
+        for (std::uint32_t i = 0; i < frame.results.size(); ++i) {
+            const std::uint32_t a = frame.results[i].a.slot, b = frame.results[i].b.slot;
+            if (!take(bodies, a) || !take(bodies, b)) continue;
+            rows_.push_back(i), pairs_.push_back({a, b});
+        }
+        left_.resize(pairs_.size());
+        const CullingWork work = culling_->cull(culled_, pairs_, left_);
+        for (std::size_t k = 0; k < rows_.size(); ++k) {
+            if (left_[k]) continue;
+            static_cast<Finding&>(frame.results[rows_[k]]) = {Verdict::separate, ContactKind::unknown, 0};
+            --stats.out, --stats.undecided;
+        }
+        frame.context.trees.queries += work.queries, stats.gpu_ms += work.gpu_ms;
+    }
+    void skip(BodyTable& bodies, Frame& frame, StageStats& stats) override { refine_->skip(bodies, frame, stats); }
+
+private:
+    /// False if the body is no mesh.
+    bool take(const BodyTable& bodies, std::uint32_t slot)
+    {
+        const Model& model = bodies.model(slot);
+        if (!model.is_mesh()) return false;
+        if (attached_.insert(model.number()).second) culling_->attach(model.number(), *model.mesh());
+        culled_[slot] = {model.number(), bodies.pose(slot)};
+        return true;
+    }
+
+    std::unique_ptr<Stage> refine_;
+    std::unique_ptr<PairCulling> culling_;
+    std::set<std::uint32_t> attached_; ///< numbers of models
+    std::vector<CulledBody> culled_;   ///< by slot
+    std::vector<std::uint32_t> rows_;  ///< of the pairs of meshes in the frame's results
+    std::vector<BodyPair> pairs_;
+    std::vector<std::uint8_t> left_;
+};
+
+} // namespace
 
 World Method::make(Settings settings) const
 {
@@ -17,7 +75,7 @@ World Method::make(Settings settings) const
     settings.coherence = false; // a result may depend on all bodies
     World world = WorldAccess::make(settings, make_cpu_backend());
     WorldAccess::replace(world, StageId::refine, [&](std::unique_ptr<Stage> refine) {
-        return make_culling_stage(std::move(refine), culling());
+        return std::make_unique<CullingStage>(std::move(refine), culling());
     });
     return world;
 }
@@ -34,11 +92,11 @@ std::vector<Method> tree_methods(int gpu, int viewport)
                                           .draw = draw});
         };
     };
-    return {{"gl-query, soup", query(Query::Primitives::soup, Query::Draw::mesh), {}, false},
+    return {{"cpu", make_cpu_backend, {}, true},
+            {"gl-query, soup", query(Query::Primitives::soup, Query::Draw::mesh), {}, false},
             {"gl-query, strips", query(Query::Primitives::strips, Query::Draw::mesh), {}, false},
             {"gl-query, inherited", query(Query::Primitives::indexed, Query::Draw::inherited), {}, false},
-            {"gl-compute", [gpu] { return make_gl_compute_backend({.gpu = gpu}); }, {}, true},
-            {"cpu", make_cpu_backend, {}, true}};
+            {"gl-compute", [gpu] { return make_gl_compute_backend({.gpu = gpu}); }, {}, true}};
 }
 
 std::vector<Method> comparators(int gpu, int viewport)
@@ -57,6 +115,16 @@ Window Played::total() const
     for (const Window& w : windows)
         sum.ms += w.ms, sum.frames += w.frames, sum.queries += w.queries, sum.cells += w.cells;
     return sum;
+}
+
+std::pair<double, double> Played::least_and_most_per_s() const
+{
+    double least = std::numeric_limits<double>::infinity(), most = 0;
+    for (const Window& w : windows)
+        if (w.frames)
+            least = std::min(least, 1e3 * double(w.frames) / w.ms),
+            most = std::max(most, 1e3 * double(w.frames) / w.ms);
+    return {least, most};
 }
 
 std::uint64_t Played::left_over() const

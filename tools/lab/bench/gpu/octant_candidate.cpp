@@ -1,4 +1,4 @@
-#include "bench/paper/octant_candidate.hpp"
+#include "bench/gpu/octant_candidate.hpp"
 
 #include <fmt/format.h>
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/paper/octant_levels.hpp"
+#include "bench/gpu/octant_levels.hpp"
 
 // Backends that find the octants of the same cells, to be compared.
 namespace oncollide::tools {

@@ -1,0 +1,54 @@
+#pragma once
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <oncollide/pipeline/settings.hpp>
+
+#include "bench/common/benchmark.hpp"
+
+namespace oncollide::tools {
+
+constexpr std::array<std::string_view, 9> gpu_parts{"correctness", "octants", "trees",    "misses",     "levels",
+                                                    "many",        "paper",   "timeline", "comparators"};
+
+struct GpuOptions : SharedOptions {
+    std::string sizes = "auto", parts, scene; ///< parts: empty: all; scene: in place of those of the last three parts
+    std::optional<int> bodies, frames, every, runs;
+    int depth = 5, viewport = 16, age = Settings{}.age_limit;
+    double limit_s = 420; ///< no measurement begins later
+    std::optional<double> batch_s;
+    bool all_backends = false;
+};
+
+/// A scene, cut to a size.
+struct Cut {
+    std::string scene;
+    std::optional<int> bodies{};
+    std::optional<int> frames{};
+    int every = 1; ///< frames are played
+};
+
+struct Sizes {
+    std::string name;
+    std::vector<Cut> equal; ///< scenes whose hashes are compared
+    std::vector<std::pair<const char*, int>>
+        meshes; ///< of octants; the last ones also of whole trees, the others of misses
+    std::size_t tree_meshes, missed_meshes;
+    std::vector<std::size_t> rows;
+    std::vector<int> depths; ///< of whole trees
+    int missed_depth;
+    Cut paper;
+    std::vector<Cut> many, comparators;
+    int cullide_pixels; ///< per side
+    int repeats;
+    double batch_s; ///< batches predicted to take longer are left out
+};
+
+/// The sizes by name, with what the options replace. Throws Error{usage} for an unknown name.
+Sizes sizes_of(const GpuOptions& options, bool software);
+
+} // namespace oncollide::tools
