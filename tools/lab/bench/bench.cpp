@@ -1,5 +1,5 @@
 // oncollide-lab bench: one subcommand per benchmark.
-#include "bench/bench.hpp"
+#include "bench/common/benchmarks.hpp"
 #include "commands/lab.hpp"
 
 namespace oncollide::tools {

@@ -1,5 +1,4 @@
 // oncollide-lab bench clash: time from files to a complete report, and a check of the report.
-#include "bench/bench.hpp"
 #include "bench/common/benchmark.hpp"
 #include "clash/clash_pictures.hpp"
 #include "clash/report.hpp"

@@ -1,5 +1,4 @@
 // oncollide-lab bench read: speed of reading files of meshes and scenes.
-#include "bench/bench.hpp"
 #include "bench/common/benchmark.hpp"
 #include "bench/mesh_files.hpp"
 #include "cli/log.hpp"

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -33,6 +34,12 @@ public:
         return {column * 0.5 + u01(seed_, number, 0) * 0.1, row * 0.5 + u01(seed_, number, 1) * 0.1,
                 u01(seed_, number, 2)};
     }
+    /// Calls visit(x, y, z) for each vertex.
+    template <class Visit>
+    void each_vertex(Visit visit) const
+    {
+        for (std::uint32_t i = 0; i < vertices(); ++i) std::apply(visit, vertex(i));
+    }
     /// Calls visit(a, b, c) for each triangle of the cells between two rows of vertices.
     template <class Visit>
     void each_triangle(std::uint32_t row, Visit visit) const
@@ -55,20 +62,16 @@ private:
 
 void write_plain_obj(const HeightField& field, OutputFile& file, bool exact)
 {
-    for (std::uint32_t i = 0; i < field.vertices(); ++i) {
-        const auto [x, y, z] = field.vertex(i);
+    field.each_vertex([&](double x, double y, double z) {
         exact ? file.print("v {} {} {}\n", x, y, z) : file.print("v {:.6f} {:.6f} {:.6f}\n", x, y, z);
-    }
+    });
     field.each_triangle([&](auto a, auto b, auto c) { file.print("f {} {} {}\n", a + 1, b + 1, c + 1); });
 }
 
 void write_full_obj(const HeightField& field, OutputFile& file)
 {
     file.print("# a scene as an exporter writes it\r\n\r\nmtllib scene.mtl\r\no land\r\n");
-    for (std::uint32_t i = 0; i < field.vertices(); ++i) {
-        const auto [x, y, z] = field.vertex(i);
-        file.print("v {:.6f} {:.6f} {:.6f}\r\n", x, y, z);
-    }
+    field.each_vertex([&](double x, double y, double z) { file.print("v {:.6f} {:.6f} {:.6f}\r\n", x, y, z); });
     file.print("# {} vertices\r\n", field.vertices());
     for (std::uint32_t i = 0; i < field.vertices(); ++i) file.print("vt {:.4f} {:.4f}\r\n", u01(0, i, 0), u01(0, i, 1));
     for (std::uint32_t i = 0; i < field.vertices(); ++i)
@@ -139,13 +142,12 @@ void write_ply(const HeightField& field, OutputFile& file, bool binary)
     file.print("ply\nformat {} 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
                "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
                binary ? "binary_little_endian" : "ascii", field.vertices(), field.triangles());
-    for (std::uint32_t i = 0; i < field.vertices(); ++i) {
-        const auto [x, y, z] = field.vertex(i);
+    field.each_vertex([&](double x, double y, double z) {
         if (binary)
             put(file, std::array<float, 3>{float(x), float(y), float(z)});
         else
             file.print("{:.6f} {:.6f} {:.6f}\n", x, y, z);
-    }
+    });
     field.each_triangle([&](auto a, auto b, auto c) {
         if (binary)
             put(file, std::uint8_t(3)), put(file, std::array<std::uint32_t, 3>{a, b, c});
@@ -157,10 +159,7 @@ void write_ply(const HeightField& field, OutputFile& file, bool binary)
 void write_off(const HeightField& field, OutputFile& file)
 {
     file.print("OFF\n{} {} 0\n", field.vertices(), field.triangles());
-    for (std::uint32_t i = 0; i < field.vertices(); ++i) {
-        const auto [x, y, z] = field.vertex(i);
-        file.print("{:.6f} {:.6f} {:.6f}\n", x, y, z);
-    }
+    field.each_vertex([&](double x, double y, double z) { file.print("{:.6f} {:.6f} {:.6f}\n", x, y, z); });
     field.each_triangle([&](auto a, auto b, auto c) { file.print("3 {} {} {}\n", a, b, c); });
 }
 

@@ -1,5 +1,4 @@
 // oncollide-lab bench broad: time to find all overlapping boxes, compared with the broad phases of other libraries.
-#include "bench/bench.hpp"
 #include "bench/broad/aabbs_file.hpp"
 #include "bench/broad/broad_race.hpp"
 #include "bench/common/benchmark.hpp"

@@ -90,7 +90,7 @@ BoxScene scene_of(const Swarm& swarm)
     return scene;
 }
 
-/// All boxes move: move(swarm, scene) changes the positions to those of scene.frame.
+/// All boxes move. move(swarm, scene) changes the positions for scene.frame.
 template <class Move>
 BoxScene moving(Swarm&& made, Move move)
 {

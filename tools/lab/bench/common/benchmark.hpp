@@ -12,6 +12,7 @@
 
 #include <oncollide/base/error.hpp>
 
+#include "bench/common/benchmarks.hpp"
 #include "bench/common/result_table.hpp"
 #include "cli/arguments.hpp"
 #include "cli/shard.hpp"
@@ -19,8 +20,8 @@
 #include "common/text.hpp"
 #include "peers/common/contender.hpp"
 
-// What every benchmark includes: options with one spelling, one help text and one check of each, races, tables of
-// results, text and exit codes.
+// Every benchmark includes this header: options with one spelling, one help text and one check of each, races, tables
+// of results, text and exit codes.
 namespace oncollide::tools {
 
 /// A benchmark offers some of these.

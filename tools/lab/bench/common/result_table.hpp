@@ -57,7 +57,7 @@ public:
     /// @param line    first line of the file, with its line break
     explicit ResultTable(const std::string& csv = {}, std::vector<int> widths = {}, std::string_view line = {});
 
-    /// What is the same in the next rows: before them in the files, not on the console.
+    /// Sets figures that are equal in the next rows: files have them first, the console leaves them out.
     void about(Figures figures) { about_ = std::move(figures); }
     /// @param shown  on the console and in the files
     /// @param filed  only in the files, after the others

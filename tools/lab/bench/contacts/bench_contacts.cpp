@@ -1,6 +1,5 @@
 // oncollide-lab bench contacts: contacts for a solver, in scenes that the reference solver plays, compared with other
 // libraries at the same poses.
-#include "bench/bench.hpp"
 #include "bench/common/benchmark.hpp"
 #include "bench/contacts/contact_scenes.hpp"
 #include "cli/system.hpp"
@@ -207,7 +206,7 @@ void write_contacts(const ContactsOptions& options, const ResultTable& table)
 {
     OutputFile file(options.json);
     JsonWriter json(file);
-    json.begin_object(), json.schema("oncollide.bench_contacts", 2);
+    json.begin_object(), json.schema("oncollide.bench_contacts", 1);
     json.members("processor", processor_name(), "repeats", options.repeats, "threads", options.threads);
     json.key("rows"), table.write(json, 1), json.end_object();
     file.write("\n"), file.commit();

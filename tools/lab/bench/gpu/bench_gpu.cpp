@@ -1,6 +1,5 @@
 // oncollide-lab bench gpu: every measurement that needs a GPU, in one call, and each by itself: the paper's tables, the
 // backends of sphere-trees, and comparators of the paper's related work.
-#include "bench/bench.hpp"
 #include "bench/common/benchmark.hpp"
 #include "bench/gpu/gpu_report.hpp"
 #include "bench/gpu/gpu_sizes.hpp"

@@ -16,7 +16,9 @@ constexpr std::array<std::string_view, 9> gpu_parts{"correctness", "octants", "t
                                                     "many",        "paper",   "timeline", "comparators"};
 
 struct GpuOptions : SharedOptions {
-    std::string sizes = "auto", parts, scene; ///< parts: empty: all; scene: in place of those of the last three parts
+    std::string sizes = "auto";
+    std::string parts; ///< empty: all parts
+    std::string scene; ///< of the last three parts; empty: the usual scenes
     std::optional<int> bodies, frames, every, runs;
     int depth = 5, viewport = 16, age = Settings{}.age_limit;
     double limit_s = 420; ///< no measurement begins later
@@ -48,7 +50,7 @@ struct Sizes {
     double batch_s; ///< batches predicted to take longer are left out
 };
 
-/// The sizes by name, with what the options replace. Throws Error{usage} for an unknown name.
+/// The sizes of this name, after the options have replaced some of them. Throws Error{usage} for an unknown name.
 Sizes sizes_of(const GpuOptions& options, bool software);
 
 } // namespace oncollide::tools

@@ -1,6 +1,5 @@
 // oncollide-lab bench continuous: when two moving meshes first meet, compared with FCL's modes; and an articulated
 // body.
-#include "bench/bench.hpp"
 #include "bench/common/benchmark.hpp"
 #include "bench/narrow/articulated.hpp"
 #include "fcl/fcl_pair.hpp"

@@ -1,5 +1,4 @@
 // oncollide-lab bench narrow: time of a query of two meshes, compared with the narrow phases of other libraries.
-#include "bench/bench.hpp"
 #include "bench/common/benchmark.hpp"
 #include "bench/narrow/narrow_report.hpp"
 

@@ -1,5 +1,4 @@
 // oncollide-lab bench planner: which of many sampled poses of a body collide with a large static body?
-#include "bench/bench.hpp"
 #include "bench/common/benchmark.hpp"
 #include "fcl/fcl_pair.hpp"
 

@@ -1,5 +1,4 @@
 // oncollide-lab bench shapes: pairs of shapes close to contact, compared with FCL, which passes most of them to libccd.
-#include "bench/bench.hpp"
 #include "bench/common/benchmark.hpp"
 #include "bench/narrow/shape_pairs.hpp"
 #include "truth/judge.hpp"

@@ -21,6 +21,44 @@ bool took_part(const NarrowRow& row, NarrowQuery query)
     return row.queries[std::size_t(query)].has_value();
 }
 
+/// A contender's results for one kind of query over some poses, in microseconds.
+struct NarrowSummary {
+    double median = 0, mean = 0, mean_colliding = 0, mean_separate = 0;
+    double in_loop = 0; ///< mean in a loop over all poses, microseconds as the others
+    std::uint64_t poses = 0, colliding = 0;
+    std::uint64_t missed = 0, extra = 0; ///< poses; for `all`: pairs of triangles
+    double error = 0;                    ///< largest error of a distance, relative to the diagonal
+    std::uint64_t hash = 0;              ///< of all results
+};
+
+constexpr std::size_t every_group = ~std::size_t{0};
+
+NarrowSummary summarise(const NarrowResult& result, const NarrowRow& row, NarrowQuery query,
+                        std::size_t group = every_group)
+{
+    const QueryResult& own = *row.queries[std::size_t(query)];
+    NarrowSummary summary;
+    std::vector<double> all, colliding, separate;
+    for (std::size_t i = 0; i < own.us.size(); ++i) {
+        if (group != every_group && result.workload.poses[i].group != group) continue;
+        all.push_back(own.us[i]);
+        (result.truth.colliding[i] ? colliding : separate).push_back(own.us[i]);
+        summary.hash = splitmix(summary.hash ^ own.hashes[i]);
+        if (query == NarrowQuery::distance)
+            summary.error = std::max(summary.error, own.errors[i] / result.diagonal);
+        else
+            summary.missed += own.missed[i], summary.extra += own.extra[i];
+    }
+    summary.median = median(all), summary.mean = mean(all);
+    summary.mean_colliding = mean(colliding), summary.mean_separate = mean(separate);
+    summary.poses = all.size(), summary.colliding = colliding.size();
+    std::vector<double> loops;
+    for (const NarrowPose& pose : result.workload.poses)
+        if (group == every_group || pose.group == group) loops.push_back(own.loop_us[pose.group]);
+    summary.in_loop = mean(loops);
+    return summary;
+}
+
 /// The reference of the ratios: FCL's OBBRSS, in its usual form. Null if it did not take part.
 const NarrowRow* yardstick(const NarrowResult& result)
 {
@@ -94,31 +132,6 @@ void print_query(const NarrowResult& result, NarrowQuery query)
 }
 
 } // namespace
-
-NarrowSummary summarise(const NarrowResult& result, const NarrowRow& row, NarrowQuery query, std::size_t group)
-{
-    const QueryResult& own = *row.queries[std::size_t(query)];
-    NarrowSummary summary;
-    std::vector<double> all, colliding, separate;
-    for (std::size_t i = 0; i < own.us.size(); ++i) {
-        if (group != every_group && result.workload.poses[i].group != group) continue;
-        all.push_back(own.us[i]);
-        (result.truth.colliding[i] ? colliding : separate).push_back(own.us[i]);
-        summary.hash = splitmix(summary.hash ^ own.hashes[i]);
-        if (query == NarrowQuery::distance)
-            summary.error = std::max(summary.error, own.errors[i] / result.diagonal);
-        else
-            summary.missed += own.missed[i], summary.extra += own.extra[i];
-    }
-    summary.median = median(all), summary.mean = mean(all);
-    summary.mean_colliding = mean(colliding), summary.mean_separate = mean(separate);
-    summary.poses = all.size(), summary.colliding = colliding.size();
-    std::vector<double> loops;
-    for (const NarrowPose& pose : result.workload.poses)
-        if (group == every_group || pose.group == group) loops.push_back(own.loop_us[pose.group]);
-    summary.in_loop = mean(loops);
-    return summary;
-}
 
 bool broken_promise(const NarrowResult& result)
 {

@@ -18,20 +18,6 @@ struct NarrowResult {
     std::vector<NarrowRow> rows;
 };
 
-/// A contender's results for one kind of query over some poses, in microseconds.
-struct NarrowSummary {
-    double median = 0, mean = 0, mean_colliding = 0, mean_separate = 0;
-    double in_loop = 0; ///< mean in a loop over all poses, microseconds as the others
-    std::uint64_t poses = 0, colliding = 0;
-    std::uint64_t missed = 0, extra = 0; ///< poses; for `all`: pairs of triangles
-    double error = 0;                    ///< largest error of a distance, relative to the diagonal
-    std::uint64_t hash = 0;              ///< of all results
-};
-
-constexpr std::size_t every_group = ~std::size_t{0};
-NarrowSummary summarise(const NarrowResult& result, const NarrowRow& row, NarrowQuery query,
-                        std::size_t group = every_group);
-
 /// True if a result of oncollide breaks its promise: something is missed, or an exact result is wrong.
 bool broken_promise(const NarrowResult& result);
 

@@ -1,6 +1,5 @@
 // oncollide-lab bench rays: which of many segments meet a mesh, a terrain or a map, and where, compared with other
 // libraries.
-#include "bench/bench.hpp"
 #include "bench/common/benchmark.hpp"
 #include "peers/rays/ray_peer.hpp"
 

@@ -1,5 +1,4 @@
 // oncollide-lab bench edges: motions of a robot between configurations, certified and sampled as planners sample them.
-#include "bench/bench.hpp"
 #include "bench/robot/robot_place.hpp"
 #include "cli/progress.hpp"
 

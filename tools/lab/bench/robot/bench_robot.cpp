@@ -1,6 +1,5 @@
 // oncollide-lab bench robot: checks of configurations in MotionBenchMaker's problems, by meshes, models of spheres, and
 // FCL.
-#include "bench/bench.hpp"
 #include "bench/robot/robot_place.hpp"
 #include "cli/progress.hpp"
 #include "peers/fcl_robot.hpp"

@@ -6,7 +6,6 @@
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/pipeline/world.hpp>
 
-#include "bench/bench.hpp"
 #include "bench/scenes/environment_scenes.hpp"
 #include "cli/progress.hpp"
 #include "fcl/fcl_world.hpp"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/bench.hpp"
 #include "bench/scenes/environment_scenes.hpp"
 #include "bench/scenes/scene_race.hpp"
 #include "cli/progress.hpp"

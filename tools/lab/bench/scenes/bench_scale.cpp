@@ -12,7 +12,6 @@
 #include <oncollide/broadphase/broad_phase.hpp>
 #include <oncollide/runs/ranks/body_record.hpp>
 
-#include "bench/bench.hpp"
 #include "bench/common/benchmark.hpp"
 #include "cli/system.hpp"
 

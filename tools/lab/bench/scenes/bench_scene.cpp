@@ -1,9 +1,8 @@
 // FCL and oncollide on the same scene, in alternation, frame by frame.
-#include "bench/bench.hpp"
 
 #include <algorithm>
 
-#include "bench/scenes/scene_report.hpp"
+#include "bench/scenes/scene_race.hpp"
 #include "render/backend_trial.hpp"
 
 namespace oncollide::tools {
@@ -29,11 +28,7 @@ int bench_scene(const CompareOptions& given)
     options.warm_up = std::min(options.warm_up, int(end - begin) - 1);
     print_warnings(scene);
     const SceneRuns runs = race(options, settings, scene);
-    const SceneReport report(options, settings, scene, runs);
-    const std::uint64_t faults = report.print();
-    if (!options.csv.empty()) report.write_csv();
-    if (!options.summary.empty()) report.write_summary();
-    return code_of(faults > 0);
+    return code_of(report(options, settings, scene, runs) > 0);
 }
 
 void add_compare_options(Benchmark<CompareOptions>& b)

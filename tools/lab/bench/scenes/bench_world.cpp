@@ -1,5 +1,4 @@
 // oncollide-lab bench world: cost of a frame by the number of bodies added, removed or moved, and cost of queries.
-#include "bench/bench.hpp"
 #include "bench/common/benchmark.hpp"
 #include "cli/system.hpp"
 

@@ -72,4 +72,9 @@ struct SceneRuns {
 /// Error{internal} if two runs differ.
 SceneRuns race(const CompareOptions& options, const Settings& settings, Scene& scene);
 
+/// Prints the results and writes the files of the options. Returns the number of collisions that oncollide missed or
+/// reported wrongly.
+std::uint64_t report(const CompareOptions& options, const Settings& settings, const Scene& scene,
+                     const SceneRuns& runs);
+
 } // namespace oncollide::tools
