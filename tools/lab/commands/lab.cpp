@@ -1,7 +1,7 @@
 // The commands of oncollide-lab.
 #include "commands/lab.hpp"
 #include "cli/command.hpp"
-#include "peers/narrow/narrow_peer.hpp"
+#include "peers/peers.hpp"
 #include "peers/study_players.hpp"
 #include "study/study_command.hpp"
 
@@ -17,7 +17,7 @@ namespace {
 /// The libraries that benchmarks compare with.
 std::string peers_text()
 {
-    const std::vector<MissingPeer> missing = narrow_contenders().missing;
+    const std::vector<MissingPeer> missing = all_contenders().narrow.missing;
     std::vector<std::string> there{"FCL"}, absent;
     for (const char* library : {"Embree", "Bullet", "ODE", "CGAL"}) {
         const auto lacks = std::ranges::find(missing, library, &MissingPeer::library);

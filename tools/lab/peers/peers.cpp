@@ -1,8 +1,5 @@
 // The contenders in this build.
-#include "peers/broad/broad_peer.hpp"
-#include "peers/contacts/contact_peer.hpp"
-#include "peers/narrow/narrow_peer.hpp"
-#include "peers/rays/ray_peer.hpp"
+#include "peers/peers.hpp"
 
 #include <algorithm>
 
@@ -14,6 +11,31 @@
 #include "common/text.hpp"
 
 namespace oncollide::tools {
+namespace {
+
+/// A library that a build may lack.
+struct OptionalLibrary {
+    const char *name, *package;   ///< Debian's
+    void (*add)(Contenders& all); ///< null: this build lacks it
+    bool broad, narrow, rays, contacts;
+};
+
+/// `add` refers to a function that is linked only if the library is there.
+template <bool there>
+constexpr auto if_there(auto add) -> void (*)(Contenders&)
+{
+    if constexpr (there) return add;
+    return nullptr;
+}
+
+constexpr OptionalLibrary optional_libraries[] = {
+    // adds                                                                     broad, narrow, rays, contacts
+    {"Embree", "libembree-dev", if_there<WITH_EMBREE>([](auto& all) { add_embree(all); }), true, true, true, false},
+    {"Bullet", "libbullet-dev", if_there<WITH_BULLET>([](auto& all) { add_bullet(all); }), true, true, true, true},
+    {"ODE", "libode-dev", if_there<WITH_ODE>([](auto& all) { add_ode(all); }), false, true, false, true},
+    {"CGAL", "libcgal-dev", if_there<WITH_CGAL>([](auto& all) { add_cgal(all); }), true, true, false, false}};
+
+} // namespace
 
 template <class Kind>
 void ContenderList<Kind>::keep(const std::string& only)
@@ -37,89 +59,24 @@ template struct ContenderList<NarrowContender>;
 template struct ContenderList<RayContender>;
 template struct ContenderList<ContactContender>;
 
-BroadContenders broad_contenders()
+Contenders all_contenders()
 {
-    BroadContenders contenders;
-    add_oncollide(contenders.all);
-    add_fcl(contenders.all);
-#ifdef ONCOLLIDE_WITH_EMBREE
-    add_embree(contenders.all);
-#else
-    contenders.missing.push_back({"Embree", "libembree-dev"});
-#endif
-#ifdef ONCOLLIDE_WITH_CGAL
-    add_cgal(contenders.all);
-#else
-    contenders.missing.push_back({"CGAL", "libcgal-dev"});
-#endif
-#ifdef ONCOLLIDE_WITH_BULLET
-    add_bullet(contenders.all);
-#else
-    contenders.missing.push_back({"Bullet", "libbullet-dev"});
-#endif
-    add_baselines(contenders.all);
-    return contenders;
-}
-
-NarrowContenders narrow_contenders()
-{
-    NarrowContenders contenders;
-    add_narrow_oncollide(contenders.all);
-    add_narrow_fcl(contenders.all);
-#ifdef ONCOLLIDE_WITH_EMBREE
-    add_narrow_embree(contenders.all);
-#else
-    contenders.missing.push_back({"Embree", "libembree-dev"});
-#endif
-#ifdef ONCOLLIDE_WITH_BULLET
-    add_narrow_bullet(contenders.all);
-#else
-    contenders.missing.push_back({"Bullet", "libbullet-dev"});
-#endif
-#ifdef ONCOLLIDE_WITH_ODE
-    add_narrow_ode(contenders.all);
-#else
-    contenders.missing.push_back({"ODE", "libode-dev"});
-#endif
-#ifdef ONCOLLIDE_WITH_CGAL
-    add_narrow_cgal(contenders.all);
-#else
-    contenders.missing.push_back({"CGAL", "libcgal-dev"});
-#endif
-    return contenders;
-}
-
-RayContenders ray_contenders()
-{
-    RayContenders contenders;
-#ifdef ONCOLLIDE_WITH_EMBREE
-    add_ray_embree(contenders.all);
-#else
-    contenders.missing.push_back({"Embree", "libembree-dev"});
-#endif
-#ifdef ONCOLLIDE_WITH_BULLET
-    add_ray_bullet(contenders.all);
-#else
-    contenders.missing.push_back({"Bullet", "libbullet-dev"});
-#endif
-    return contenders;
-}
-
-ContactContenders contact_contenders()
-{
-    ContactContenders contenders;
-    add_contact_fcl(contenders.all);
-#ifdef ONCOLLIDE_WITH_BULLET
-    add_contact_bullet(contenders.all);
-#else
-    contenders.missing.push_back({"Bullet", "libbullet-dev"});
-#endif
-#ifdef ONCOLLIDE_WITH_ODE
-    add_contact_ode(contenders.all);
-#else
-    contenders.missing.push_back({"ODE", "libode-dev"});
-#endif
-    return contenders;
+    Contenders all;
+    add_oncollide(all);
+    add_fcl(all);
+    for (const OptionalLibrary& library : optional_libraries) {
+        if (library.add) {
+            library.add(all);
+            continue;
+        }
+        const auto misses = [&](bool has, auto& list) {
+            if (has) list.missing.push_back({library.name, library.package});
+        };
+        misses(library.broad, all.broad), misses(library.narrow, all.narrow);
+        misses(library.rays, all.rays), misses(library.contacts, all.contacts);
+    }
+    add_baselines(all);
+    return all;
 }
 
 } // namespace oncollide::tools

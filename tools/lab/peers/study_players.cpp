@@ -10,8 +10,7 @@
 
 #include "cli/system.hpp"
 #include "common/text.hpp"
-#include "peers/broad/broad_peer.hpp"
-#include "peers/narrow/narrow_peer.hpp"
+#include "peers/peers.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -39,10 +38,10 @@ const Mesh& mesh_of(const Scene& scene, std::uint32_t geometry)
     return std::get<Mesh>(scene.geometries[geometry].data);
 }
 
-template <class BroadContender>
-const BroadContender& contender(const std::vector<BroadContender>& all, const std::string& name)
+template <class Kind>
+const Kind& contender(const ContenderList<Kind>& list, const std::string& name)
 {
-    return *std::ranges::find(all, name, &BroadContender::name);
+    return *std::ranges::find(list.all, name, &Kind::name);
 }
 
 class MeshPlayer final : public StudyPlayer {
@@ -124,8 +123,8 @@ private:
 /// The reason why the library cannot play the scene; empty if it can.
 std::string why_not(const std::string& narrow_name, const Scene& scene)
 {
-    const NarrowContenders contenders = narrow_contenders();
-    const NarrowContender& narrow = contender(contenders.all, narrow_name);
+    const Contenders contenders = all_contenders();
+    const NarrowContender& narrow = contender(contenders.narrow, narrow_name);
     for (GeometryId used : scene.geometry) {
         const auto* mesh = std::get_if<Mesh>(&scene.geometries[index(used)].data);
         const std::string& name = scene.geometries[index(used)].name;
@@ -144,12 +143,12 @@ std::string why_not(const std::string& narrow_name, const Scene& scene)
 std::unique_ptr<StudyPlayer> make_mesh_player(const std::string& broad_name, const std::string& narrow_name,
                                               const StudyWorkload& workload)
 {
-    const NarrowContenders narrow = narrow_contenders();
-    const BroadContenders broad = broad_contenders();
+    const Contenders contenders = all_contenders();
     trim_memory();
     const std::size_t before = resident_memory();
-    auto player = std::make_unique<MeshPlayer>(workload.scene, contender(narrow.all, narrow_name),
-                                               workload.is_poses() ? nullptr : &contender(broad.all, broad_name));
+    auto player =
+        std::make_unique<MeshPlayer>(workload.scene, contender(contenders.narrow, narrow_name),
+                                     workload.is_poses() ? nullptr : &contender(contenders.broad, broad_name));
     trim_memory();
     player->set_bytes(std::max(before, resident_memory()) - before);
     return player;
@@ -158,7 +157,7 @@ std::unique_ptr<StudyPlayer> make_mesh_player(const std::string& broad_name, con
 PeerKind mesh_peer(const char* name, const char* library, const char* broad, const char* narrow, bool by_default)
 {
     std::string package;
-    for (const MissingPeer& peer : narrow_contenders().missing)
+    for (const MissingPeer& peer : all_contenders().narrow.missing)
         if (peer.library == library) package = peer.package;
     return {.name = name,
             .library = library,

@@ -10,7 +10,7 @@
 
 #include "bench/broad/aabbs_file.hpp"
 #include "bench/broad/box_scenes.hpp"
-#include "peers/broad/broad_peer.hpp"
+#include "peers/peers.hpp"
 #include "tools/run_command.hpp"
 
 namespace oncollide::test {

@@ -56,7 +56,7 @@ PlotAxes axes(bool per_box)
 class BroadBench {
 public:
     explicit BroadBench(const BroadOptions& options)
-        : options_(options), contenders_(broad_contenders()), shard_(shard_from(options.shard)),
+        : options_(options), contenders_(all_contenders().broad), shard_(shard_from(options.shard)),
           table_(options.csv, {18},
                  shard_.line(fmt::format("bench broad, {}, sizes {}, {} frames, seed {}, threads {}, only {}",
                                          options.scene, options.sizes, options.frames.value_or(0), options.seed,

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "bench/broad/box_scenes.hpp"
-#include "peers/broad/broad_peer.hpp"
+#include "peers/peers.hpp"
 
 namespace oncollide::tools {
 

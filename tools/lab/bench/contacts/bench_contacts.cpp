@@ -3,7 +3,7 @@
 #include "bench/common/benchmark.hpp"
 #include "bench/contacts/contact_scenes.hpp"
 #include "cli/system.hpp"
-#include "peers/contacts/contact_peer.hpp"
+#include "peers/peers.hpp"
 
 #include <algorithm>
 #include <map>
@@ -216,7 +216,7 @@ int bench_contacts(const ContactsOptions& options)
 {
     if (options.files.nut.empty() != options.files.bolt.empty())
         usage("bench contacts: --nut and --bolt are one scene; give both or none");
-    ContactContenders contenders = contact_contenders();
+    ContactContenders contenders = all_contenders().contacts;
     if (options.only == "oncollide")
         contenders.all.clear();
     else

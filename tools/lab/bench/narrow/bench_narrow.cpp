@@ -132,7 +132,7 @@ int bench_narrow(const NarrowOptions& options)
     result.queries = parse_queries(options.ask.empty() ? "boolean,all,distance" : options.ask);
     const std::vector<double> percents =
         parse_distances(options.distances.empty() ? "0,0.1,1,5,10,20,40" : options.distances);
-    NarrowContenders contenders = narrow_contenders();
+    NarrowContenders contenders = all_contenders().narrow;
     if (!options.depths.empty()) {
         std::erase_if(contenders.all, [](const NarrowContender& c) { return c.name.starts_with("walk-"); });
         for (int depth : parse_depths("--depths", options.depths))

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "peers/narrow/narrow_peer.hpp"
+#include "peers/peers.hpp"
 #include "study/narrow_poses.hpp"
 
 namespace oncollide::tools {

@@ -1,7 +1,7 @@
 // oncollide-lab bench rays: which of many segments meet a mesh, a terrain or a map, and where, compared with other
 // libraries.
 #include "bench/common/benchmark.hpp"
-#include "peers/rays/ray_peer.hpp"
+#include "peers/peers.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -246,7 +246,7 @@ Hits judged_hits(const RayCase& in, std::span<const Segment> segments, std::span
 /// a result of oncollide is wrong.
 int bench_rays(const RaysOptions& options)
 {
-    const RayContenders peers = ray_contenders();
+    const RayContenders peers = all_contenders().rays;
     const std::vector<RayCase> cases = cases_of(options, peers);
     say("{}", describe_program("cpu"));
     print_missing(peers.missing);

@@ -1,15 +1,42 @@
-// CGAL's trees are under the GPL: they serve only this comparison, and the installed libraries do not contain them.
-#include "peers/narrow/narrow_peer.hpp"
+// CGAL's trees and its box intersection are under the GPL: they serve only this comparison, and the installed libraries
+// do not contain them.
+#include "peers/peers.hpp"
 
 #include <iterator>
 
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
+#include <CGAL/Box_intersection_d/Box_with_info_d.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/box_intersection_d.h>
 
 namespace oncollide::tools {
 namespace {
+
+using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, std::uint32_t>;
+
+/// Streamed segment trees, rebuilt each frame.
+class CgalBroadPeer final : public BroadPeer {
+public:
+    void start(const BoxFrame&) override {}
+
+    void step(const BoxFrame& frame, std::vector<BodyPair>& pairs) override
+    {
+        movers_.clear(), statics_.clear(), pairs.clear();
+        for (std::uint32_t i = 0; i < frame.boxes.size(); ++i) {
+            Aabb box = frame.boxes[i];
+            (frame.is_static[i] ? statics_ : movers_).emplace_back(box.min.data(), box.max.data(), i);
+        }
+        const auto take = [&](const Box& a, const Box& b) { pairs.push_back({a.info(), b.info()}); };
+        CGAL::box_self_intersection_d(movers_.begin(), movers_.end(), take);
+        if (!statics_.empty())
+            CGAL::box_intersection_d(movers_.begin(), movers_.end(), statics_.begin(), statics_.end(), take);
+    }
+
+private:
+    std::vector<Box> movers_, statics_; ///< CGAL reorders them
+};
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Iterator = std::vector<Kernel::Triangle_3>::const_iterator;
@@ -74,12 +101,15 @@ private:
 
 } // namespace
 
-void add_narrow_cgal(std::vector<NarrowContender>& all)
+void add_cgal(Contenders& all)
 {
-    all.push_back({.name = "cgal",
-                   .what = "CGAL AABB_tree of A, searched for each triangle of B; exact predicates",
-                   .has_all_pairs = true,
-                   .make = [](const Mesh& a, const Mesh& b) { return std::make_unique<CgalNarrowPeer>(a, b); }});
+    all.broad.all.push_back({.name = "cgal", .what = "CGAL box_self_intersection_d", .make = [](int) {
+                                 return std::make_unique<CgalBroadPeer>();
+                             }});
+    all.narrow.all.push_back({.name = "cgal",
+                              .what = "CGAL AABB_tree of A, searched for each triangle of B; exact predicates",
+                              .has_all_pairs = true,
+                              .make = maker<CgalNarrowPeer>()});
 }
 
 } // namespace oncollide::tools

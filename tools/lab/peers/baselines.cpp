@@ -1,5 +1,5 @@
 // Simple baselines: every pair, and a uniform grid rebuilt each frame.
-#include "peers/broad/broad_peer.hpp"
+#include "peers/peers.hpp"
 
 #include <algorithm>
 #include <array>
@@ -125,14 +125,16 @@ std::unique_ptr<BroadPeer> make_brute_peer()
     return std::make_unique<BrutePeer>();
 }
 
-void add_baselines(std::vector<BroadContender>& all)
+void add_baselines(Contenders& all)
 {
-    all.push_back({.name = "grid", .what = "uniform grid, rebuilt", .group = Group::baseline, .make = [](int) {
-                       return make_grid_peer();
-                   }});
-    all.push_back({.name = "brute", .what = "every pair", .group = Group::baseline, .most = 10'000, .make = [](int) {
-                       return make_brute_peer();
-                   }});
+    all.broad.all.push_back(
+        {.name = "grid", .what = "uniform grid, rebuilt", .group = Group::baseline, .make = [](int) {
+             return make_grid_peer();
+         }});
+    all.broad.all.push_back(
+        {.name = "brute", .what = "every pair", .group = Group::baseline, .most = 10'000, .make = [](int) {
+             return make_brute_peer();
+         }});
 }
 
 } // namespace oncollide::tools

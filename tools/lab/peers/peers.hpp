@@ -1,0 +1,149 @@
+// The libraries and methods that benchmarks compare, by what they do. One file per library.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <oncollide/broadphase/broad_phase.hpp>
+#include <oncollide/narrowphase/walks/triangle_tests.hpp>
+#include <oncollide/scenes/geometry.hpp>
+
+namespace oncollide::tools {
+
+enum class Group { oncollide, baseline, debian };
+
+/// Reliability of a contender's results. Conservative: no missed collisions, but false positives. Approximate: nothing
+/// is promised; errors are only counted.
+enum class Promise { exact, conservative, approximate };
+
+/// A library or a method in a benchmark.
+template <class Peer, class... Input>
+struct Contender {
+    std::string name; ///< as in --only
+    std::string what; ///< library and class or structure
+    Group group = Group::debian;
+    Promise promise = Promise::exact;
+    bool threaded = false;                            ///< can use several threads
+    std::size_t least = 1, most = ~std::size_t{0};    ///< boxes, or triangles per mesh: it crashes with fewer, or would
+                                                      ///< take too long with more
+    bool has_all_pairs = false, has_distance = false; ///< in addition to the main query
+    /// Builds the data that it keeps between queries.
+    std::function<std::unique_ptr<Peer>(Input...)> make;
+};
+
+/// Makes a Peer of what the benchmark gives, and of `more`.
+template <class Peer>
+auto maker(auto... more)
+{
+    return [=](const auto&... given) { return std::make_unique<Peer>(given..., more...); };
+}
+
+/// A library that this build lacks.
+struct MissingPeer {
+    std::string library, package; ///< Debian's name
+};
+
+template <class Kind>
+struct ContenderList {
+    std::vector<Kind> all;
+    std::vector<MissingPeer> missing;
+
+    /// Keeps only the named contenders, in that order; an empty list keeps all. Throws Error{usage} with the valid
+    /// names.
+    void keep(const std::string& only);
+};
+
+/// The input of a frame of boxes, the same for all contenders.
+struct BoxFrame {
+    std::span<const Aabb> boxes;
+    std::span<const std::uint32_t> moved; ///< boxes that changed since the previous frame, ascending
+    std::span<const std::uint8_t> is_static;
+};
+
+/// A method to find all overlapping boxes, with its data from frame to frame.
+class BroadPeer {
+public:
+    virtual ~BroadPeer() = default;
+    /// Receives frame 0.
+    virtual void start(const BoxFrame& frame) = 0;
+    /// Receives the next frame. Overwrites `pairs` with all pairs of boxes that overlap and are not both static, each
+    /// once, in any order.
+    virtual void step(const BoxFrame& frame, std::vector<BodyPair>& pairs) = 0;
+    /// Its delimitation, for the statistics of the last frame; null: none. Not timed.
+    virtual BroadPhase* delimited() { return nullptr; }
+};
+using BroadContender = Contender<BroadPeer, int>; ///< made for a number of threads
+
+/// A method for queries of two meshes, of which the second moves. All distances in metres.
+class NarrowPeer {
+public:
+    virtual ~NarrowPeer() = default;
+    /// True if the surfaces meet. Conservative methods also return true if they are uncertain.
+    virtual bool collides(const Eigen::Isometry3d& b) = 0;
+    /// Finds all pairs of triangles that meet, each once, in any order; overwrites `pairs`.
+    virtual void all_pairs(const Eigen::Isometry3d&, std::vector<TrianglePair>& pairs) { pairs.clear(); }
+    /// Distance of the surfaces, 0 if they meet.
+    virtual double distance(const Eigen::Isometry3d&) { return 0; }
+    /// Figures of its data and its queries so far, in words; empty: none.
+    virtual std::string figures() const { return {}; }
+};
+using NarrowContender = Contender<NarrowPeer, const Mesh&, const Mesh&>;
+
+/// Finds which segments meet a mesh.
+class RayPeer {
+public:
+    virtual ~RayPeer() = default;
+    /// Sets hit[i] to 1 if segments[i] meets the mesh, else to 0.
+    virtual void trace(std::span<const Segment> segments, std::span<std::uint8_t> hit) = 0;
+};
+using RayContender = Contender<RayPeer, const Mesh&>;
+
+/// A body of the benchmark of contacts: a mesh or a box.
+struct ContactPeerBody {
+    const Geometry* geometry;
+    bool is_static;
+};
+
+/// Finds contacts for a solver.
+class ContactPeer {
+public:
+    virtual ~ContactPeer() = default;
+    /// Finds the contacts of all pairs of which a body moves, at these poses of the bodies. Returns their number.
+    virtual std::size_t contacts(std::span<const Eigen::Isometry3d> poses) = 0;
+};
+using ContactContender = Contender<ContactPeer, std::span<const ContactPeerBody>>;
+
+using BroadContenders = ContenderList<BroadContender>;
+using NarrowContenders = ContenderList<NarrowContender>;
+using RayContenders = ContenderList<RayContender>;
+using ContactContenders = ContenderList<ContactContender>;
+
+struct Contenders {
+    BroadContenders broad;
+    NarrowContenders narrow;
+    RayContenders rays;         ///< of other libraries
+    ContactContenders contacts; ///< of other libraries
+};
+
+/// All contenders of this build, and the libraries that it lacks.
+Contenders all_contenders();
+
+// Each adds the contenders of one library.
+void add_oncollide(Contenders& all);
+void add_fcl(Contenders& all);
+void add_embree(Contenders& all);
+void add_bullet(Contenders& all);
+void add_ode(Contenders& all);
+void add_cgal(Contenders& all);
+void add_baselines(Contenders& all);
+
+/// Sphere-trees of this depth, and FCL for poses that are left over, if requested.
+NarrowContender sphere_walk(int depth, bool then_fcl);
+/// Exact for boxes of any size: the judge of all others.
+std::unique_ptr<BroadPeer> make_grid_peer();
+std::unique_ptr<BroadPeer> make_brute_peer();
+
+} // namespace oncollide::tools
