@@ -5,8 +5,7 @@
 #include <oncollide/samples/generators.hpp>
 
 #include "verify/oracle/exact_distance.hpp"
-#include "verify/trials/approach_trial.hpp"
-#include "verify/trials/bound_trial.hpp"
+#include "verify/trials/hard_trials.hpp"
 
 namespace oncollide::bounds_test {
 namespace {

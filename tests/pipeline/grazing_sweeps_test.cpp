@@ -181,7 +181,7 @@ TEST(GrazingSweeps, AStepTakesTheSameOptionsOnAnyNumberOfThreads)
 TEST(GrazingSweeps, OfAllScalesAgreeWithClosedForms)
 {
     const tools::GrazeTally all = tools::try_grazes(1, 20'000, 1, [] {});
-    EXPECT_EQ(all.first_fault, "") << "seed " << all.faulty_seed << "; " << all.faults << " in all";
+    EXPECT_EQ(all.first.what, "") << "seed " << all.first.seed << "; " << all.faults << " in all";
     EXPECT_EQ(all.sweeps, 20'000u);
     EXPECT_GT(all.contacts, 4000u);
     EXPECT_GT(all.grazes, 1000u);

@@ -12,9 +12,7 @@
 #include "truth/exact_oracle.hpp"
 #include "truth/triangle_distance.hpp"
 #include "truth/truth.hpp"
-#include "verify/trials/body_trial.hpp"
-#include "verify/trials/crowd_trial.hpp"
-#include "verify/trials/triangle_trial.hpp"
+#include "verify/trials/hard_trials.hpp"
 
 namespace oncollide::tools {
 namespace {

@@ -23,7 +23,7 @@ TEST(Differential, DrawnScenesHaveNoFault)
 TEST(Differential, DrawnSweepsHaveNoFault)
 {
     const tools::SweepTallies tallies = tools::try_sweeps(1, 4000, 1, [] {});
-    EXPECT_EQ(tallies.first_fault, "") << "seed " << tallies.faulty_seed;
+    EXPECT_EQ(tallies.first.what, "") << "seed " << tallies.first.seed;
     tools::SweepTally all;
     for (const auto& [kinds, tally] : tallies) all += tally;
     EXPECT_EQ(all.sweeps, 4000u);

@@ -18,8 +18,8 @@ int true_orientation(const std::array<Vector3d, 4>& at, int lowest)
     std::array<oracle::Point<N>, 3> edge;
     for (std::size_t i = 0; i < 3; ++i)
         for (int k = 0; k < 3; ++k)
-            edge[i][static_cast<std::size_t>(k)] =
-                oracle::integer<N>(at[i + 1][k], lowest) - oracle::integer<N>(at[0][k], lowest);
+            edge[i][static_cast<std::size_t>(k)] = oracle::integer<oracle::Int<N>>(at[i + 1][k], lowest) -
+                                                   oracle::integer<oracle::Int<N>>(at[0][k], lowest);
     const auto& [u, v, w] = edge;
     return (u[0] * v[1] * w[2] + u[1] * v[2] * w[0] + u[2] * v[0] * w[1] - u[2] * v[1] * w[0] - u[1] * v[0] * w[2] -
             u[0] * v[2] * w[1])

@@ -1,6 +1,6 @@
 #include "fcl/fcl_pair.hpp"
 #include "tools/command_fixture.hpp"
-#include "verify/trials/triangle_trial.hpp"
+#include "verify/trials/hard_trials.hpp"
 
 namespace oncollide::test {
 namespace {

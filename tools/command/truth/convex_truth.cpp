@@ -52,80 +52,72 @@ ConvexSet hull_of(std::vector<Vec> points)
     };
 }
 
+/// The point of a circle around z that is extreme along a direction.
+Vec on_rim(Real radius, Real z, const Vec& direction)
+{
+    const Real across = std::hypot(direction.x(), direction.y());
+    if (!(across > 0)) return {0, 0, z};
+    return {radius * direction.x() / across, radius * direction.y() / across, z};
+}
+
 struct SetOfShape {
     Eigen::Isometry3d pose;
 
-    Vec placed(const Eigen::Vector3d& p) const
+    /// @param local  the support function in the shape's frame
+    ConvexSet placed(auto local) const
     {
-        return pose.linear().cast<Real>() * p.cast<Real>() + pose.translation().cast<Real>();
+        const Eigen::Matrix<Real, 3, 3> turn = pose.linear().cast<Real>();
+        const Vec at = pose.translation().cast<Real>();
+        return [=](const Vec& direction) -> Vec { return turn * local(Vec(turn.transpose() * direction)) + at; };
     }
-    ConvexSet corners(const std::vector<Eigen::Vector3d>& points) const
+    ConvexSet corners(std::span<const Eigen::Vector3d> points) const
     {
         std::vector<Vec> moved;
-        for (const Eigen::Vector3d& p : points) moved.push_back(placed(p));
+        for (const Eigen::Vector3d& p : points)
+            moved.push_back(pose.linear().cast<Real>() * p.cast<Real>() + pose.translation().cast<Real>());
         return hull_of(std::move(moved));
     }
-    ConvexSet operator()(const Box& b) const
-    {
-        std::vector<Eigen::Vector3d> points;
-        for (int k = 0; k < 8; ++k)
-            points.push_back(b.half.cwiseProduct(Eigen::Vector3d(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1)));
-        return corners(points);
-    }
+    ConvexSet operator()(const Box& b) const { return corners(corners_of({-b.half, b.half})); }
     ConvexSet operator()(const ConvexHull& h) const { return corners(h.points); }
     ConvexSet operator()(const Sphere& s) const { return (*this)(Capsule{s.radius, 0}); }
     ConvexSet operator()(const Capsule& c) const
     {
-        const ConvexSet axis = corners({{0, 0, -0.5 * c.length}, {0, 0, 0.5 * c.length}});
-        return [axis, radius = Real(c.radius)](const Vec& direction) -> Vec {
-            return axis(direction) + radius * direction.normalized();
-        };
+        const Eigen::Vector3d half(0, 0, 0.5 * c.length);
+        return [axis = corners(std::array<Eigen::Vector3d, 2>{-half, half}), radius = Real(c.radius)](
+                   const Vec& direction) -> Vec { return axis(direction) + radius * direction.normalized(); };
     }
     ConvexSet operator()(const Cylinder& c) const
     {
-        return [*this, radius = Real(c.radius), half = Real(c.length) / 2](const Vec& direction) -> Vec {
-            const Eigen::Matrix<Real, 3, 3> turn = pose.linear().cast<Real>();
-            const Vec local = turn.transpose() * direction;
-            const Real across = std::hypot(local.x(), local.y());
-            Vec p(0, 0, local.z() < 0 ? -half : half);
-            if (across > 0) p.x() = radius * local.x() / across, p.y() = radius * local.y() / across;
-            return turn * p + pose.translation().cast<Real>();
-        };
+        return placed([radius = Real(c.radius), half = Real(c.length) / 2](const Vec& direction) {
+            return on_rim(radius, direction.z() < 0 ? -half : half, direction);
+        });
     }
     ConvexSet operator()(const Ellipsoid& e) const
     {
-        return [*this, axes = Vec(e.semi_axes.cast<Real>())](const Vec& direction) -> Vec {
-            const Eigen::Matrix<Real, 3, 3> turn = pose.linear().cast<Real>();
-            const Vec scaled = axes.cwiseProduct(turn.transpose() * direction);
-            return turn * axes.cwiseProduct(scaled.normalized()) + pose.translation().cast<Real>();
-        };
+        return placed([axes = Vec(e.semi_axes.cast<Real>())](const Vec& direction) -> Vec {
+            return axes.cwiseProduct(axes.cwiseProduct(direction).normalized());
+        });
     }
     ConvexSet operator()(const Cone& c) const
     {
-        const ConvexSet disc = [*this, radius = Real(c.radius),
-                                half = Real(c.length) / 2](const Vec& direction) -> Vec {
-            const Eigen::Matrix<Real, 3, 3> turn = pose.linear().cast<Real>();
-            const Vec local = turn.transpose() * direction;
-            const Real across = std::hypot(local.x(), local.y());
-            Vec p(0, 0, -half);
-            if (across > 0) p.x() = radius * local.x() / across, p.y() = radius * local.y() / across;
-            return turn * p + pose.translation().cast<Real>();
-        };
-        return [disc, apex = placed({0, 0, c.length / 2})](const Vec& direction) -> Vec {
-            const Vec rim = disc(direction);
+        return placed([radius = Real(c.radius), half = Real(c.length) / 2](const Vec& direction) {
+            const Vec apex(0, 0, half), rim = on_rim(radius, -half, direction);
             return apex.dot(direction) > rim.dot(direction) ? apex : rim;
-        };
+        });
     }
     /// A bounded piece of it, large compared with any random scene.
-    ConvexSet operator()(const HalfSpace&) const
-    {
-        std::vector<Eigen::Vector3d> points;
-        for (int k = 0; k < 8; ++k) points.emplace_back(k & 1 ? 256 : -256, k & 2 ? 256 : -256, k & 4 ? 0 : -256);
-        return corners(points);
-    }
+    ConvexSet operator()(const HalfSpace&) const { return corners(corners_of({{-256, -256, -256}, {256, 256, 0}})); }
 };
 
 } // namespace
+
+std::array<Eigen::Vector3d, 8> corners_of(const Aabb& box)
+{
+    std::array<Eigen::Vector3d, 8> corners;
+    for (unsigned k = 0; k < 8; ++k)
+        for (int i = 0; i < 3; ++i) corners[k][i] = (k >> i & 1 ? box.max : box.min)[i];
+    return corners;
+}
 
 TrueDistance convex_distance(const ConvexSet& a, const ConvexSet& b)
 {
@@ -153,12 +145,12 @@ std::vector<ConvexSet> convex_sets(const GeometryData& geometry, const Eigen::Is
 {
     const SetOfShape of{pose};
     std::vector<ConvexSet> sets;
-    const auto add = [&](const Aabb& box, const std::vector<Eigen::Vector3d>& points) {
+    const auto add = [&](const Aabb& box, std::span<const Eigen::Vector3d> points) {
         if (!near || near->overlaps(box)) sets.push_back(of.corners(points));
     };
     const auto add_triangles = [&](const Mesh& mesh) {
         for (const Triangle& t : mesh.triangles) {
-            const std::vector<Eigen::Vector3d> points{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+            const std::array points{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
             Aabb box;
             for (const Eigen::Vector3d& p : points) box.add(p);
             add(box, points);
@@ -171,13 +163,7 @@ std::vector<ConvexSet> convex_sets(const GeometryData& geometry, const Eigen::Is
     } else if (const auto* shape = std::get_if<Shape>(&geometry)) {
         sets.push_back(std::visit(of, *shape));
     } else {
-        std::get<OccupancyMap>(geometry).each_box([&](const Aabb& cell) {
-            std::vector<Eigen::Vector3d> points;
-            for (int k = 0; k < 8; ++k)
-                points.emplace_back(k & 1 ? cell.max.x() : cell.min.x(), k & 2 ? cell.max.y() : cell.min.y(),
-                                    k & 4 ? cell.max.z() : cell.min.z());
-            add(cell, points);
-        });
+        std::get<OccupancyMap>(geometry).each_box([&](const Aabb& cell) { add(cell, corners_of(cell)); });
     }
     return sets;
 }

@@ -1,5 +1,7 @@
 #pragma once
+#include <array>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -18,6 +20,8 @@ using ConvexSet = std::function<ExtendedVector(const ExtendedVector& direction)>
 struct TrueDistance {
     long double lower, upper;
 };
+
+std::array<Eigen::Vector3d, 8> corners_of(const Aabb& box);
 
 /// GJK: nearest points of growing simplices; shares no code with the library.
 /// Source: Gilbert, Johnson and Keerthi, "A fast procedure for computing the distance between complex objects in

@@ -28,11 +28,7 @@ std::optional<int> winding_of(const std::array<Point<N>, 3>& t)
 {
     const int side = side_of_edge<N>(t[0], t[1]);
     if (side == 0 || side != side_of_edge<N>(t[1], t[2]) || side != side_of_edge<N>(t[2], t[0])) return 0;
-    Int<N> volume;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const Point<N>&u = t[(k + 1) % 3], &v = t[(k + 2) % 3];
-        volume = volume + t[k][0] * (u[1] * v[2] - u[2] * v[1]);
-    }
+    const Int<N> volume = dot(t[0], cross(t[1], t[2]));
     if (volume.sign() == 0) return std::nullopt;
     return volume.sign() == side ? side : 0;
 }
@@ -42,7 +38,7 @@ std::optional<int> winding_of(const TrianglePoints& t, const Eigen::Vector3d& po
 {
     std::array<Point<N>, 3> from;
     for (std::size_t i = 0; i < 3; ++i)
-        for (int k = 0; k < 3; ++k) from[i][k] = integer<N>(t[i][k], lowest) - integer<N>(point[k], lowest);
+        for (int k = 0; k < 3; ++k) from[i][k] = integer<Int<N>>(t[i][k], lowest) - integer<Int<N>>(point[k], lowest);
     return winding_of<N>(from);
 }
 

@@ -64,15 +64,10 @@ TriangleContact contact(const std::array<Point<N>, 3>& p, const std::array<Point
             inside[3][i] = Int<N>(i < 3 ? 1 : -1);
         }
     if (!feasible<N>(inside)) return TriangleContact::touching;
-    std::array<Point<N>, 4> edge;
-    for (std::size_t k = 0; k < 3; ++k) {
-        edge[0][k] = p[1][k] - p[0][k], edge[1][k] = p[2][k] - p[0][k];
-        edge[2][k] = q[1][k] - q[0][k], edge[3][k] = q[2][k] - q[0][k];
-    }
+    const std::array<Point<N>, 4> edge{p[1] - p[0], p[2] - p[0], q[1] - q[0], q[2] - q[0]};
     for (std::size_t left_out = 0; left_out < 4; ++left_out) {
         const auto &u = edge[left_out == 0 ? 1 : 0], &v = edge[left_out < 2 ? 2 : 1], &w = edge[left_out == 3 ? 2 : 3];
-        const auto minor = [&](std::size_t i, std::size_t j) { return u[i] * v[j] - u[j] * v[i]; };
-        if ((minor(1, 2) * w[0] + minor(2, 0) * w[1] + minor(0, 1) * w[2]).sign()) return TriangleContact::crossing;
+        if (dot(cross(u, v), w).sign()) return TriangleContact::crossing;
     }
     return TriangleContact::touching;
 }
@@ -83,8 +78,8 @@ TriangleContact contact(const TrianglePoints& a, const TrianglePoints& b, int lo
     std::array<Point<N>, 3> p, q;
     for (int i = 0; i < 3; ++i)
         for (int k = 0; k < 3; ++k) {
-            const Int<N> origin = integer<N>(a[0][k], lowest);
-            p[i][k] = integer<N>(a[i][k], lowest) - origin, q[i][k] = integer<N>(b[i][k], lowest) - origin;
+            const Int<N> origin = integer<Int<N>>(a[0][k], lowest);
+            p[i][k] = integer<Int<N>>(a[i][k], lowest) - origin, q[i][k] = integer<Int<N>>(b[i][k], lowest) - origin;
         }
     return contact<N>(p, q);
 }

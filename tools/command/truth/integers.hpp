@@ -10,6 +10,8 @@
 
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 
+#include "truth/exact_point.hpp"
+
 namespace oncollide::oracle {
 
 /// Signed integers of N times 64 bits and a sign: another project's, so the oracle shares no arithmetic with the
@@ -21,16 +23,16 @@ using Int = boost::multiprecision::number<
     boost::multiprecision::et_off>;
 
 template <int N>
-using Point = std::array<Int<N>, 3>;
+using Point = PointOf<Int<N>>;
 
 /// A double as integer times 2^lowest.
-template <int N>
-Int<N> integer(double x, int lowest)
+template <class Integer>
+Integer integer(double x, int lowest)
 {
     int exponent = 0;
     const auto mantissa = static_cast<std::int64_t>(std::ldexp(std::frexp(x, &exponent), 53));
     const int shift = exponent - 53 - lowest;
-    return shift >= 0 ? Int<N>(mantissa) << shift : Int<N>(mantissa >> -shift);
+    return shift >= 0 ? Integer(mantissa) << shift : Integer(mantissa >> -shift);
 }
 
 /// Range of the binary digits of a set of coordinates.
@@ -45,9 +47,10 @@ struct Digits {
         highest = std::max(highest, exponent);
         lowest = std::min(lowest, exponent - 53 + std::countr_zero(static_cast<std::uint64_t>(mantissa)));
     }
-    void take(const TrianglePoints& t)
+    template <std::size_t N>
+    void take(const std::array<Eigen::Vector3d, N>& points)
     {
-        for (const Eigen::Vector3d& v : t)
+        for (const Eigen::Vector3d& v : points)
             for (double x : v) take(x);
     }
     int count() const { return std::max(highest - lowest + 1, 0); }

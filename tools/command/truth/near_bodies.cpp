@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "truth/convex_truth.hpp"
+
 namespace oncollide::tools {
 namespace {
 
@@ -19,10 +21,7 @@ Aabb world_box(const Scene& scene, std::uint32_t body, double clearance)
     if (const auto* mesh = std::get_if<Mesh>(&geometry.data)) {
         for (const Eigen::Vector3d& v : mesh->vertices) add(v);
     } else {
-        const Aabb own = bounds_of(geometry);
-        for (int corner = 0; corner < 8; ++corner)
-            add({(corner & 1 ? own.max : own.min).x(), (corner & 2 ? own.max : own.min).y(),
-                 (corner & 4 ? own.max : own.min).z()});
+        for (const Eigen::Vector3d& corner : corners_of(bounds_of(geometry))) add(corner);
     }
     const double slack =
         clearance / 2 + 0x1p-16 * (largest + clearance) + 0x1p-40 * pose.translation().cwiseAbs().maxCoeff();

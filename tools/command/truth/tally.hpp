@@ -27,15 +27,31 @@ struct Tally {
         ++(this->*kind);
         if (first_fault.empty()) first_fault = what;
     }
-    Tally& operator+=(const Tally& o)
-    {
-        cases += o.cases, results += o.results, missed += o.missed, wrong += o.wrong,
-            false_positives += o.false_positives;
-        bounds += o.bounds, broken += o.broken, changed += o.changed;
-        fcl_missed += o.fcl_missed, fcl_false += o.fcl_false;
-        if (first_fault.empty()) first_fault = o.first_fault;
-        return *this;
-    }
+    Tally& operator+=(const Tally& o);
 };
+
+/// A count of a tally, by its title in tables and its name in files.
+struct TallyCount {
+    const char *title, *name;
+    int width; ///< in tables
+    std::uint64_t Tally::*of;
+};
+constexpr TallyCount tally_counts[] = {{"cases", "cases", 9, &Tally::cases},
+                                       {"results", "answers", 11, &Tally::results},
+                                       {"missed", "missed", 8, &Tally::missed},
+                                       {"wrong", "wrong", 7, &Tally::wrong},
+                                       {"false +", "false_positives", 9, &Tally::false_positives},
+                                       {"bounds", "bounds", 9, &Tally::bounds},
+                                       {"broken", "bounds_broken", 8, &Tally::broken},
+                                       {"changed", "changed", 9, &Tally::changed},
+                                       {"FCL missed", "fcl_missed", 12, &Tally::fcl_missed},
+                                       {"FCL false", "fcl_false", 11, &Tally::fcl_false}};
+
+inline Tally& Tally::operator+=(const Tally& o)
+{
+    for (const TallyCount& count : tally_counts) this->*count.of += o.*count.of;
+    if (first_fault.empty()) first_fault = o.first_fault;
+    return *this;
+}
 
 } // namespace oncollide::tools

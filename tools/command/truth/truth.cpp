@@ -60,9 +60,7 @@ Aabb widened(Aabb box, double by)
 Aabb in_frame(const Aabb& box, const Isometry3d& pose)
 {
     Aabb result;
-    for (int k = 0; k < 8; ++k)
-        result.add(pose * Vector3d((k & 1 ? box.max : box.min).x(), (k & 2 ? box.max : box.min).y(),
-                                   (k & 4 ? box.max : box.min).z()));
+    for (const Vector3d& corner : corners_of(box)) result.add(pose * corner);
     return result;
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -30,6 +29,14 @@ struct FuzzOptions {
     std::string out = "fault.json", csv;
 };
 
+/// Prints the fault. Returns the exit code.
+int code_of(const FirstFault& first)
+{
+    if (first.what.empty()) return 0;
+    say("FAULT      seed {}: {}\n", first.seed, first.what);
+    return int(ErrorKind::internal);
+}
+
 /// Returns the exit code.
 int fuzz_sweeps(const FuzzOptions& options, int threads)
 {
@@ -50,9 +57,7 @@ int fuzz_sweeps(const FuzzOptions& options, int threads)
         "of the bodies\n",
         options.sweeps, options.seed, options.seed + std::uint64_t(options.sweeps) - 1, all.contacts, all.at_start,
         all.clear, all.open, all.poses, all.truths, all.missed, all.early, all.wide, all.changed);
-    if (tallies.first_fault.empty()) return 0;
-    say("FAULT      seed {}: {}\n", tallies.faulty_seed, tallies.first_fault);
-    return int(ErrorKind::internal);
+    return code_of(tallies.first);
 }
 
 /// Returns the exit code.
@@ -64,9 +69,7 @@ int fuzz_grazes(const FuzzOptions& options, int threads)
         "faults\n",
         all.sweeps, options.seed, options.seed + all.sweeps - 1, all.contacts, all.grazes, all.clear, all.open,
         all.faults);
-    if (all.first_fault.empty()) return 0;
-    say("FAULT      seed {}: {}\n", all.faulty_seed, all.first_fault);
-    return int(ErrorKind::internal);
+    return code_of(all.first);
 }
 
 int fuzz(const FuzzOptions& options)
@@ -81,17 +84,17 @@ int fuzz(const FuzzOptions& options)
     const int of_grazes = options.grazes > 0 ? fuzz_grazes(options, threads) : 0;
     if (options.scenes == 0) return std::max(of_sweeps, of_grazes);
     Progress progress("scenes", std::size_t(options.scenes));
-    const auto first =
-        first_faulty_seed(options.seed, std::uint64_t(options.scenes), threads, [&] { progress.step(); });
-    if (!first) {
+    const FirstFault first =
+        first_faulty_scene(options.seed, std::uint64_t(options.scenes), threads, [&] { progress.step(); });
+    if (first.what.empty()) {
         write_to_stdout(fmt::format("{} scenes, seeds {} to {}: no fault\n", options.scenes, options.seed,
                                     options.seed + std::uint64_t(options.scenes) - 1));
         return std::max(of_sweeps, of_grazes);
     }
-    const DrawnScene drawn = draw_scene(*first),
+    const DrawnScene drawn = draw_scene(first.seed),
                      small = shrunk(drawn, [](const DrawnScene&d) { return !fault_in(d).empty(); });
     save_scene(small.scene, options.out);
-    write_to_stdout(fmt::format("seed {}: {}\nreduced to {} bodies: {}\noncollide run {} {}\n", *first, fault_in(drawn),
+    write_to_stdout(fmt::format("seed {}: {}\nreduced to {} bodies: {}\noncollide run {} {}\n", first.seed, first.what,
                                 small.scene.size(), fault_in(small), options.out, options_of(small.settings)));
     return int(ErrorKind::internal);
 }

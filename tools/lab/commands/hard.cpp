@@ -3,7 +3,7 @@
 #include "commands/lab.hpp"
 
 #include <algorithm>
-#include <exception>
+#include <functional>
 #include <memory>
 
 #include <fmt/format.h>
@@ -20,14 +20,9 @@
 #include "cli/standard_output.hpp"
 #include "common/text.hpp"
 #include "fcl/fcl_pair.hpp"
-#include "verify/trials/approach_trial.hpp"
-#include "verify/trials/body_trial.hpp"
-#include "verify/trials/bound_trial.hpp"
-#include "verify/trials/crowd_trial.hpp"
 #include "verify/trials/differential.hpp"
-#include "verify/trials/tangent_trial.hpp"
-#include "verify/trials/terrain_trial.hpp"
-#include "verify/trials/triangle_trial.hpp"
+#include "verify/trials/hard_trials.hpp"
+#include "verify/trials/seeds.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -39,159 +34,122 @@ struct HardOptions {
     int threads = 1;
 };
 
-constexpr const char *crowd_family = "all of them at once", *solid_crowd_family = "all solids at once",
-                     *drawn_family = "scenes with shapes and maps";
-
-/// Names in the order of their first appearance.
-std::vector<std::string> families_of(const std::vector<BodyCase>& cases)
-{
-    std::vector<std::string> names;
-    for (const BodyCase& c : cases)
-        if (names.empty() || names.back() != c.family) names.push_back(c.family);
-    return names;
-}
-
-/// The requested families.
-class Choice {
-public:
-    Choice(const HardOptions& options, const std::vector<BodyCase>& cases) : chosen_(options.families)
-    {
-        for (const TriangleFamily& family : triangle_families()) known_.push_back(family.name);
-        for (const NearFamily& family : near_families()) known_.push_back(family.name);
-        known_.push_back(approach_family);
-        for (const std::string& name : families_of(cases)) known_.push_back(name);
-        for (const char* name : tangent_families) known_.push_back(name);
-        for (const char* name : terrain_families) known_.push_back(name);
-        known_.push_back(drawn_family), known_.push_back(crowd_family), known_.push_back(solid_crowd_family);
-        for (const std::string& name : chosen_)
-            if (std::find(known_.begin(), known_.end(), name) == known_.end())
-                usage(fmt::format("--family: unknown family '{}'{}", name,
-                                  valid_names(name, {known_.begin(), known_.end()}, "valid")));
-        take_part(shard_from(options.shard));
-    }
-    bool operator()(const std::string& name) const
-    {
-        return chosen_.empty() || std::find(chosen_.begin(), chosen_.end(), name) != chosen_.end();
-    }
-
-private:
-    /// Keeps a contiguous part of the chosen families, in the order of the rows.
-    void take_part(const Shard& shard)
-    {
-        if (shard.whole()) return;
-        std::vector<std::string> all;
-        for (const std::string& name : known_)
-            if ((*this)(name)) all.push_back(name);
-        const auto [first, end] = shard.range(all.size());
-        chosen_.assign(all.begin() + std::ptrdiff_t(first), all.begin() + std::ptrdiff_t(end));
-        if (chosen_.empty()) chosen_.push_back({}); // "" is not a family's name, so nothing matches
-    }
-
-    std::vector<std::string> chosen_, known_;
+/// A row of results, and what it takes to find it.
+struct HardRow {
+    std::string family; ///< as in --family
+    std::function<Tally()> run;
 };
 
-/// Tests cases in parallel; the sum does not depend on the number of threads.
 Tally try_family(const std::string& family, const std::vector<BodyCase>& cases, int threads)
 {
     std::vector<const BodyCase*> mine;
     for (const BodyCase& c : cases)
         if (c.family == family) mine.push_back(&c);
     const std::vector<Variant> variants = all_variants();
-    std::vector<Tally> tallies(mine.size());
-    std::vector<std::exception_ptr> errors(mine.size());
-    parallel_chunks(mine.size(), 1, threads, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t k = begin; k < end; ++k) try {
-                tallies[k] = try_bodies(*mine[k], variants);
-            } catch (...) {
-                errors[k] = std::current_exception();
-            }
-    });
-    for (const std::exception_ptr& error : errors)
-        if (error) std::rethrow_exception(error);
-    Tally sum{.family = family};
-    for (const Tally& tally : tallies) sum += tally;
-    return sum;
+    return try_many(
+        family, mine.size(), threads,
+        [&](std::uint64_t number, Tally& tally) { tally += try_bodies(*mine[number], variants); }, 1);
 }
 
 /// Tests small scenes of all kinds of geometry, as `oncollide-lab fuzz` draws them.
-Tally try_drawn(std::uint64_t scenes, int threads)
+Tally try_drawn(const std::string& family, std::uint64_t scenes, int threads)
 {
-    Tally tally{.family = drawn_family, .cases = scenes, .results = scenes};
-    if (const auto seed = first_faulty_seed(1, scenes, threads, [] {}))
+    Tally tally{.family = family, .cases = scenes, .results = scenes};
+    const FirstFault first = first_faulty_scene(1, scenes, threads, [] {});
+    if (!first.what.empty())
         tally.fault(&Tally::wrong,
-                    fmt::format("'oncollide-lab fuzz --seed {0}' reduces it: {1}", *seed, fault_in(draw_scene(*seed))));
+                    fmt::format("'oncollide-lab fuzz --seed {}' reduces it: {}", first.seed, first.what));
     return tally;
 }
 
-/// The reason why gl-compute cannot run here; empty if it can.
-std::string why_no_gpu()
-{
+/// False if gl-compute cannot run here, with the reason at the terminal.
+bool has_gpu()
+try {
     Scene scene;
     scene.add_body({.name = "box", .geometry = scene.add("box", make_box_mesh({1, 1, 1}))});
-    try {
-        Pipeline(scene, {.backend = BackendKind::gl_compute});
-        return {};
-    } catch (const Error& error) {
-        if (error.kind() != ErrorKind::no_gpu) throw;
-        return error.what();
-    }
+    Pipeline(scene, {.backend = BackendKind::gl_compute});
+    return true;
+} catch (const Error& error) {
+    if (error.kind() != ErrorKind::no_gpu) throw;
+    say("skipped    gl-compute: {}\n", error.what());
+    return false;
 }
 
-void print_header()
+/// @param cases  must outlive the rows
+std::vector<HardRow> all_rows(std::uint64_t count, int threads, const std::vector<BodyCase>& cases)
 {
-    say("{:<34}{:>9}{:>11}{:>8}{:>7}{:>9}{:>9}{:>8}{:>9}{:>12}{:>11}\n", "family", "cases", "results", "missed",
-        "wrong", "false +", "bounds", "broken", "changed", "FCL missed", "FCL false");
-}
-
-/// Prints a row immediately, because the next one takes a while.
-void print_row(const Tally& t)
-{
-    say("{:<34}{:>9}{:>11}{:>8}{:>7}{:>9}{:>9}{:>8}{:>9}{:>12}{:>11}\n", t.family, t.cases, t.results, t.missed,
-        t.wrong, t.false_positives, t.bounds, t.broken, t.changed, t.fcl_missed, t.fcl_false);
-    if (!t.first_fault.empty()) say("FAULT      {}\n", t.first_fault);
-    flush_stdout();
-}
-
-std::vector<Tally> try_all(const HardOptions& options, const Choice& chosen, const std::vector<BodyCase>& cases)
-{
-    std::vector<Tally> rows;
-    const auto add = [&](Tally row) {
-        print_row(row);
-        rows.push_back(std::move(row));
-    };
-    print_header();
+    const std::uint64_t tenth = (count + 9) / 10, fiftieth = (count + 49) / 50;
+    std::vector<HardRow> rows;
     for (const TriangleFamily& family : triangle_families())
-        for (bool rotated : {false, true})
-            if (chosen(family.name))
-                add(try_triangles(family, std::uint64_t(options.count), rotated, options.threads, fcl_triangles_meet));
+        for (const bool rotated : {false, true})
+            rows.push_back(
+                {family.name, [=] { return try_triangles(family, count, rotated, threads, fcl_triangles_meet); }});
     for (const NearFamily& family : near_families())
-        if (chosen(family.name)) add(try_bounds(family, std::uint64_t(options.count + 9) / 10, options.threads));
-    if (chosen(approach_family)) add(try_approaches(std::uint64_t(options.count + 9) / 10, options.threads));
-    for (const std::string& family : families_of(cases))
-        if (chosen(family)) add(try_family(family, cases, options.threads));
+        rows.push_back({family.name, [=] { return try_bounds(family, tenth, threads); }});
+    rows.push_back({approach_family, [=] { return try_approaches(tenth, threads); }});
+    for (const BodyCase& c : cases)
+        if (rows.back().family != c.family)
+            rows.push_back({c.family, [=, &cases, name = c.family] { return try_family(name, cases, threads); }});
     for (const char* family : tangent_families)
-        if (chosen(family)) add(try_tangent(family, std::uint64_t(options.count + 49) / 50, options.threads));
+        rows.push_back({family, [=] { return try_tangent(family, fiftieth, threads); }});
     for (const char* family : terrain_families)
-        if (chosen(family)) add(try_terrain(family, std::uint64_t(options.count + 49) / 50, options.threads));
-    if (chosen(drawn_family)) add(try_drawn(std::uint64_t(options.count + 49) / 50, options.threads));
-    const bool surfaces = chosen(crowd_family), solids = chosen(solid_crowd_family);
-    if (!surfaces && !solids) return rows;
-    const std::string no_gpu = why_no_gpu();
-    if (!no_gpu.empty()) say("skipped    gl-compute: {}\n", no_gpu);
+        rows.push_back({family, [=] { return try_terrain(family, fiftieth, threads); }});
+    const char* const drawn = "scenes with shapes and maps";
+    rows.push_back({drawn, [=] { return try_drawn(drawn, fiftieth, threads); }});
     // Without the data folder's cases, which are too many.
-    if (surfaces) add(try_crowd(surface_cases(), Mode::surface, std::vector<int>{1, 2, 3}, no_gpu.empty()));
-    if (solids) add(try_crowd(solid_cases(), Mode::solid, std::vector<int>{1, 3}, no_gpu.empty()));
+    rows.push_back({"all of them at once", [] {
+                        return try_crowd(surface_cases(), Mode::surface, std::vector<int>{1, 2, 3}, has_gpu());
+                    }});
+    rows.push_back({"all solids at once", [] {
+                        return try_crowd(solid_cases(), Mode::solid, std::vector<int>{1, 3}, has_gpu());
+                    }});
     return rows;
+}
+
+/// Keeps the rows of the requested families, and of these the shard's part.
+void keep_chosen(std::vector<HardRow>& rows, const HardOptions& options)
+{
+    std::vector<std::string_view> known;
+    for (const HardRow& row : rows)
+        if (known.empty() || known.back() != row.family) known.push_back(row.family);
+    for (const std::string& name : options.families)
+        if (std::ranges::find(known, name) == known.end())
+            usage(fmt::format("--family: unknown family '{}'{}", name, valid_names(name, known, "valid")));
+    std::erase_if(rows, [&](const HardRow& row) {
+        return !options.families.empty() && std::ranges::find(options.families, row.family) == options.families.end();
+    });
+    const auto [first, end] = shard_from(options.shard).range(rows.size());
+    rows = std::vector(rows.begin() + std::ptrdiff_t(first), rows.begin() + std::ptrdiff_t(end));
+}
+
+/// Prints each row immediately, because the next one takes a while.
+std::vector<Tally> try_all(const std::vector<HardRow>& rows)
+{
+    say("{:<34}", "family");
+    for (const TallyCount& count : tally_counts) say("{:>{}}", count.title, count.width);
+    say("\n");
+    std::vector<Tally> tallies;
+    for (const HardRow& row : rows) {
+        const Tally& tally = tallies.emplace_back(row.run());
+        say("{:<34}", tally.family);
+        for (const TallyCount& count : tally_counts) say("{:>{}}", tally.*count.of, count.width);
+        say("\n");
+        if (!tally.first_fault.empty()) say("FAULT      {}\n", tally.first_fault);
+        flush_stdout();
+    }
+    return tallies;
 }
 
 void write_csv(const std::string& path, const std::string& first_line, const std::vector<Tally>& rows)
 {
-    CsvFile csv(path,
-                "family,cases,answers,missed,wrong,false_positives,bounds,bounds_broken,changed,fcl_missed,fcl_false",
-                first_line);
-    for (const Tally& t : rows)
-        csv.row(Quoted{t.family}, t.cases, t.results, t.missed, t.wrong, t.false_positives, t.bounds, t.broken,
-                t.changed, t.fcl_missed, t.fcl_false);
+    std::string header = "family";
+    for (const TallyCount& count : tally_counts) header += fmt::format(",{}", count.name);
+    CsvFile csv(path, header, first_line);
+    for (const Tally& row : rows) {
+        csv.rows().add(Quoted{row.family});
+        for (const TallyCount& count : tally_counts) csv.rows().add(row.*count.of);
+        csv.rows().end_row();
+    }
     csv.commit();
 }
 
@@ -202,14 +160,12 @@ void write_json(const std::string& path, const std::vector<Tally>& rows)
     json.begin_object(), json.schema("oncollide.accuracy_hard", 1);
     json.key("header"), json.object("version", version);
     json.key("families"), json.begin_array();
-    for (const Tally& t : rows) {
-        json.line(2);
-        json.object("family", t.family, "cases", t.cases, "answers", t.results, "missed", t.missed, "wrong", t.wrong,
-                    "false_positives", t.false_positives, "bounds", t.bounds, "bounds_broken", t.broken, "changed",
-                    t.changed, "fcl_missed", t.fcl_missed, "fcl_false", t.fcl_false);
+    for (const Tally& row : rows) {
+        json.line(2), json.begin_object(), json.members("family", row.family);
+        for (const TallyCount& count : tally_counts) json.members(count.name, row.*count.of);
+        json.end_object();
     }
-    json.line(), json.end_array();
-    json.end_object();
+    json.line(), json.end_array(), json.end_object();
     file.write("\n");
     file.commit();
 }
@@ -223,23 +179,25 @@ int judge_hard_cases(HardOptions options)
     std::vector<BodyCase> queries = query_cases(data_folder(options.data));
     const bool no_queries = queries.empty();
     std::move(queries.begin(), queries.end(), std::back_inserter(cases));
-    const Choice chosen(options, cases);
+    std::vector<HardRow> rows = all_rows(std::uint64_t(options.count), options.threads, cases);
+    keep_chosen(rows, options);
     if (no_queries && options.families.empty())
         say("skipped    Erleben's spikes, wedges and internal edges: no data folder with queries/ (--data)\n");
     say("truth      exact integers for contacts, long double for distances; {} pairs of triangles per family,\n"
         "           bodies in 5 forms, {} combinations of stages\n{}\n",
         grouped(std::uint64_t(options.count)), all_variants().size(), describe_program("cpu"));
-    const std::vector<Tally> rows = try_all(options, chosen, cases);
-    write_csv(
-        options.csv,
-        shard_from(options.shard)
-            .line(fmt::format("hard, count {}, families {}{}", options.count,
-                              options.families.empty() ? "all" : fmt::format("{}", fmt::join(options.families, ";")),
-                              no_queries ? ", without queries/" : "")),
-        rows);
-    if (!options.json.empty()) write_json(options.json, rows);
+    const std::vector<Tally> tallies = try_all(rows);
+    if (!options.csv.empty())
+        write_csv(options.csv,
+                  shard_from(options.shard)
+                      .line(fmt::format("hard, count {}, families {}{}", options.count,
+                                        options.families.empty() ? "all"
+                                                                 : fmt::format("{}", fmt::join(options.families, ";")),
+                                        no_queries ? ", without queries/" : "")),
+                  tallies);
+    if (!options.json.empty()) write_json(options.json, tallies);
     Tally sum;
-    for (const Tally& row : rows) sum += row;
+    for (const Tally& tally : tallies) sum += tally;
     say("\n{}; FCL misses {} collisions and reports {} false ones\n",
         sum.faults()
             ? fmt::format("{} VIOLATIONS", grouped(sum.faults()))

@@ -34,7 +34,7 @@ int judge_manifolds(const ManifoldFuzzOptions& options)
                                 tally.pairs, tally.met, tally.contacts, tally.whole, tally.exact, tally.special,
                                 tally.faults));
     if (tally.faults == 0) return 0;
-    write_to_stdout(fmt::format("first: seed {}: {}\n", tally.seed, tally.fault));
+    write_to_stdout(fmt::format("first: seed {}: {}\n", tally.first.seed, tally.first.what));
     return int(ErrorKind::internal);
 }
 

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include <oncollide/samples/generators.hpp>
+
+#include "verify/cases/body_case.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -19,16 +22,6 @@ constexpr double size = 100;    ///< mm, the diagonal of a part
 double as_float(double x)
 {
     return double(float(x));
-}
-
-Mesh merged(Mesh a, const Mesh& b, bool inside_out)
-{
-    const auto first = static_cast<std::uint32_t>(a.vertices.size());
-    for (const Triangle& t : b.triangles)
-        a.triangles.push_back(inside_out ? Triangle{t[0] + first, t[2] + first, t[1] + first}
-                                         : Triangle{t[0] + first, t[1] + first, t[2] + first});
-    a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
-    return make_mesh("merged", std::move(a.vertices), std::move(a.triangles));
 }
 
 Mesh box_between(const Vector3d& least, const Vector3d& most)
@@ -125,7 +118,7 @@ private:
         box.min.array() -= margin, box.max.array() += margin;
         const Mesh inner = box_between(box.min, box.max);
         box.min.array() -= 10, box.max.array() += 10;
-        add_placed("crate", hollow ? merged(box_between(box.min, box.max), inner, true) : inner);
+        add_placed("crate", hollow ? joined(box_between(box.min, box.max), flipped(inner)) : inner);
         if (!hollow) expect(ClashKind::enclosed);
     }
 

@@ -53,6 +53,17 @@ Mesh rotated(Mesh mesh, const Eigen::Matrix3d& turn, const Eigen::Vector3d& by)
     return mesh_of(std::move(mesh.vertices), std::move(mesh.triangles));
 }
 
+Mesh flipped(Mesh mesh)
+{
+    for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+    return mesh;
+}
+
+Mesh shifted(const Mesh& mesh, const Eigen::Vector3d& by)
+{
+    return rotated(mesh, Eigen::Matrix3d::Identity(), by);
+}
+
 Eigen::Isometry3d at(double x, double y, double z)
 {
     return at(Eigen::Vector3d(x, y, z), Eigen::Matrix3d::Identity());

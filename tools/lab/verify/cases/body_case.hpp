@@ -42,6 +42,8 @@ Mesh mesh_of(std::vector<Eigen::Vector3d> vertices, std::vector<Triangle> triang
 Mesh mesh_of(const std::vector<Eigen::Vector3d>& corners);
 Mesh joined(const Mesh& a, const Mesh& b);
 Mesh rotated(Mesh mesh, const Eigen::Matrix3d& turn, const Eigen::Vector3d& by);
+Mesh flipped(Mesh mesh); ///< inside out
+Mesh shifted(const Mesh& mesh, const Eigen::Vector3d& by);
 Eigen::Isometry3d at(double x, double y, double z);
 Eigen::Isometry3d at(const Eigen::Vector3d& place, const Eigen::Matrix3d& turn);
 /// Rotation by an angle about an axis.
@@ -49,5 +51,17 @@ Eigen::Matrix3d turn_by(double angle, const Eigen::Vector3d& axis);
 
 /// Scaled about the origin.
 Mesh scaled(const Mesh& mesh, double scale);
+
+/// Adds cases of a family; a is at the origin.
+struct CaseFamily {
+    std::vector<BodyCase>& cases;
+    std::string name, prefix{}; ///< of the cases' names
+
+    void operator()(const std::string& what, const Mesh& a, const Mesh& b, const Eigen::Isometry3d& pose,
+                    std::optional<bool> collide = {}) const
+    {
+        cases.push_back({name, prefix + what, a, b, Eigen::Isometry3d::Identity(), {pose}, collide});
+    }
+};
 
 } // namespace oncollide::tools

@@ -16,8 +16,9 @@ using Eigen::Vector3d;
 void touching_boxes(std::vector<BodyCase>& cases)
 {
     const Mesh cube = make_box_mesh({0.5, 0.5, 0.5}), small = make_box_mesh({0.125, 0.25, 0.125});
-    const auto add = [&](const char* name, const Mesh& b, Eigen::Isometry3d pose, bool collide) {
-        cases.push_back({"touching boxes", name, cube, b, at(0, 0, 0), {pose}, collide});
+    const CaseFamily family{cases, "touching boxes"};
+    const auto add = [&](const char* name, const Mesh& b, const Eigen::Isometry3d& pose, bool collide) {
+        family(name, cube, b, pose, collide);
     };
     add("face on face", cube, at(1, 0, 0), true);
     add("face on part of a face", cube, at(0.25, 0.375, -1), true);
@@ -82,16 +83,11 @@ void twins(std::vector<BodyCase>& cases)
 void plates(std::vector<BodyCase>& cases)
 {
     const Mesh plate = mesh_of({{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}}, {{0, 1, 2}, {0, 2, 3}});
-    const auto add = [&](std::string name, double height, double tilt, bool collide) {
+    const CaseFamily family{cases, "nearly parallel plates"};
+    const auto add = [&](const std::string& name, double height, double tilt, bool collide) {
         const Eigen::Matrix3d turn = tilt == 0 ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) // not -0
                                                : turn_by(tilt, {1, 2, 0});
-        cases.push_back({"nearly parallel plates",
-                         std::move(name),
-                         plate,
-                         plate,
-                         at(0, 0, 0),
-                         {at(Vector3d(0.125, 0.25, height), turn)},
-                         collide});
+        family(name, plate, plate, at(Vector3d(0.125, 0.25, height), turn), collide);
     };
     for (double gap : {0.0, 1e-9, 1e-12, 1e-15, 1e-18, 1e-60}) add(fmt::format("{} m apart", gap), gap, 0, gap == 0);
     for (double tilt : {1e-6, 1e-9, 1e-12, 1e-15}) {

@@ -9,18 +9,18 @@
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/model/map/map_access.hpp>
 
+#include "verify/cases/case_numbers.hpp"
+
 namespace oncollide::tools {
 namespace {
 
-class Draw {
+class Draw : public CaseNumbers {
 public:
     explicit Draw(std::uint64_t seed)
-        : random_(seed), on_grid_(seed % 4 != 0), terrains_(seed % 7 == 3), kinds_(seed % 5 < 3 ? 11 : 8)
+        : CaseNumbers(seed), on_grid_(seed % 4 != 0), terrains_(seed % 7 == 3), kinds_(seed % 5 < 3 ? 11 : 8)
     {
     }
 
-    int number(int least, int most) { return std::uniform_int_distribution<int>(least, most)(random_); }
-    bool one_in(int n) { return number(1, n) == 1; }
     double between(double least, double most) { return std::uniform_real_distribution<double>(least, most)(random_); }
     double length() { return on_grid_ ? 0.125 * number(1, 12) : between(0.1, 1.5); }
     double coordinate() { return on_grid_ ? 0.125 * number(-10, 10) : between(-1.3, 1.3); }
@@ -217,7 +217,6 @@ private:
         }
     }
 
-    std::mt19937_64 random_;
     bool on_grid_, terrains_;
     int kinds_; ///< number of kinds of geometry; tests use seeds from when there were fewer
 };

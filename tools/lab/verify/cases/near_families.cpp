@@ -137,7 +137,7 @@ TwoTriangles draw_near(const NearFamily& family, std::uint64_t number)
 {
     CaseNumbers draw(number * 0x9e3779b97f4a7c15u + 1);
     TwoTriangles pair = family.make(draw);
-    const double scale = draw.number(0, 3) ? std::ldexp(1.0, draw.number(-30, 30)) : 1;
+    const double scale = draw.number(0, 3) ? std::ldexp(1.0, draw.number(-30, 28)) : 1; // bodies are within 1e15 m
     const Vector3d far =
         draw.number(0, 3) ? Vector3d(Vector3d::Zero()) : Vector3d(draw.magnitude(0, 16) * draw.vector());
     for (TrianglePoints* t : {&pair.first, &pair.second})

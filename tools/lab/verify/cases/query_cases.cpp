@@ -30,8 +30,7 @@ Vector3d point_of(const std::string& line, const std::string& where)
 }
 
 /// Eight rows per query: four points at t0, and the same four at t1.
-void read_queries(const std::filesystem::path& path, const std::string& family, bool edges,
-                  std::vector<BodyCase>& cases)
+void read_queries(const std::filesystem::path& path, bool edges, const CaseFamily& add)
 {
     check_readable(path);
     std::ifstream file(path);
@@ -43,13 +42,7 @@ void read_queries(const std::filesystem::path& path, const std::string& family, 
         if (p.size() < 4) continue;
         const Mesh a = edges ? mesh_of({p[0], p[1], p[1]}) : mesh_of({p[0], p[0], p[0]});
         const Mesh b = edges ? mesh_of({p[2], p[3], p[3]}) : mesh_of({p[1], p[2], p[3]});
-        cases.push_back({family,
-                         fmt::format("{}, rows {} to {}", path.stem().string(), number - 3, number),
-                         a,
-                         b,
-                         at(0, 0, 0),
-                         {at(0, 0, 0)},
-                         {}});
+        add(fmt::format("{}, rows {} to {}", path.stem().string(), number - 3, number), a, b, at(0, 0, 0));
         p.clear();
     }
     if (!p.empty())
@@ -66,8 +59,8 @@ std::vector<BodyCase> query_cases(const std::filesystem::path& data)
     for (const auto& [name, family] :
          {std::pair("erleben-spikes", "Erleben's spikes"), std::pair("erleben-wedges", "Erleben's wedges"),
           std::pair("erleben-cube-internal-edges", "Erleben's internal edges")}) {
-        read_queries(folder / name / "vertex-face.csv", family, false, cases);
-        read_queries(folder / name / "edge-edge.csv", family, true, cases);
+        read_queries(folder / name / "vertex-face.csv", false, {cases, family});
+        read_queries(folder / name / "edge-edge.csv", true, {cases, family});
     }
     return cases;
 }

@@ -17,9 +17,7 @@ using Eigen::Vector3d;
 void nested(std::vector<BodyCase>& cases)
 {
     const Mesh cube = make_box_mesh({1, 1, 1}), sphere = make_sphere_mesh(1, 128);
-    const auto inside = [&](std::string name, const Mesh& a, const Mesh& b, Eigen::Isometry3d pose, bool collide) {
-        cases.push_back({"a mesh inside another", std::move(name), a, b, at(0, 0, 0), {pose}, collide});
-    };
+    const CaseFamily inside{cases, "a mesh inside another"}, shells{cases, "concentric shells"};
     inside("a box in a box", cube, make_box_mesh({0.25, 0.5, 0.125}), at(0.125, 0.25, -0.5), false);
     inside("a box on a box's floor", cube, make_box_mesh({0.25, 0.5, 0.125}), at(0.125, 0.25, -0.875), true);
     inside("a box in a box's corner", cube, make_box_mesh({0.25, 0.5, 0.125}), at(-0.75, 0.5, -0.875), true);
@@ -30,13 +28,8 @@ void nested(std::vector<BodyCase>& cases)
     inside("a dust grain in a box", cube, make_box_mesh(Vector3d::Constant(1e-9)), at(0.1, 0.2, 0.3), false);
     for (double gap : {0.1, 1e-3, 1e-6, 1e-9, 1e-12, 1e-15})
         for (bool box : {false, true})
-            cases.push_back({"concentric shells",
-                             fmt::format("{}, {} m apart", box ? "boxes" : "spheres", gap),
-                             box ? cube : sphere,
-                             scaled(box ? cube : sphere, 1 - gap),
-                             at(0, 0, 0),
-                             {at(0, 0, 0)},
-                             false});
+            shells(fmt::format("{}, {} m apart", box ? "boxes" : "spheres", gap), box ? cube : sphere,
+                   scaled(box ? cube : sphere, 1 - gap), at(0, 0, 0), false);
 }
 
 void scales(std::vector<BodyCase>& cases)
@@ -45,14 +38,9 @@ void scales(std::vector<BodyCase>& cases)
     const Eigen::Matrix3d turn = turn_by(1, {3, 1, 2});
     for (int exponent = -9; exponent <= 9; exponent += 3) {
         const double near = std::pow(10, exponent), two = std::ldexp(1, int(std::lround(exponent * std::log2(10))));
-        const auto add = [&](const char* name, const Mesh& mesh, Eigen::Isometry3d pose, std::optional<bool> collide) {
-            cases.push_back({"scales 1e-9 to 1e9",
-                             fmt::format("1e{}, {}", exponent, name),
-                             mesh,
-                             mesh,
-                             at(0, 0, 0),
-                             {pose},
-                             collide});
+        const CaseFamily family{cases, "scales 1e-9 to 1e9", fmt::format("1e{}, ", exponent)};
+        const auto add = [&](const char* name, const Mesh& mesh, const Eigen::Isometry3d& pose, bool collide) {
+            family(name, mesh, mesh, pose, collide);
         };
         add("boxes that touch", scaled(cube, two), at(two, 0.125 * two, 0), true);
         add("boxes an ulp apart", scaled(cube, two), at(std::nextafter(two, 2 * two), 0.125 * two, 0), false);
@@ -71,7 +59,7 @@ void offsets(std::vector<BodyCase>& cases)
                              Eigen::Isometry3d pose, std::optional<bool> collide) {
             cases.push_back({"offsets to 1e8", fmt::format("{}, {}", offset, name), a, b, pose_a, {pose}, collide});
         };
-        const auto moved = [&](const Mesh& mesh) { return rotated(mesh, none, far); };
+        const auto moved = [&](const Mesh& mesh) { return shifted(mesh, far); };
         add("boxes that touch far away", cube, cube, at(far, none), at(far + Vector3d(1, 0.125, 0), none), true);
         add("boxes 2^-20 apart far away", cube, cube, at(far, none), at(far + Vector3d(1 + 0x1p-20, 0.125, 0), none),
             false);
@@ -98,14 +86,9 @@ void spikes(std::vector<BodyCase>& cases)
                 const Mesh a = rotated(spike, size * none, far), b = rotated(spike, -size * none, far);
                 const Eigen::Matrix3d turn = turn_by(0.9 + 0.1 * k, {1, 2, 3.0 - k});
                 const Eigen::Isometry3d back = at(turn * -far, turn);
-                cases.push_back(
-                    {"offsets to 1e8",
-                     fmt::format("spikes of {} m tip to tip, {} from their origins, turn {}", size, offset, k),
-                     a,
-                     b,
-                     back,
-                     {back},
-                     {}});
+                const std::string name =
+                    fmt::format("spikes of {} m tip to tip, {} from their origins, turn {}", size, offset, k);
+                cases.push_back({"offsets to 1e8", name, a, b, back, {back}, {}});
             }
 }
 
@@ -114,10 +97,7 @@ void mixed_sizes(std::vector<BodyCase>& cases)
     const double s = 0x1p-10, l = 0x1p17; // about 1e-3 and 1e5
     const Mesh small = make_box_mesh({s, s, s}), large = make_box_mesh({l, l, l}), ball = make_sphere_mesh(1e5, 128);
     const Mesh grain = make_sphere_mesh(1e-3, 32);
-    const auto add = [&](const char* name, const Mesh& a, const Mesh& b, Eigen::Isometry3d pose,
-                         std::optional<bool> collide) {
-        cases.push_back({"sizes 1e-3 and 1e5", name, a, b, at(0, 0, 0), {pose}, collide});
-    };
+    const CaseFamily add{cases, "sizes 1e-3 and 1e5"};
     add("on a face", large, small, at(1000, -3000, l + s), true);
     add("on a face's diagonal", large, small, at(1000, 1000, l + s), true);
     add("on a corner", large, small, at(l + s, -l - s, l + s), true);
@@ -128,7 +108,7 @@ void mixed_sizes(std::vector<BodyCase>& cases)
     add("through a face", large, grain, at(12345.678, -3210.123, l), true);
     add("on the pole of a ball", ball, grain, at(0, 0, 1e5), true);
     add("over the pole of a ball", ball, grain, at(0, 0, 1e5 + 2e-3), false);
-    add("a large needle by a grain", mesh_of({{-l, 0, 0}, {l, 0, 0}, {l, s, 0}}), grain, at(777.7, 0.0011, 0), {});
+    add("a large needle by a grain", mesh_of({{-l, 0, 0}, {l, 0, 0}, {l, s, 0}}), grain, at(777.7, 0.0011, 0));
 }
 
 /// Motions in which bodies slide along each other. Each pose is a case, and the trees keep their state from the last

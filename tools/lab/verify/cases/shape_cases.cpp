@@ -26,12 +26,8 @@ void slivers(std::vector<BodyCase>& cases)
     const Mesh cube = make_box_mesh({0.5, 0.5, 0.5});
     for (double aspect : {1e6, 1e9, 1e12}) {
         const Mesh sliver = sliver_mesh(aspect);
-        const auto add = [&](const char* name, const Mesh& a, const Mesh& b, Eigen::Isometry3d pose,
-                             std::optional<bool> collide) {
-            cases.push_back(
-                {"sliver meshes", fmt::format("1 : {}, {}", aspect, name), a, b, at(0, 0, 0), {pose}, collide});
-        };
-        add("crossing", sliver, sliver, at({0, 0, 0}, turn_by(2 * std::atan(1.0), Vector3d::UnitZ())), {});
+        const CaseFamily add{cases, "sliver meshes", fmt::format("1 : {}, ", aspect)};
+        add("crossing", sliver, sliver, at({0, 0, 0}, turn_by(2 * std::atan(1.0), Vector3d::UnitZ())));
         add("along each other", sliver, sliver, at(0.25, 0, 0), true);
         add("end on end", sliver, sliver, at(1, 0, 0), true);
         add("beside each other", sliver, sliver, at(0, -2 / aspect, 0), false);
@@ -39,7 +35,7 @@ void slivers(std::vector<BodyCase>& cases)
         add("inside a box", make_box_mesh({1, 1, 1}), sliver, at(0.1, 0.1, 0.2), false);
         add("on a face of a box", cube, sliver, at(0.125, 0.25, 0.5), true);
         add("over a face of a box", cube, sliver, at(0.125, 0.25, 0.5 + 1e-13), false);
-        add("turned, in a box", cube, sliver, at({0.7, 0.1, 0.2}, turn_by(1, {1, 2, 3})), {});
+        add("turned, in a box", cube, sliver, at({0.7, 0.1, 0.2}, turn_by(1, {1, 2, 3})));
     }
 }
 
@@ -47,10 +43,7 @@ void needles(std::vector<BodyCase>& cases)
 {
     const Mesh needles = make_needles_mesh(40, 1, 1e5, 1.5, 5), others = make_needles_mesh(40, 1, 1e3, 1.5, 9);
     const Mesh torus = make_torus_mesh(0.6, 0.2, 160);
-    const auto add = [&](std::string name, const Mesh& a, const Mesh& b, Eigen::Isometry3d pose,
-                         std::optional<bool> collide = {}) {
-        cases.push_back({"needles", std::move(name), a, b, at(0, 0, 0), {pose}, collide});
-    };
+    const CaseFamily add{cases, "needles"};
     for (int k = 0; k < 4; ++k) {
         const Eigen::Matrix3d turn = turn_by(0.5 + k, {1.0 + k, 2, 3});
         add(fmt::format("among needles {}", k), needles, others, at({0.1 * k, 0.2, 0.1}, turn));
@@ -91,31 +84,26 @@ void degenerate_triangles(std::vector<BodyCase>& cases)
     const Mesh cube = make_box_mesh({0.5, 0.5, 0.5}), point = mesh_of({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}});
     const Mesh segment = mesh_of({{-0.5, 0, 0}, {0.25, 0, 0}, {0.5, 0, 0}});
     const Mesh knot = make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 120);
-    const auto add = [&](const char* family, const char* name, const Mesh& a, const Mesh& b, Eigen::Isometry3d pose,
-                         std::optional<bool> collide = {}) {
-        cases.push_back({family, name, a, b, at(0, 0, 0), {pose}, collide});
-    };
-    const char* const no_area = "zero-area triangles";
-    add(no_area, "a point on a face", cube, point, at(0.25, 0.125, 0.5), true);
-    add(no_area, "a point on a corner", cube, point, at(0.5, 0.5, 0.5), true);
-    add(no_area, "a point off a face", cube, point, at(0.25, 0.125, std::nextafter(0.5, 1)), false);
-    add(no_area, "a point inside", cube, point, at(0.25, 0.125, 0), false);
-    add(no_area, "a point on a point", point, point, at(0, 0, 0), true);
+    const CaseFamily no_area{cases, "zero-area triangles"}, twice{cases, "duplicate triangles and vertices"};
+    no_area("a point on a face", cube, point, at(0.25, 0.125, 0.5), true);
+    no_area("a point on a corner", cube, point, at(0.5, 0.5, 0.5), true);
+    no_area("a point off a face", cube, point, at(0.25, 0.125, std::nextafter(0.5, 1)), false);
+    no_area("a point inside", cube, point, at(0.25, 0.125, 0), false);
+    no_area("a point on a point", point, point, at(0, 0, 0), true);
     const Mesh two = mesh_of({{-5, 0, 0}, {-5, 0, 0}, {-5, 0, 0}, {5, 0, 0}, {5, 0, 0}, {5, 0, 0}});
-    add(no_area, "two points beside two points", two, two,
-        at({0.3, 0.2, 0.1}, turn_by(2 * std::atan(1.0), Vector3d::UnitZ())), false);
-    add(no_area, "a point off a point", point, point, at(0, 0x1p-1060, 0), false);
-    add(no_area, "a segment through a face", cube, segment, at(0.5, 0.125, 0.25), true);
-    add(no_area, "a segment on a face", cube, segment, at(0.125, 0.125, 0.5), true);
-    add(no_area, "a segment on an edge", cube, segment, at(0.75, 0.5, -0.5), true);
-    add(no_area, "a segment beyond an edge", cube, segment, at(0.125, 0.5, std::nextafter(0.5, 1)), false);
-    add(no_area, "segments end on end", segment, segment, at(1, 0, 0), true);
-    const char* const twice = "duplicate triangles and vertices";
-    add(twice, "boxes that touch", littered(cube), littered(cube), at(1, 0.25, 0.125), true);
-    add(twice, "boxes an ulp apart", littered(cube), unshared(cube), at(0.25, std::nextafter(1, 2), 0.125), false);
-    add(twice, "knots", littered(knot), unshared(knot), at({0.4, 0.2, 0.3}, turn_by(1, {3, 1, 2})), true);
-    add(twice, "knots apart", unshared(knot), littered(knot), at({3.1, 0, 0.3}, turn_by(1, {3, 1, 2})), false);
-    add(twice, "the same without shared vertices", knot, unshared(knot), at(0, 0, 0), true);
+    no_area("two points beside two points", two, two,
+            at({0.3, 0.2, 0.1}, turn_by(2 * std::atan(1.0), Vector3d::UnitZ())), false);
+    no_area("a point off a point", point, point, at(0, 0x1p-1060, 0), false);
+    no_area("a segment through a face", cube, segment, at(0.5, 0.125, 0.25), true);
+    no_area("a segment on a face", cube, segment, at(0.125, 0.125, 0.5), true);
+    no_area("a segment on an edge", cube, segment, at(0.75, 0.5, -0.5), true);
+    no_area("a segment beyond an edge", cube, segment, at(0.125, 0.5, std::nextafter(0.5, 1)), false);
+    no_area("segments end on end", segment, segment, at(1, 0, 0), true);
+    twice("boxes that touch", littered(cube), littered(cube), at(1, 0.25, 0.125), true);
+    twice("boxes an ulp apart", littered(cube), unshared(cube), at(0.25, std::nextafter(1, 2), 0.125), false);
+    twice("knots", littered(knot), unshared(knot), at({0.4, 0.2, 0.3}, turn_by(1, {3, 1, 2})), true);
+    twice("knots apart", unshared(knot), littered(knot), at({3.1, 0, 0.3}, turn_by(1, {3, 1, 2})), false);
+    twice("the same without shared vertices", knot, unshared(knot), at(0, 0, 0), true);
 }
 
 void open_meshes(std::vector<BodyCase>& cases)
@@ -130,10 +118,7 @@ void open_meshes(std::vector<BodyCase>& cases)
                              {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}}); // three on one edge
     const Mesh bow = mesh_of({{0, 0, 0}, {1, 0.5, 0}, {1, -0.5, 0}, {-1, 0.5, 0}, {-1, -0.5, 0}},
                              {{0, 1, 2}, {0, 3, 4}}); // two that share only a vertex
-    const auto add = [&](const char* name, const Mesh& a, const Mesh& b, Eigen::Isometry3d pose,
-                         std::optional<bool> collide = {}) {
-        cases.push_back({"open and non-manifold", name, a, b, at(0, 0, 0), {pose}, collide});
-    };
+    const CaseFamily add{cases, "open and non-manifold"};
     add("a rod through the open side", tub, rod, at(0.125, 0.125, 0.75), false);
     add("a rod that stands on the floor", tub, rod, at(0.125, 0.125, 0.5), true);
     add("a rod that leans on the rim", tub, rod, at(0.5, 0.125, 1.5), true);
@@ -149,17 +134,13 @@ void open_meshes(std::vector<BodyCase>& cases)
 /// A few pairs of each family of triangle pairs, each triangle a mesh.
 void lone_triangles(std::vector<BodyCase>& cases)
 {
+    const CaseFamily add{cases, "meshes of one triangle"};
     for (const TriangleFamily& family : triangle_families()) {
         GridPoints random(11);
         for (int k = 0; k < 4; ++k) {
             const auto [a, b] = moved(family.make(random), 0x1p-20 * Eigen::Matrix3d::Identity(), {0, 0, 0});
-            cases.push_back({"meshes of one triangle",
-                             fmt::format("{} {}", family.name, k),
-                             mesh_of({a[0], a[1], a[2]}),
-                             mesh_of({b[0], b[1], b[2]}),
-                             at(0, 0, 0),
-                             {at(0, 0, 0)},
-                             {}});
+            add(fmt::format("{} {}", family.name, k), mesh_of({a[0], a[1], a[2]}), mesh_of({b[0], b[1], b[2]}),
+                at(0, 0, 0));
         }
     }
 }

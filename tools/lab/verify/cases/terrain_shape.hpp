@@ -1,37 +1,18 @@
 #pragma once
-#include <random>
 #include <vector>
 
 #include <oncollide/scenes/model/terrain.hpp>
 
-#include "verify/oracle/integer_distance.hpp"
+#include "verify/cases/case_numbers.hpp"
+#include "verify/cases/placed_body.hpp"
 
 namespace oncollide::tools {
 
-/// Position and scale of a body: a unit of the grid is 2^exponent metres, and everything is shifted by `offset`.
-struct GridFrame {
-    double unit;
-    Eigen::Vector3d offset;
-
-    Eigen::Vector3d point(const Place& p) const
-    {
-        return unit * Eigen::Vector3d(double(p[0]), double(p[1]), double(p[2]));
-    }
-};
-
-class TerrainDraw {
+class TerrainDraw : public CaseNumbers {
 public:
-    explicit TerrainDraw(std::uint64_t seed) : random_(seed) {}
-    std::int64_t number(std::int64_t least, std::int64_t most)
-    {
-        return std::uniform_int_distribution<std::int64_t>(least, most)(random_);
-    }
-    bool one_in(std::int64_t n) { return number(1, n) == 1; }
+    using CaseNumbers::CaseNumbers;
     /// A vector of integral length, and that length.
     Place away(std::int64_t& length);
-
-private:
-    std::mt19937_64 random_;
 };
 
 /// A small terrain of integers, with holes and both diagonals; cells are 2^11 wide. Planes whose normals have integral

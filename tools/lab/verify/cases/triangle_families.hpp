@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 #include <ostream>
-#include <random>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -14,31 +13,22 @@
 
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 
+#include "verify/cases/case_numbers.hpp"
+
 namespace oncollide {
 
 using TwoTriangles = std::pair<TrianglePoints, TrianglePoints>;
 
-/// Random integers, as points of a grid of 2^-20.
-class GridPoints {
+/// Random points of a grid of 2^-20.
+class GridPoints : public CaseNumbers {
 public:
-    explicit GridPoints(std::uint64_t seed) : random_(seed) {}
-
-    int number(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
+    using CaseNumbers::CaseNumbers;
     /// Coordinates within `most` units.
     Eigen::Vector3d point(int most)
     {
         return Eigen::Vector3d(number(-most, most), number(-most, most), number(-most, most));
     }
     TrianglePoints triangle(int most) { return {point(most), point(most), point(most)}; }
-    Eigen::Matrix3d rotation()
-    {
-        std::normal_distribution<double> normal;
-        Eigen::Quaterniond q(normal(random_), normal(random_), normal(random_), normal(random_));
-        return q.normalized().toRotationMatrix();
-    }
-
-private:
-    std::mt19937_64 random_;
 };
 
 /// The vertices, to the last bit.

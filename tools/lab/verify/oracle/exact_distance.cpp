@@ -1,16 +1,20 @@
 #include "verify/oracle/exact_distance.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
-#include <boost/multiprecision/cpp_int.hpp>
+#include <Eigen/Geometry>
 
 #include "truth/exact_oracle.hpp"
+#include "truth/integers.hpp"
 
 namespace oncollide::oracle {
 namespace {
 
 using Integer = boost::multiprecision::cpp_int;
-using Place = std::array<Integer, 3>;
+using Place = PointOf<Integer>;
 
 /// A fraction with a positive denominator.
 struct Fraction {
@@ -21,36 +25,12 @@ bool operator<(const Fraction& a, const Fraction& b)
     return a.top * b.bottom < b.top * a.bottom;
 }
 
-/// x as a multiple of 2^exponent.
-Integer multiple(double x, int exponent)
-{
-    int power = 0;
-    const auto mantissa = static_cast<long long>(std::ldexp(std::frexp(x, &power), 53));
-    const int shift = power - 53 - exponent;
-    return shift >= 0 ? Integer(mantissa) << shift : Integer(mantissa) / (Integer(1) << -shift);
-}
 /// The exponent of the last bit of x that is set; large for 0.
 int last_bit(double x)
 {
-    if (x == 0) return 2000;
-    int power = 0;
-    auto mantissa = static_cast<long long>(std::ldexp(std::frexp(x, &power), 53));
-    int last = power - 53;
-    for (; mantissa % 2 == 0; mantissa /= 2) ++last;
-    return last;
-}
-
-Place operator-(const Place& a, const Place& b)
-{
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-Integer dot(const Place& a, const Place& b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-Place cross(const Place& a, const Place& b)
-{
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    Digits digits;
+    digits.take(x);
+    return digits.lowest;
 }
 
 Fraction to_segment(const Place& p, const Place& a, const Place& b)
@@ -100,18 +80,16 @@ struct ExactDistance::Square {
     template <std::size_t N>
     static int exponent_of(const std::array<Eigen::Vector3d, N>& a, const std::array<Eigen::Vector3d, N>& b)
     {
-        int exponent = 2000;
-        for (const auto* points : {&a, &b})
-            for (const Eigen::Vector3d& p : *points)
-                for (const double x : p) exponent = std::min(exponent, last_bit(x));
-        return exponent == 2000 ? 0 : exponent;
+        Digits digits;
+        digits.take(a), digits.take(b);
+        return digits.count() > 0 ? digits.lowest : 0;
     }
     template <std::size_t N>
     static std::array<Place, N> places(const std::array<Eigen::Vector3d, N>& of, int exponent)
     {
         std::array<Place, N> places;
         for (std::size_t i = 0; i < N; ++i)
-            for (int k = 0; k < 3; ++k) places[i][std::size_t(k)] = multiple(of[i][k], exponent);
+            for (int k = 0; k < 3; ++k) places[i][std::size_t(k)] = integer<Integer>(of[i][k], exponent);
         return places;
     }
 };
@@ -143,18 +121,18 @@ ExactDistance& ExactDistance::operator=(ExactDistance&&) noexcept = default;
 int ExactDistance::compare(double length) const
 {
     const int finer = std::min(last_bit(length), square_->exponent), shift = 2 * (square_->exponent - finer);
-    const Integer units = multiple(length, finer);
+    const Integer units = integer<Integer>(length, finer);
     const Integer distance2 = square_->value.top << shift, length2 = units * units * square_->value.bottom;
     return distance2 < length2 ? -1 : distance2 > length2;
 }
 
-double ExactDistance::value() const
+long double ExactDistance::value() const
 {
     const auto& [top, bottom] = square_->value;
     if (top == 0) return 0;
     const int shift = 128 + int(msb(bottom)) - int(msb(top)), even = shift + (shift & 1);
     const Integer scaled = even >= 0 ? Integer(top << even) / bottom : Integer(top / (bottom << -even));
-    return std::ldexp(std::sqrt(scaled.convert_to<double>()), square_->exponent - even / 2);
+    return std::ldexp(std::sqrt(scaled.convert_to<long double>()), square_->exponent - even / 2);
 }
 
 bool ExactDistance::operator<(const ExactDistance& other) const
@@ -163,6 +141,21 @@ bool ExactDistance::operator<(const ExactDistance& other) const
     Fraction mine = square_->value, theirs = other.square_->value;
     (shift > 0 ? mine.top : theirs.top) <<= std::abs(shift);
     return mine < theirs;
+}
+
+ExactDistance least_distance(const TrianglePoints& triangle, std::span<const TrianglePoints> others)
+{
+    const auto box = [](const TrianglePoints& t) { return Eigen::AlignedBox3d(t[0]).extend(t[1]).extend(t[2]); };
+    std::vector<std::pair<double, const TrianglePoints*>> nearest_box_first;
+    for (const TrianglePoints& other : others)
+        nearest_box_first.emplace_back(box(triangle).exteriorDistance(box(other)), &other);
+    std::ranges::sort(nearest_box_first);
+    ExactDistance least(triangle, *nearest_box_first.front().second);
+    for (const auto& [apart, other] : nearest_box_first) {
+        if (least.compare((1 - 0x1p-40) * apart) < 0) break;
+        if (ExactDistance one(triangle, *other); one < least) least = std::move(one);
+    }
+    return least;
 }
 
 } // namespace oncollide::oracle

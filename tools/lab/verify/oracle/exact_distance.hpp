@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <span>
 
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 
@@ -20,12 +21,15 @@ public:
 
     /// The sign of the distance minus `length`, which is finite and >= 0.
     int compare(double length) const;
-    double value() const; ///< rounded, to compare sizes
+    long double value() const; ///< rounded
     bool operator<(const ExactDistance& other) const;
 
 private:
     struct Square;
     std::unique_ptr<Square> square_;
 };
+
+/// The distance of a triangle, a segment or a point from the nearest of `others`, which must not be empty.
+ExactDistance least_distance(const TrianglePoints& triangle, std::span<const TrianglePoints> others);
 
 } // namespace oncollide::oracle

@@ -1,4 +1,4 @@
-#include "manifold_truth.hpp"
+#include "verify/oracle/manifold_truth.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,6 +10,8 @@
 #include <boost/multiprecision/cpp_int.hpp>
 #include <fmt/format.h>
 
+#include "truth/exact_point.hpp"
+
 namespace oncollide::oracle {
 
 namespace {
@@ -17,27 +19,7 @@ namespace {
 using Rational = boost::multiprecision::cpp_rational;
 
 template <class N>
-struct Point {
-    N x, y, z;
-    friend Point operator-(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-    friend Point operator+(const Point& a, const Point& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-    friend Point operator*(const N& s, const Point& p) { return {s * p.x, s * p.y, s * p.z}; }
-};
-template <class N>
-N dot(const Point<N>& a, const Point<N>& b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-template <class N>
-Point<N> cross(const Point<N>& a, const Point<N>& b)
-{
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-template <class N>
-Point<N> number(const Eigen::Vector3d& p)
-{
-    return {N(p.x()), N(p.y()), N(p.z())};
-}
+using Point = PointOf<N>;
 
 struct Unsure {};     ///< rounding of long double may decide
 struct NotGeneral {}; ///< a sign is 0
@@ -86,7 +68,7 @@ std::vector<Face<N>> faces_of(const Surface& surface)
 {
     std::vector<Face<N>> faces;
     for (const TrianglePoints& t : surface) {
-        Face<N> f{{number<N>(t[0]), number<N>(t[1]), number<N>(t[2])}, {}, {}};
+        Face<N> f{{point_of<N>(t[0]), point_of<N>(t[1]), point_of<N>(t[2])}, {}, {}};
         f.normal = cross(f.corners[1] - f.corners[0], f.corners[2] - f.corners[0]);
         f.height = dot(f.normal, f.corners[0]);
         faces.push_back(f);
@@ -123,7 +105,7 @@ struct Overlap {
 template <class N>
 bool inside(const Point<N>& p, const std::vector<Face<N>>& faces, long double scale)
 {
-    const Point<N> end{N(p.x + N(1237.0) / N(64.0)), N(p.y + N(2311.0) / N(64.0)), N(p.z + N(4093.0) / N(64.0))};
+    const Point<N> end = p + point_of<N>({1237.0 / 64, 2311.0 / 64, 4093.0 / 64});
     bool in = false;
     for (const Face<N>& f : faces) in ^= piercing(p, end, f, 64 * scale).has_value();
     return in;
@@ -155,7 +137,7 @@ Overlap<N> overlap_of(const Surface& a, const Surface& b, long double scale)
             for (const Eigen::Vector3d& p : t) {
                 if (std::ranges::find(seen, std::array{p.x(), p.y(), p.z()}) != seen.end()) continue;
                 seen.push_back({p.x(), p.y(), p.z()});
-                if (inside(number<N>(p), other, scale)) to.push_back(number<N>(p));
+                if (inside(point_of<N>(p), other, scale)) to.push_back(point_of<N>(p));
             }
     };
     add(a, o.b, o.of_a), add(b, o.a, o.of_b);
@@ -223,7 +205,7 @@ bool is_kept(const Point<N>& contact, const Manifold& m, long double scale)
     return std::ranges::any_of(m.regions, [&](const ManifoldRegion& r) {
         std::vector<Point<N>> hull;
         for (std::uint32_t i = r.first; i < r.first + r.count; ++i)
-            hull.push_back(N(0.5) * (number<N>(m.points[i].point_a) + number<N>(m.points[i].point_b)));
+            hull.push_back(N(0.5) * (point_of<N>(m.points[i].point_a) + point_of<N>(m.points[i].point_b)));
         return !exceeds(hull_distance2(contact, hull), r.lost, 1e-17L * scale);
     });
 }
@@ -231,30 +213,20 @@ bool is_kept(const Point<N>& contact, const Manifold& m, long double scale)
 template <class N>
 std::string judge_region(const Overlap<N>& o, const ManifoldRegion& r, double scale)
 {
-    const Point<N> n = number<N>(r.normal);
+    const Point<N> n = point_of<N>(r.normal);
     const N nn = dot(n, n);
     // Upper: of the parts inside, a's highest point and b's lowest.
-    std::optional<N> high, low;
-    const auto take_high = [&](const Point<N>& p) {
-        const N h = dot(n, p);
-        if (!high || h > *high) high = h;
-    };
-    const auto take_low = [&](const Point<N>& p) {
-        const N h = dot(n, p);
-        if (!low || h < *low) low = h;
-    };
-    for (const Point<N>& p : o.contacts) take_high(p), take_low(p);
-    for (const Point<N>& p : o.of_a) take_high(p);
-    for (const Point<N>& p : o.of_b) take_low(p);
-    if (sign_of(N(*high - *low - N(r.depth_upper) * nn), 1e-16L * scale) > 0)
+    N high = dot(n, o.contacts.front()), low = high;
+    for (const auto* points : {&o.contacts, &o.of_a})
+        for (const Point<N>& p : *points) high = std::max(high, N(dot(n, p)));
+    for (const auto* points : {&o.contacts, &o.of_b})
+        for (const Point<N>& p : *points) low = std::min(low, N(dot(n, p)));
+    if (sign_of(N(high - low - N(r.depth_upper) * nn), 1e-16L * scale) > 0)
         return "after depth_upper no plane separates them";
     // Lower: a point of a goes out of b along -n, one of b out of a along n.
     N deepest(0);
-    const auto take_exit = [&](const N& t) {
-        if (t > deepest) deepest = t;
-    };
-    for (const Point<N>& p : o.of_a) take_exit(exit_of(p, N(-1) * n, o.b, scale));
-    for (const Point<N>& p : o.of_b) take_exit(exit_of(p, n, o.a, scale));
+    for (const Point<N>& p : o.of_a) deepest = std::max(deepest, exit_of(p, N(-1) * n, o.b, scale));
+    for (const Point<N>& p : o.of_b) deepest = std::max(deepest, exit_of(p, n, o.a, scale));
     if (r.depth_lower > 0 && sign_of(N(N(r.depth_lower) - deepest), 1e-16L * scale) > 0)
         return fmt::format("depth_lower of {} is too large", r.depth_lower);
     if (r.normal_error >= std::numbers::pi / 2) return {};

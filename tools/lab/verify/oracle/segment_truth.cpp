@@ -1,37 +1,18 @@
-#include "segment_truth.hpp"
+#include "verify/oracle/segment_truth.hpp"
 
 #include <array>
 #include <optional>
 
 #include <boost/multiprecision/cpp_int.hpp>
 
+#include "truth/exact_point.hpp"
+
 namespace oncollide::oracle {
 
 namespace {
 
 using Rational = boost::multiprecision::cpp_rational;
-using Point = std::array<Rational, 3>;
-
-Point exact(const Eigen::Vector3d& p)
-{
-    return {Rational(p.x()), Rational(p.y()), Rational(p.z())};
-}
-Point minus(const Point& a, const Point& b)
-{
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-Point cross(const Point& a, const Point& b)
-{
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-Rational dot(const Point& a, const Point& b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-bool zero(const Point& p)
-{
-    return p[0] == 0 && p[1] == 0 && p[2] == 0;
-}
+using Point = PointOf<Rational>;
 
 /// The fractions that fulfil linear conditions.
 struct Range {
@@ -57,15 +38,15 @@ struct Range {
 
 std::optional<Rational> first_of(const Segment& s, const TrianglePoints& t)
 {
-    const Point p = exact(s.from), d = minus(exact(s.to), p);
-    const std::array<Point, 3> c{exact(t[0]), exact(t[1]), exact(t[2])};
-    const Point n = cross(minus(c[1], c[0]), minus(c[2], c[0]));
+    const Point p = point_of<Rational>(s.from), d = point_of<Rational>(s.to) - p;
+    const std::array<Point, 3> c{point_of<Rational>(t[0]), point_of<Rational>(t[1]), point_of<Rational>(t[2])};
+    const Point n = cross(c[1] - c[0], c[2] - c[0]);
     Range range;
-    if (!zero(n)) {
-        range.solve(dot(n, minus(p, c[0])), dot(n, d));
+    if (n != Point{}) {
+        range.solve(dot(n, p - c[0]), dot(n, d));
         for (std::size_t i = 0; i < 3; ++i) { // the inner side of each edge
-            const Point inward = cross(n, minus(c[(i + 1) % 3], c[i]));
-            range.keep(dot(inward, minus(p, c[i])), dot(inward, d));
+            const Point inward = cross(n, c[(i + 1) % 3] - c[i]);
+            range.keep(dot(inward, p - c[i]), dot(inward, d));
         }
         return range.first();
     }
@@ -73,10 +54,10 @@ std::optional<Rational> first_of(const Segment& s, const TrianglePoints& t)
     std::size_t longest = 0;
     Rational length = -1;
     for (std::size_t i = 0; i < 3; ++i) {
-        const Point e = minus(c[(i + 1) % 3], c[i]);
+        const Point e = c[(i + 1) % 3] - c[i];
         if (dot(e, e) > length) length = dot(e, e), longest = i;
     }
-    const Point e = minus(c[(longest + 1) % 3], c[longest]), from = minus(p, c[longest]);
+    const Point e = c[(longest + 1) % 3] - c[longest], from = p - c[longest];
     if (length == 0) {
         for (std::size_t k = 0; k < 3; ++k) range.solve(from[k], d[k]);
     } else {
@@ -89,7 +70,8 @@ std::optional<Rational> first_of(const Segment& s, const TrianglePoints& t)
 
 std::optional<Rational> first_of(const Segment& s, const Aabb& box)
 {
-    const Point p = exact(s.from), d = minus(exact(s.to), p), low = exact(box.min), high = exact(box.max);
+    const Point p = point_of<Rational>(s.from), d = point_of<Rational>(s.to) - p, low = point_of<Rational>(box.min),
+                high = point_of<Rational>(box.max);
     Range range;
     for (std::size_t k = 0; k < 3; ++k) range.keep(p[k] - low[k], d[k]), range.keep(high[k] - p[k], -d[k]);
     return range.first();
@@ -105,7 +87,7 @@ bool boxes_meet(const Segment& s, const Aabb& box)
 } // namespace
 
 struct SegmentTruth::Fraction {
-    Rational value;
+    std::optional<Rational> value;
 };
 
 SegmentTruth::SegmentTruth() = default;
@@ -116,31 +98,32 @@ void SegmentTruth::add(const Segment& segment, const TrianglePoints& triangle)
 {
     Aabb box;
     for (const Eigen::Vector3d& corner : triangle) box.add(corner);
-    if (!boxes_meet(segment, box)) return;
-    if (auto first = first_of(segment, triangle); first && (!first_ || *first < first_->value))
-        first_ = std::make_unique<Fraction>(Fraction{std::move(*first)});
+    if (boxes_meet(segment, box)) take(Fraction{first_of(segment, triangle)});
 }
 
 void SegmentTruth::add(const Segment& segment, const Aabb& box)
 {
-    if (!boxes_meet(segment, box)) return;
-    if (auto first = first_of(segment, box); first && (!first_ || *first < first_->value))
-        first_ = std::make_unique<Fraction>(Fraction{std::move(*first)});
+    if (boxes_meet(segment, box)) take(Fraction{first_of(segment, box)});
+}
+
+void SegmentTruth::take(const Fraction& first)
+{
+    if (first.value && (!first_ || *first.value < *first_->value)) first_ = std::make_unique<Fraction>(first);
 }
 
 void SegmentTruth::add_start()
 {
-    first_ = std::make_unique<Fraction>(Fraction{0});
+    first_ = std::make_unique<Fraction>(Fraction{Rational(0)});
 }
 
 bool SegmentTruth::within(double lower, double upper) const
 {
-    return first_ && Rational(lower) <= first_->value && first_->value <= Rational(upper);
+    return first_ && Rational(lower) <= *first_->value && *first_->value <= Rational(upper);
 }
 
 bool SegmentTruth::equals(const SegmentTruth& other) const
 {
-    return first_ && other.first_ && first_->value == other.first_->value;
+    return first_ && other.first_ && *first_->value == *other.first_->value;
 }
 
 } // namespace oncollide::oracle

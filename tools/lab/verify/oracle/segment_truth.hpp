@@ -25,6 +25,7 @@ public:
 
 private:
     struct Fraction;
+    void take(const Fraction& first);
     std::unique_ptr<Fraction> first_;
 };
 

@@ -1,12 +1,12 @@
-#include "verify/trials/approach_trial.hpp"
+#include "verify/trials/hard_trials.hpp"
 
 #include <fmt/format.h>
 
 #include <oncollide/pipeline/world.hpp>
 
 #include "verify/cases/drawn_scene.hpp"
-#include "verify/cases/near_families.hpp"
-#include "verify/trials/pair_trial.hpp"
+#include "verify/cases/placed_body.hpp"
+#include "verify/trials/seeds.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -27,11 +27,11 @@ public:
         Isometry3d pose_a = Isometry3d::Identity(), pose_b = pose_a;
         pose_a.linear() = attitude(), pose_b.linear() = attitude();
         pose_b.translation() = draw_.vector(), pose_a.translation() = 20 * draw_.vector().normalized();
-        const BodyId a = now_.bodies().add({.model = add(now_, geometries_.a), .pose = pose_a}),
-                     b = now_.bodies().add({.model = add(now_, geometries_.b), .pose = pose_b});
+        const BodyId a = now_.bodies().add({.model = add_model(now_, geometries_.a), .pose = pose_a}),
+                     b = now_.bodies().add({.model = add_model(now_, geometries_.b), .pose = pose_b});
         if (!approach(a, b, pose_a)) return;
-        const BodyId live_a = live_.bodies().add({.model = add(live_, geometries_.a), .pose = pose_a});
-        live_.bodies().add({.model = add(live_, geometries_.b), .pose = pose_b});
+        const BodyId live_a = live_.bodies().add({.model = add_model(live_, geometries_.a), .pose = pose_a});
+        live_.bodies().add({.model = add_model(live_, geometries_.b), .pose = pose_b});
         live_.step(), live_.step();
         ++tally_.cases;
         for (int move = 0; move < 6; ++move) {
@@ -63,10 +63,6 @@ public:
     }
 
 private:
-    static ModelId add(World& world, const GeometryData& geometry)
-    {
-        return world.models().add(std::make_shared<const Geometry>(Geometry{{}, geometry, {}}));
-    }
     Matrix3d attitude()
     {
         if (draw_.number(0, 1)) return draw_.rotation();

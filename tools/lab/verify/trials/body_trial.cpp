@@ -1,4 +1,4 @@
-#include "verify/trials/body_trial.hpp"
+#include "verify/trials/hard_trials.hpp"
 
 #include <fmt/format.h>
 

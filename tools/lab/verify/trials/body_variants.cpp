@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "verify/trials/body_trial.hpp"
+#include "verify/trials/hard_trials.hpp"
 
 namespace oncollide::tools {
 namespace {

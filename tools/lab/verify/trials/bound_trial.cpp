@@ -1,4 +1,4 @@
-#include "verify/trials/bound_trial.hpp"
+#include "verify/trials/hard_trials.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 #include <oncollide/samples/generators.hpp>
 
 #include "verify/oracle/exact_distance.hpp"
-#include "verify/trials/pair_trial.hpp"
+#include "verify/trials/seeds.hpp"
 
 namespace oncollide::tools {
 namespace {

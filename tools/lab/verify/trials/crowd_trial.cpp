@@ -1,4 +1,4 @@
-#include "verify/trials/crowd_trial.hpp"
+#include "verify/trials/hard_trials.hpp"
 
 #include <map>
 

@@ -5,13 +5,13 @@
 #include <deque>
 #include <functional>
 #include <map>
-#include <mutex>
+#include <numeric>
+#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/runs/pipeline.hpp>
 
 #include "truth/judge.hpp"
@@ -72,54 +72,60 @@ std::string fault_against_truth(const DrawnScene& drawn, std::vector<FrameResult
     return fault;
 }
 
-Scene reversed(const Scene& scene)
+using BodyChange = std::function<void(std::size_t body, GeometryData&, BodyInit&)>;
+
+/// The bodies of these numbers, in this order, with changes.
+Scene rebuilt(const Scene& scene, const std::vector<std::size_t>& bodies, const BodyChange& change = {})
 {
     Scene other;
     other.name = scene.name, other.frames = scene.frames;
-    for (std::size_t i = scene.size(); i-- > 0;) {
+    for (const std::size_t i : bodies) {
         const Geometry& geometry = scene.geometries[index(scene.geometry[i])];
-        other.add_body({.name = std::string(scene.names[i]),
-                        .geometry = other.add(geometry.name, geometry.data),
-                        .pose = scene.start_pose(i),
-                        .motion = scene.motions[i]});
+        GeometryData data = geometry.data;
+        BodyInit body{.name = std::string(scene.names[i]), .pose = scene.start_pose(i), .motion = scene.motions[i]};
+        if (change) change(i, data, body);
+        body.geometry = other.add(geometry.name, std::move(data));
+        other.add_body(body);
     }
     return other;
+}
+
+std::vector<std::size_t> all_of(const Scene& scene)
+{
+    std::vector<std::size_t> bodies(scene.size());
+    std::iota(bodies.begin(), bodies.end(), std::size_t(0));
+    return bodies;
 }
 
 /// @param results  of the unchanged scene
 std::string fault_against_others(const DrawnScene& drawn, const std::vector<FrameResults>& results)
 {
-    const auto same = [&](const char* what, auto change) -> std::string {
-        Settings other = drawn.settings;
-        change(other);
-        return results_of(drawn.scene, other) == results ? "" : fmt::format("different results {}", what);
-    };
-    if (auto fault = same("with another number of threads", [](Settings& s) { s.threads = s.threads % 3 + 1; });
-        !fault.empty())
-        return fault;
     // Within a budget, cells that a hint saves are available to other pairs.
     const bool budget = drawn.settings.node_budget || drawn.settings.memory_budget;
-    if (!budget)
-        if (auto fault = same("with coherence switched", [](Settings& s) { s.coherence = !s.coherence; });
-            !fault.empty())
-            return fault;
-    if (auto fault = same("with another broad phase",
-                          [](Settings& s) {
-                              s.broad_phase = s.broad_phase == BroadPhaseKind::kd_tree ? BroadPhaseKind::octree
-                                                                                       : BroadPhaseKind::kd_tree;
-                          });
-        !fault.empty())
-        return fault;
+    constexpr std::pair<const char*, void (*)(Settings&)> changes[] = {
+        {"another number of threads", [](Settings& s) { s.threads = s.threads % 3 + 1; }},
+        {"another broad phase",
+         [](Settings& s) {
+             s.broad_phase =
+                 s.broad_phase == BroadPhaseKind::kd_tree ? BroadPhaseKind::octree : BroadPhaseKind::kd_tree;
+         }},
+        {"coherence switched", [](Settings& s) { s.coherence = !s.coherence; }}};
+    for (const auto& [what, change] : std::span(changes).first(budget ? 2 : 3)) {
+        Settings other = drawn.settings;
+        change(other);
+        if (results_of(drawn.scene, other) != results) return fmt::format("different results with {}", what);
+    }
     // The order of a pair changes rounding, and budgets depend on order: only exact verdicts on the grid are compared.
-    const bool exact = exact_level(drawn.settings) == ExactLevel::predicates && !drawn.settings.node_budget &&
-                       !drawn.settings.memory_budget;
+    const bool exact = exact_level(drawn.settings) == ExactLevel::predicates && !budget;
     const bool quarter_turns = std::ranges::all_of(drawn.scene.poses, [](const Eigen::Isometry3d& pose) {
         return pose.linear().cwiseAbs().sum() == 3 &&
                (8 * pose.translation()).array().round().matrix() / 8 == pose.translation();
     });
     if (!exact || !quarter_turns) return {};
     const auto last = static_cast<std::uint32_t>(drawn.scene.size() - 1);
-    const auto reverse_order = results_of(reversed(drawn.scene), drawn.settings);
+    std::vector<std::size_t> order = all_of(drawn.scene);
+    std::ranges::reverse(order);
+    const auto reverse_order = results_of(rebuilt(drawn.scene, order), drawn.settings);
     for (const auto& [pair, r] : results[0]) {
         const auto other = reverse_order[0].find({last - pair.second, last - pair.first});
         const Verdict verdict = other == reverse_order[0].end() ? Verdict::separate : other->second.verdict;
@@ -130,26 +136,8 @@ std::string fault_against_others(const DrawnScene& drawn, const std::vector<Fram
     return {};
 }
 
-/// The scene without one of its bodies, or with changed data of one body.
-Scene with(const Scene& scene, std::size_t left_out,
-           const std::function<void(std::size_t, GeometryData&, BodyInit&)>& change)
-{
-    Scene other;
-    other.name = scene.name, other.frames = scene.frames;
-    for (std::size_t i = 0; i < scene.size(); ++i) {
-        if (i == left_out) continue;
-        const Geometry& geometry = scene.geometries[index(scene.geometry[i])];
-        GeometryData data = geometry.data;
-        BodyInit body{.name = std::string(scene.names[i]), .pose = scene.start_pose(i), .motion = scene.motions[i]};
-        change(i, data, body);
-        body.geometry = other.add(geometry.name, std::move(data));
-        other.add_body(body);
-    }
-    return other;
-}
-
 /// Calls tried(data) for versions of the geometry with one part removed.
-void with_one_part_less(const GeometryData& geometry, const std::function<bool(GeometryData)>& tried)
+void with_one_part_less(const GeometryData& geometry, const std::function<bool(const GeometryData&)>& tried)
 {
     if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
         for (std::size_t t = 0; t < mesh->triangles.size() && mesh->triangles.size() > 1; ++t) {
@@ -178,22 +166,15 @@ try {
     return fmt::format("error: {}", error.what());
 }
 
-std::optional<std::uint64_t> first_faulty_seed(std::uint64_t first, std::uint64_t count, int threads,
-                                               const std::function<void()>& done)
+FirstFault first_faulty_scene(std::uint64_t first, std::uint64_t count, int threads, const std::function<void()>& done)
 {
-    constexpr std::uint64_t none = ~std::uint64_t(0);
-    std::mutex guard;
-    std::atomic<std::uint64_t> faulty = none;
-    parallel_chunks(count, 64, threads, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t k = begin; k < end; ++k) {
-            const std::uint64_t seed = first + k;
-            const bool has_fault = seed < faulty && !fault_in(draw_scene(seed)).empty();
-            const std::lock_guard lock(guard);
-            if (has_fault) faulty = std::min<std::uint64_t>(faulty, seed);
-            done();
-        }
-    });
-    return faulty == none ? std::nullopt : std::optional<std::uint64_t>(faulty);
+    std::atomic<std::uint64_t> known = ~std::uint64_t(0); // later scenes are skipped
+    const auto run = [&](std::uint64_t seed, FirstFault& found) {
+        if (seed >= known) return;
+        found.take(seed, fault_in(draw_scene(seed)));
+        if (!found.what.empty()) known = std::min(found.seed, known.load());
+    };
+    return sum_of_seeds<FirstFault>(first, count, threads, run, done);
 }
 
 /// Each makes settings plainer.
@@ -220,32 +201,33 @@ DrawnScene shrunk(DrawnScene drawn, const std::function<bool(const DrawnScene&)>
         drawn = std::move(smaller);
         return true;
     };
-    const auto try_scene = [&](std::size_t left_out,
-                               const std::function<void(std::size_t, GeometryData&, BodyInit&)>& change) {
+    const auto try_scene = [&](const std::vector<std::size_t>& bodies, const BodyChange& change = {}) {
         try {
-            return keep_if_faulty({with(drawn.scene, left_out, change), drawn.settings});
+            return keep_if_faulty({rebuilt(drawn.scene, bodies, change), drawn.settings});
         } catch (const Error&) { // not a valid scene
             return false;
         }
     };
-    const auto same = [](std::size_t, GeometryData&, BodyInit&) {};
+    const auto try_change = [&](std::size_t body, const std::function<void(GeometryData&, BodyInit&)>& change) {
+        return try_scene(all_of(drawn.scene), [&](std::size_t i, GeometryData& data, BodyInit& init) {
+            if (i == body) change(data, init);
+        });
+    };
     bool smaller = true;
     while (smaller) {
         smaller = false;
-        for (std::size_t i = 0; i < drawn.scene.size() && drawn.scene.size() > 2; ++i) smaller |= try_scene(i, same);
+        for (std::size_t i = 0; i < drawn.scene.size() && drawn.scene.size() > 2; ++i) {
+            std::vector<std::size_t> bodies = all_of(drawn.scene);
+            bodies.erase(bodies.begin() + std::ptrdiff_t(i));
+            smaller |= try_scene(bodies);
+        }
         for (std::size_t i = 0; i < drawn.scene.size(); ++i) {
             if (drawn.scene.motions[i].index() != 0)
-                smaller |= try_scene(~std::size_t(0), [i](std::size_t k, GeometryData&, BodyInit& body) {
-                    if (k == i) body.motion = Still{};
-                });
+                smaller |= try_change(i, [](GeometryData&, BodyInit& body) { body.motion = Still{}; });
             if (!drawn.scene.start_pose(i).linear().isIdentity(0))
-                smaller |= try_scene(~std::size_t(0), [i](std::size_t k, GeometryData&, BodyInit& body) {
-                    if (k == i) body.pose.linear().setIdentity();
-                });
-            with_one_part_less(data_of(drawn.scene, std::uint32_t(i)), [&](GeometryData less) {
-                const bool kept = try_scene(~std::size_t(0), [&](std::size_t k, GeometryData& data, BodyInit&) {
-                    if (k == i) data = less;
-                });
+                smaller |= try_change(i, [](GeometryData&, BodyInit& body) { body.pose.linear().setIdentity(); });
+            with_one_part_less(data_of(drawn.scene, std::uint32_t(i)), [&](const GeometryData& less) {
+                const bool kept = try_change(i, [&](GeometryData& data, BodyInit&) { data = less; });
                 smaller |= kept;
                 return kept;
             });

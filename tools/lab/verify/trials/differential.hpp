@@ -1,9 +1,9 @@
 #pragma once
 #include <functional>
-#include <optional>
 #include <string>
 
 #include "verify/cases/drawn_scene.hpp"
+#include "verify/trials/seeds.hpp"
 
 namespace oncollide::tools {
 
@@ -13,10 +13,8 @@ namespace oncollide::tools {
 /// Cost: about 2 ms.
 std::string fault_in(const DrawnScene& drawn);
 
-/// The first of `count` seeds, from `first` on, whose scene has a fault. Calls done() once per seed, never
-/// concurrently.
-std::optional<std::uint64_t> first_faulty_seed(std::uint64_t first, std::uint64_t count, int threads,
-                                               const std::function<void()>& done);
+/// The first fault in the scenes of `count` seeds from `first` on. Calls done() once per seed, never concurrently.
+FirstFault first_faulty_scene(std::uint64_t first, std::uint64_t count, int threads, const std::function<void()>& done);
 
 /// The smallest scene and plainest settings that still have the fault, found by removing one thing after another.
 DrawnScene shrunk(DrawnScene drawn, const std::function<bool(const DrawnScene&)>& faulty);

@@ -2,15 +2,16 @@
 
 #include <cmath>
 #include <memory>
-#include <mutex>
 
 #include <fmt/format.h>
 
-#include <oncollide/base/numbers/random.hpp>
-#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/scene.hpp>
+
+#include "verify/cases/body_case.hpp"
+#include "verify/cases/case_numbers.hpp"
+#include "verify/cases/placed_body.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -31,22 +32,9 @@ struct GrazeCase {
     double speed = 1;              ///< of that, at least, metres per unit of time; the end of the motion is far
 };
 
-class GrazeDraw {
-public:
-    explicit GrazeDraw(std::uint64_t seed) : seed_(seed) {}
-    double part() { return u01(seed_, 91, next_++); }
-    int number(int count) { return std::min(static_cast<int>(part() * count), count - 1); }
-    double power(int least, int most) { return std::ldexp(1, least + number(most - least + 1)); }
-
-private:
-    std::uint64_t seed_, next_ = 0;
-};
-
-Isometry3d at(double x, double y, double z)
+double power(CaseNumbers& draw, int least, int most)
 {
-    Isometry3d pose = Isometry3d::Identity();
-    pose.translation() = Vector3d(x, y, z);
-    return pose;
+    return std::ldexp(1, draw.number(least, most));
 }
 
 /// A body whose lowest and foremost points are `s` from its centre.
@@ -74,32 +62,17 @@ double front_of(int kind, double s)
     return kind == 4 ? 0.5 * s : s;
 }
 
-Mesh box_at(const Vector3d& half, const Vector3d& centre)
-{
-    const Mesh box = make_box_mesh(half);
-    std::vector<Vector3d> vertices = box.vertices;
-    for (Vector3d& v : vertices) v += centre;
-    return make_mesh("box", std::move(vertices), box.triangles);
-}
-
 Mesh floor_with_wall(double s, double wall)
 {
-    const Mesh floor = box_at({16 * s, 16 * s, s}, {0, 0, -s}), front = box_at({s, 4 * s, 4 * s}, {wall + s, 0, 4 * s});
-    std::vector<Vector3d> vertices = floor.vertices;
-    std::vector<Triangle> triangles = floor.triangles;
-    vertices.insert(vertices.end(), front.vertices.begin(), front.vertices.end());
-    for (Triangle t : front.triangles) {
-        for (auto& v : t) v += 8;
-        triangles.push_back(t);
-    }
-    return make_mesh("floor with wall", std::move(vertices), std::move(triangles));
+    return joined(shifted(make_box_mesh({16 * s, 16 * s, s}), {0, 0, -s}),
+                  shifted(make_box_mesh({s, 4 * s, 4 * s}), {wall + s, 0, 4 * s}));
 }
 
 /// Along the floor: into a wall, or to the end of the motion.
-GrazeCase slide(GrazeDraw& draw)
+GrazeCase slide(CaseNumbers& draw)
 {
-    const double s = draw.power(-20, 20), gap = draw.number(8) ? s * draw.power(-50, -8) : 0;
-    const int kind = draw.number(slider_kinds), below = draw.number(4);
+    const double s = power(draw, -20, 20), gap = draw.number(0, 7) ? s * power(draw, -50, -8) : 0;
+    const int kind = draw.number(0, slider_kinds - 1), below = draw.number(0, 3);
     GrazeCase c{.a = slider(kind, s),
                 .b = Shape(HalfSpace{}),
                 .size = 32 * s,
@@ -114,33 +87,33 @@ GrazeCase slide(GrazeDraw& draw)
     } else if (below == 1) {
         c.b = Shape(Box{{16 * s, 16 * s, s}}), c.motion_b = RigidMotion(at(0, 0, -s));
     } else if (below == 2) {
-        c.b = box_at({16 * s, 16 * s, s}, {0, 0, -s});
+        c.b = shifted(make_box_mesh({16 * s, 16 * s, s}), {0, 0, -s});
     }
     c.name = fmt::format("slider {} on {}", kind, below);
     return c;
 }
 
 /// Straight through a plate that is up to 2^23 times as large.
-GrazeCase fall(GrazeDraw& draw)
+GrazeCase fall(CaseNumbers& draw)
 {
-    const double s = draw.power(-6, 2), plate = s * draw.power(2, 23);
-    const int kind = draw.number(slider_kinds);
+    const double s = power(draw, -6, 2), plate = s * power(draw, 2, 23);
+    const int kind = draw.number(0, slider_kinds - 1);
     GrazeCase c{.a = slider(kind, s), .b = Shape(Box{{plate, plate, s}}), .size = plate};
-    if (draw.number(2)) c.b = make_box_mesh({plate, plate, s});
-    const double x = s * draw.part(), y = s * draw.part();
+    if (draw.one_in(2)) c.b = make_box_mesh({plate, plate, s});
+    const double x = s * draw.real(0, 1), y = s * draw.real(0, 1);
     c.motion_a = RigidMotion(at(x, y, 8 * s), at(x, y, -8 * s)), c.speed = 16 * s;
     c.meets = (8 * s - 2 * s) / c.speed;
     // The tolerances are as small as doubles allow.
     const double least = std::max(1e-12, 0x1p-32 * plate);
-    c.options.gap_tolerance = c.options.time_tolerance = std::max(least, draw.number(2) ? 1e-4 : 1e-9);
+    c.options.gap_tolerance = c.options.time_tolerance = std::max(least, draw.one_in(2) ? 1e-4 : 1e-9);
     return c;
 }
 
 /// A ball along x past another one, whose top is `gap` below its lowest point.
-GrazeCase pass(GrazeDraw& draw)
+GrazeCase pass(CaseNumbers& draw)
 {
-    const double s = draw.power(-20, 20), gap = draw.number(8) ? s * draw.power(-50, -8) : 0;
-    const double sign = draw.number(2) ? 1 : -1, far = 2 * s + sign * gap;
+    const double s = power(draw, -20, 20), gap = draw.number(0, 7) ? s * power(draw, -50, -8) : 0;
+    const double sign = draw.sign(), far = 2 * s + sign * gap;
     GrazeCase c{
         .a = Shape(Sphere{s}), .b = Shape(Sphere{s}), .size = 8 * s, .gap = gap, .hidden = 0x1p-32 * s, .speed = 8 * s};
     c.motion_a = RigidMotion(at(-4 * s, 0, far), at(4 * s, 0, far));
@@ -189,18 +162,15 @@ std::string fault_of(const GrazeCase& c, const SweepResult& r)
 
 std::string graze_fault(std::uint64_t seed, GrazeTally& tally)
 {
-    GrazeDraw draw(seed);
-    const int scene = draw.number(4);
+    CaseNumbers draw(seed);
+    const int scene = draw.number(0, 3);
     GrazeCase c = scene < 2 ? slide(draw) : scene == 2 ? fall(draw) : pass(draw);
     constexpr SweepStop stops[] = {SweepStop::contact, SweepStop::contact, SweepStop::touch, SweepStop::press};
-    c.options.stop = stops[draw.number(4)];
+    c.options.stop = stops[draw.number(0, 3)];
     // Tolerances are of the size, where they are not the case.
     if (scene != 2) c.options.gap_tolerance = std::max(1e-12, 0x1p-12 * c.size);
     World world;
-    const auto add = [&](const GeometryData& data) {
-        return world.models().add(std::make_shared<const Geometry>(Geometry{{}, data, {}}));
-    };
-    const MovingModel a{add(c.a), c.motion_a}, b{add(c.b), c.motion_b};
+    const MovingModel a{add_model(world, c.a), c.motion_a}, b{add_model(world, c.b), c.motion_b};
     const SweepResult found = world.pairs().sweep(a, b, c.options), swapped = world.pairs().sweep(b, a, c.options);
     ++tally.sweeps;
     ++(found.verdict == Verdict::colliding  ? tally.contacts
@@ -217,23 +187,18 @@ std::string graze_fault(std::uint64_t seed, GrazeTally& tally)
                        c.meets);
 }
 
+GrazeTally& GrazeTally::operator+=(const GrazeTally& o)
+{
+    sweeps += o.sweeps, contacts += o.contacts, grazes += o.grazes, clear += o.clear, open += o.open;
+    faults += o.faults, first += o.first;
+    return *this;
+}
+
 GrazeTally try_grazes(std::uint64_t first, std::uint64_t count, int threads, const std::function<void()>& done)
 {
-    GrazeTally all;
-    std::mutex guard;
-    parallel_chunks(count, 64, threads, [&](std::size_t begin, std::size_t end, int) {
-        for (std::uint64_t seed = first + begin; seed < first + end; ++seed) {
-            GrazeTally tally;
-            std::string fault = graze_fault(seed, tally);
-            const std::lock_guard lock(guard);
-            all.sweeps += tally.sweeps, all.contacts += tally.contacts, all.grazes += tally.grazes;
-            all.clear += tally.clear, all.open += tally.open, all.faults += tally.faults;
-            if (!fault.empty() && (all.first_fault.empty() || seed < all.faulty_seed))
-                all.faulty_seed = seed, all.first_fault = std::move(fault);
-            done();
-        }
-    });
-    return all;
+    return sum_of_seeds<GrazeTally>(
+        first, count, threads,
+        [](std::uint64_t seed, GrazeTally& tally) { tally.first.take(seed, graze_fault(seed, tally)); }, done);
 }
 
 } // namespace oncollide::tools

@@ -3,14 +3,17 @@
 #include <functional>
 #include <string>
 
+#include "verify/trials/seeds.hpp"
+
 namespace oncollide::tools {
 
 /// The results of sweeps that graze.
 struct GrazeTally {
     std::uint64_t sweeps = 0, contacts = 0, grazes = 0, clear = 0, open = 0; ///< verdicts; open: undecided
     std::uint64_t faults = 0;
-    std::uint64_t faulty_seed = 0; ///< the first one
-    std::string first_fault{};     ///< empty: none
+    FirstFault first;
+
+    GrazeTally& operator+=(const GrazeTally& o);
 };
 
 /// Bodies of all convex kinds that slide above a floor, into a wall of the same body or past its end, fall through a

@@ -1,23 +1,21 @@
-#include "manifold_trial.hpp"
+#include "verify/trials/manifold_trial.hpp"
 
 #include <cmath>
-#include <mutex>
 
 #include <Eigen/Geometry>
 
 #include <oncollide/base/numbers/random.hpp>
-#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/pipeline/world.hpp>
 
 #include "verify/oracle/manifold_truth.hpp"
 
 namespace oncollide::tools {
 
-void ManifoldTally::add(const ManifoldTally& other)
+ManifoldTally& ManifoldTally::operator+=(const ManifoldTally& o)
 {
-    if (other.faults && (!faults || other.seed < seed)) fault = other.fault, seed = other.seed;
-    pairs += other.pairs, met += other.met, whole += other.whole, exact += other.exact, special += other.special;
-    contacts += other.contacts, faults += other.faults;
+    pairs += o.pairs, met += o.met, whole += o.whole, exact += o.exact, special += o.special, contacts += o.contacts;
+    faults += o.faults, first += o.first;
+    return *this;
 }
 
 namespace {
@@ -77,7 +75,7 @@ oracle::Surface surface_of(const Mesh& mesh)
     return surface;
 }
 
-ManifoldTally try_pair(std::uint64_t seed)
+void try_pair(std::uint64_t seed, ManifoldTally& tally)
 {
     const Mesh a = draw_form(2 * seed + 1);
     Mesh b = draw_form(2 * seed + 2);
@@ -96,29 +94,17 @@ ManifoldTally try_pair(std::uint64_t seed)
     const BodyId of_a = add(a), of_b = add(b);
     const oracle::ManifoldVerdict found =
         oracle::judge_manifold(surface_of(a), surface_of(b), world.pairs().manifold(of_a, of_b));
-    ManifoldTally tally;
-    tally.pairs = 1;
-    tally.met = found.contacts > 0, tally.whole = found.whole, tally.exact = found.exact;
-    tally.special = !found.general, tally.contacts = found.contacts;
-    if (!found.fault.empty()) tally.faults = 1, tally.seed = seed, tally.fault = found.fault;
-    return tally;
+    ++tally.pairs;
+    tally.met += found.contacts > 0, tally.whole += found.whole, tally.exact += found.exact;
+    tally.special += !found.general, tally.contacts += found.contacts;
+    tally.faults += !found.fault.empty(), tally.first.take(seed, found.fault);
 }
 
 } // namespace
 
 ManifoldTally try_manifolds(std::uint64_t first, std::uint64_t count, int threads, const std::function<void()>& done)
 {
-    std::mutex guard;
-    ManifoldTally all;
-    parallel_chunks(count, 64, threads, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t k = begin; k < end; ++k) {
-            const ManifoldTally one = try_pair(first + k);
-            const std::lock_guard lock(guard);
-            all.add(one);
-            done();
-        }
-    });
-    return all;
+    return sum_of_seeds<ManifoldTally>(first, count, threads, try_pair, done);
 }
 
 } // namespace oncollide::tools

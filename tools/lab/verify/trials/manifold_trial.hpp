@@ -1,7 +1,8 @@
 #pragma once
 #include <cstdint>
 #include <functional>
-#include <string>
+
+#include "verify/trials/seeds.hpp"
 
 namespace oncollide::tools {
 
@@ -12,10 +13,10 @@ struct ManifoldTally {
     std::uint64_t exact = 0;          ///< decided by rational arithmetic; the rest by long double with a margin
     std::uint64_t special = 0;        ///< not in general position: not tested
     std::uint64_t contacts = 0;
-    std::uint64_t faults = 0, seed = 0; ///< of the first fault
-    std::string fault;
+    std::uint64_t faults = 0;
+    FirstFault first;
 
-    void add(const ManifoldTally& other);
+    ManifoldTally& operator+=(const ManifoldTally& o);
 };
 
 /// The pairs of `count` seeds from `first` on: two of a tetrahedron, a cuboid and two concave prisms, all with random

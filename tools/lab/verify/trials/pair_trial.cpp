@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/narrowphase/fcl/exact_fcl.hpp>
 #include <oncollide/pipeline/world.hpp>
 
@@ -27,8 +26,7 @@ Result result_of(const Settings& settings, const PlacedBody& a, const PlacedBody
     std::array<BodyId, 2> ids;
     for (std::size_t i = 0; i < 2; ++i) {
         const PlacedBody& body = i ? b : a;
-        const ModelId model = std::visit([&](const auto& g) { return world.models().add(g); }, body.geometry);
-        ids[i] = world.bodies().add({.model = model, .pose = body.pose});
+        ids[i] = world.bodies().add({.model = add_model(world, body.geometry), .pose = body.pose});
     }
     const FrameView frame = world.step();
     Result result{unlisted(settings), {}};
@@ -71,19 +69,6 @@ void try_pair(const PlacedBody& a, const PlacedBody& b, const PairTruth& given, 
     run({.exact = ExactLevel::fcl}, "fcl");
     const bool theirs = fcl_collides(*make_fcl_model(a.geometry), a.pose, *make_fcl_model(b.geometry), b.pose);
     tally.fcl_missed += truth.collide && !theirs, tally.fcl_false += theirs && !truth.collide;
-}
-
-Tally try_many(const std::string& family, std::uint64_t count, int threads,
-               const std::function<void(std::uint64_t, Tally&)>& run)
-{
-    constexpr std::size_t grain = 16;
-    std::vector<Tally> tallies((count + grain - 1) / grain);
-    parallel_chunks(count, grain, threads, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t i = begin; i < end; ++i) run(i, tallies[i / grain]);
-    });
-    Tally sum{.family = family};
-    for (const Tally& tally : tallies) sum += tally;
-    return sum;
 }
 
 } // namespace oncollide::tools

@@ -1,6 +1,4 @@
 #pragma once
-#include <cstdint>
-#include <functional>
 #include <string>
 
 #include "truth/tally.hpp"
@@ -16,10 +14,5 @@ PairTruth truth_if(bool meet);
 /// with FCL's exact level, and FCL alone. A terrain that is uncertain is compared with its bounds instead of FCL.
 /// @param what  names the case in faults
 void try_pair(const PlacedBody& a, const PlacedBody& b, const PairTruth& truth, const std::string& what, Tally& tally);
-
-/// Calls run(number, tally) for all numbers below `count`, in parallel. The sum does not depend on the number of
-/// threads.
-Tally try_many(const std::string& family, std::uint64_t count, int threads,
-               const std::function<void(std::uint64_t number, Tally& tally)>& run);
 
 } // namespace oncollide::tools

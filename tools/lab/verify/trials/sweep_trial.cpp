@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include <oncollide/base/numbers/random.hpp>
-#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/pipeline/world.hpp>
 
 #include "truth/judge.hpp"
+#include "verify/cases/placed_body.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -32,11 +31,6 @@ bool is_half_space(const GeometryData& geometry)
 {
     const auto* shape = std::get_if<Shape>(&geometry);
     return shape && std::holds_alternative<HalfSpace>(*shape);
-}
-
-ModelId add(World& world, const GeometryData& data)
-{
-    return world.models().add(std::make_shared<const Geometry>(Geometry{{}, data, {}}));
 }
 
 /// With a clearance, a World decides exactly only on request.
@@ -101,8 +95,9 @@ private:
 class TestedPoses final : public Poses {
 public:
     TestedPoses(const DrawnSweep& drawn, SweepTally& tally)
-        : drawn_(drawn), tally_(tally), world_(drawn.settings), a_{add(world_, drawn.a)}, b_{add(world_, drawn.b)},
-          exact_(exactly(drawn.settings)), exact_a_{add(exact_, drawn.a)}, exact_b_{add(exact_, drawn.b)}
+        : drawn_(drawn), tally_(tally),
+          world_(drawn.settings), a_{add_model(world_, drawn.a)}, b_{add_model(world_, drawn.b)},
+          exact_(exactly(drawn.settings)), exact_a_{add_model(exact_, drawn.a)}, exact_b_{add_model(exact_, drawn.b)}
     {
     }
     bool must_meet(double time) override
@@ -164,7 +159,7 @@ SweepTally& SweepTally::operator+=(const SweepTally& o)
 SweepResult sweep_of(const DrawnSweep& drawn, bool swapped)
 {
     World world(drawn.settings);
-    const MovingModel a{add(world, drawn.a), drawn.motion_a}, b{add(world, drawn.b), drawn.motion_b};
+    const MovingModel a{add_model(world, drawn.a), drawn.motion_a}, b{add_model(world, drawn.b), drawn.motion_b};
     return swapped ? world.pairs().sweep(b, a) : world.pairs().sweep(a, b);
 }
 
@@ -225,23 +220,21 @@ try {
 
 } // namespace
 
+SweepTallies& SweepTallies::operator+=(const SweepTallies& o)
+{
+    for (const auto& [kinds, tally] : o) (*this)[kinds] += tally;
+    first += o.first;
+    return *this;
+}
+
 SweepTallies try_sweeps(std::uint64_t first, std::uint64_t count, int threads, const std::function<void()>& done)
 {
-    SweepTallies all;
-    std::mutex guard;
-    parallel_chunks(count, 64, threads, [&](std::size_t begin, std::size_t end, int) {
-        for (std::uint64_t seed = first + begin; seed < first + end; ++seed) {
-            const DrawnSweep drawn = draw_sweep(seed);
-            SweepTally tally;
-            std::string fault = fault_of(seed, drawn, tally);
-            const std::lock_guard lock(guard);
-            all[std::minmax<std::string>(kind_of(drawn.a), kind_of(drawn.b))] += tally;
-            if (!fault.empty() && (all.first_fault.empty() || seed < all.faulty_seed))
-                all.faulty_seed = seed, all.first_fault = std::move(fault);
-            done();
-        }
-    });
-    return all;
+    const auto run = [](std::uint64_t seed, SweepTallies& tallies) {
+        const DrawnSweep drawn = draw_sweep(seed);
+        SweepTally& tally = tallies[std::minmax<std::string>(kind_of(drawn.a), kind_of(drawn.b))];
+        tallies.first.take(seed, fault_of(seed, drawn, tally));
+    };
+    return sum_of_seeds<SweepTallies>(first, count, threads, run, done);
 }
 
 } // namespace oncollide::tools

@@ -8,6 +8,7 @@
 #include <oncollide/narrowphase/finding.hpp>
 
 #include "verify/cases/drawn_scene.hpp"
+#include "verify/trials/seeds.hpp"
 
 namespace oncollide::tools {
 
@@ -29,8 +30,9 @@ struct SweepTally {
 
 /// By the names of both kinds, in alphabetical order.
 struct SweepTallies : std::map<std::pair<std::string, std::string>, SweepTally> {
-    std::uint64_t faulty_seed = 0; ///< the first one
-    std::string first_fault{};     ///< empty: none
+    FirstFault first;
+
+    SweepTallies& operator+=(const SweepTallies& o);
 };
 
 /// The sweep of the two bodies as Pairs::sweep() finds it.

@@ -1,16 +1,16 @@
-#include "verify/trials/tangent_trial.hpp"
+#include "verify/trials/hard_trials.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include <fmt/format.h>
 
 #include <oncollide/samples/generators.hpp>
 
 #include "truth/exact_oracle.hpp"
-#include "verify/oracle/integer_distance.hpp"
+#include "verify/cases/case_numbers.hpp"
 #include "verify/trials/pair_trial.hpp"
+#include "verify/trials/seeds.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -33,36 +33,29 @@ std::int64_t outside(std::int64_t low, std::int64_t high)
 
 bool ball_meets(const Toucher& t)
 {
-    Wide square = 0;
-    for (int i = 0; i < 3; ++i) {
-        const std::int64_t reach = i == 2 ? t.half : 0;
-        const Wide d = outside(t.centre[i] - reach, t.centre[i] + reach);
+    std::int64_t square = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::int64_t reach = i == 2 ? t.half : 0, d = outside(t.centre[i] - reach, t.centre[i] + reach);
         square += d * d;
     }
-    return square <= Wide(t.radius) * t.radius;
+    return square <= t.radius * t.radius;
 }
 
 bool triangle_meets(const Toucher& t)
 {
-    TrianglePoints corners;
-    for (int k = 0; k < 3; ++k)
-        for (int i = 0; i < 3; ++i) corners[k][i] = double(t.corners[k][i]);
-    const Mesh cube = make_box_mesh(Vector3d::Constant(cube_side / 2.0));
+    const TrianglePoints corners = points_of(t.corners);
+    const Vector3d half = Vector3d::Constant(cube_side / 2.0);
+    const Mesh cube = make_box_mesh(half);
     for (const Triangle& face : cube.triangles) {
-        TrianglePoints of_cube;
-        for (int k = 0; k < 3; ++k) of_cube[k] = cube.vertices[face[k]] + Vector3d::Constant(cube_side / 2.0);
-        if (oracle::contact(of_cube, corners) != TriangleContact::separate) return true;
+        const auto corner = [&](int k) -> Vector3d { return cube.vertices[face[std::size_t(k)]] + half; };
+        if (oracle::contact({corner(0), corner(1), corner(2)}, corners) != TriangleContact::separate) return true;
     }
     return std::ranges::all_of(t.corners[0], [](std::int64_t x) { return x >= 0 && x <= cube_side; });
 }
 
-class TangentDraw {
+class TangentDraw : public CaseNumbers {
 public:
-    explicit TangentDraw(std::uint64_t seed) : random_(seed) {}
-    std::int64_t number(std::int64_t least, std::int64_t most)
-    {
-        return std::uniform_int_distribution<std::int64_t>(least, most)(random_);
-    }
+    using CaseNumbers::CaseNumbers;
     /// A Pythagorean vector with this many coordinates that are not 0, and its length `radius`.
     Place away(int coordinates, std::int64_t& radius)
     {
@@ -101,38 +94,13 @@ public:
         t.corners[number(0, 2)][number(0, 2)] += number(-1, 1);
         return t;
     }
-
-private:
-    std::mt19937_64 random_;
 };
 
-PlacedBody cube_of(std::int64_t kind, double unit, const Vector3d& offset)
+PlacedBody toucher_of(const Toucher& t, const GridFrame& frame)
 {
-    const double size = double(cube_side) * unit;
-    const Vector3d half = Vector3d::Constant(size / 2);
-    if (kind == 0) {
-        return {one_cell(size), moved_to(offset)};
-    }
-    if (kind == 1) return {Shape(Box{half}), moved_to(offset + half)};
-    if (kind == 2) {
-        ConvexHull hull;
-        for (int k = 0; k < 8; ++k) hull.points.emplace_back(k & 1 ? size : 0, k & 2 ? size : 0, k & 4 ? size : 0);
-        return {Shape(hull), moved_to(offset)};
-    }
-    return {make_box_mesh(half), moved_to(offset + half)};
-}
-
-PlacedBody toucher_of(const Toucher& t, double unit, const Vector3d& offset)
-{
-    const auto point = [&](const Place& p) {
-        return Vector3d(unit * Vector3d(double(p[0]), double(p[1]), double(p[2])));
-    };
-    if (t.triangle)
-        return {make_mesh("triangle", {point(t.corners[0]), point(t.corners[1]), point(t.corners[2])}, {{0, 1, 2}}),
-                moved_to(offset)};
-    const Eigen::Isometry3d pose = moved_to(offset + point(t.centre));
-    if (t.half == 0) return {Shape(Sphere{unit * double(t.radius)}), pose};
-    return {Shape(Capsule{unit * double(t.radius), 2 * unit * double(t.half)}), pose};
+    if (t.triangle) return make_triangle(frame, t.corners);
+    if (t.half == 0) return {Shape(Sphere{frame.unit * double(t.radius)}), frame.at(t.centre)};
+    return {Shape(Capsule{frame.unit * double(t.radius), 2 * frame.unit * double(t.half)}), frame.at(t.centre)};
 }
 
 void try_one(const std::string& family, std::uint64_t number, Tally& tally)
@@ -141,15 +109,13 @@ void try_one(const std::string& family, std::uint64_t number, Tally& tally)
     TangentDraw draw(number * 8 + std::uint64_t(f));
     const Toucher t = f == 4 ? draw.triangle() : draw.ball(int(f) + 1, f == 3);
     const bool meet = t.triangle ? triangle_meets(t) : ball_meets(t);
-    const std::int64_t kind = f == 4 ? 0 : draw.number(0, 3);
-    const bool map = kind == 0; // cells are 1e-6 to 1e6 m
-    const int exponent = int(map ? draw.number(-39, -1) : draw.number(-50, 10));
-    const double unit = std::ldexp(1.0, exponent);
-    Vector3d offset;
+    const BoxForm form = f == 4 ? BoxForm::cell : static_cast<BoxForm>(draw.number(0, 3));
+    const int exponent = form == BoxForm::cell ? draw.number(-39, -1) : draw.number(-50, 10); // cells: 1e-6 to 1e6 m
+    GridFrame frame{std::ldexp(1.0, exponent), {}};
     for (int i = 0; i < 3; ++i) // bodies are within 1e15 m
-        offset[i] = double(draw.number(0, 1)) * 0.75 *
-                    std::ldexp(1.0, exponent + 20 + int(draw.number(0, std::min(26, 28 - exponent))));
-    const PlacedBody cube = cube_of(kind, unit, offset), other = toucher_of(t, unit, offset);
+        frame.offset[i] =
+            draw.number(0, 1) * 0.75 * std::ldexp(1.0, exponent + 20 + draw.number(0, std::min(26, 28 - exponent)));
+    const PlacedBody cube = make_box(form, frame, {}, {cube_side, cube_side, cube_side}), other = toucher_of(t, frame);
     const bool swapped = draw.number(0, 1);
     const PlacedBody &a = swapped ? other : cube, &b = swapped ? cube : other;
     try_pair(a, b, truth_if(meet), fmt::format("case {} of '{}'", number, family), tally);

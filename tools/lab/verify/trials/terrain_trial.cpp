@@ -1,4 +1,4 @@
-#include "verify/trials/terrain_trial.hpp"
+#include "verify/trials/hard_trials.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,9 @@
 
 #include "truth/exact_oracle.hpp"
 #include "verify/cases/terrain_shape.hpp"
+#include "verify/oracle/exact_distance.hpp"
 #include "verify/trials/pair_trial.hpp"
+#include "verify/trials/seeds.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -33,13 +35,6 @@ Isometry3d quarter_turn(std::int64_t axis, bool back)
     for (int i = 0; i < 3; ++i) turn((i + 1 + int(axis)) % 3, i) = 1;
     if (back) turn = turn * Eigen::Vector3d(1, -1, -1).asDiagonal();
     return Isometry3d(turn);
-}
-
-TrianglePoints points_of(const PlaceTriangle& t)
-{
-    TrianglePoints points;
-    for (std::size_t k = 0; k < 3; ++k) points[k] = Vector3d(double(t[k][0]), double(t[k][1]), double(t[k][2]));
-    return points;
 }
 
 bool meet(const PlaceTriangle& s, const PlaceTriangle& t)
@@ -81,15 +76,14 @@ public:
     void run(const std::string& what, Tally& tally)
     {
         const TerrainShape shape(draw_, family_ == off);
-        const std::int64_t kind = family_ == boxes ? draw_.number(0, 3) : family_ == off ? draw_.number(0, 1) : 0;
-        const bool map = family_ == boxes && kind == 0; // a map's cells are 1e-6 to 1e6 m
-        draw_frame(map ? draw_.number(-27, 6) : draw_.number(-43, 16));
-        const Other other = family_ == balls || (family_ == off && kind == 0) ? ball(shape, false)
-                            : family_ == capsules || family_ == off           ? ball(shape, true)
-                            : family_ == boxes                                ? box(shape, kind)
-                            : family_ == triangles                            ? triangle(shape)
-                            : family_ == half_spaces                          ? half_space(shape)
-                                                                              : terrain(shape);
+        const auto form = family_ == boxes ? static_cast<BoxForm>(draw_.number(0, 3)) : BoxForm::shape;
+        const bool long_one = family_ == capsules || (family_ == off && draw_.one_in(2));
+        draw_frame(form == BoxForm::cell ? draw_.number(-27, 6) : draw_.number(-43, 16)); // cells: 1e-6 to 1e6 m
+        const Other other = family_ == balls || family_ == capsules || family_ == off ? ball(shape, long_one)
+                            : family_ == boxes                                        ? box(shape, form)
+                            : family_ == triangles                                    ? triangle(shape)
+                            : family_ == half_spaces                                  ? half_space(shape)
+                                                                                      : terrain(shape);
         const PlacedBody ground = placed(shape, Isometry3d::Identity(), {});
         const bool swapped = draw_.one_in(2);
         const PlacedBody &a = swapped ? other.body : ground, &b = swapped ? ground : other.body;
@@ -114,16 +108,15 @@ private:
     /// Moves the point by at most one unit of the grid.
     void push(Place& p)
     {
-        if (!draw_.one_in(3)) p[std::size_t(draw_.number(0, 2))] += draw_.number(0, 1) ? 1 : -1;
+        if (!draw_.one_in(3)) p[std::size_t(draw_.number(0, 2))] += draw_.sign();
     }
-    Isometry3d at(const Place& p) const { return moved_to(frame_.offset + frame_.point(p)); }
 
     PlacedBody placed(const TerrainShape& shape, const Isometry3d& turn, const Place& at_place)
     {
         Place origin{};
         if (draw_.one_in(2))
             for (std::int64_t& x : origin) x = draw_.number(-(1 << 20), 1 << 20);
-        const Isometry3d pose = at(at_place) * turn * Eigen::Translation3d(-frame_.point(origin));
+        const Isometry3d pose = frame_.at(at_place) * turn * Eigen::Translation3d(-frame_.point(origin));
         if (family_ == off) {
             const double off_by = draw_.one_in(2) ? double(draw_.number(1, 64)) : 0;
             return {shape.made(frame_.unit, origin, draw_.one_in(4) ? 2 : 1, off_by), pose};
@@ -135,23 +128,18 @@ private:
     }
 
     struct Ball {
-        Place from, to, centre;
-        std::int64_t radius, half;
-        std::size_t axis;
-        SquareLength square; ///< squared distance from its segment
+        Place centre;
+        std::int64_t radius = 0, half = 0;
+        std::size_t axis = 0;
     };
     /// A sphere, or a capsule along an axis.
     Ball draw_ball(const TerrainShape& shape, bool long_one)
     {
-        Ball ball{};
+        Ball ball;
         Place away = draw_.away(ball.radius);
         if (shape.normal[2] && draw_.one_in(2)) { // on the plane
-            static constexpr std::int64_t lengths[] = {1, 3, 5, 9, 17};
-            const auto length = *std::ranges::find_if(lengths, [&](std::int64_t l) {
-                return l * l == shape.normal[0] * shape.normal[0] + shape.normal[1] * shape.normal[1] +
-                                    shape.normal[2] * shape.normal[2];
-            });
-            const std::int64_t times = draw_.number(1, (1 << 12) / length), side = draw_.number(0, 1) ? 1 : -1;
+            const auto length = static_cast<std::int64_t>(vector_of(shape.normal).norm());
+            const std::int64_t times = draw_.number(1, (1 << 12) / length), side = draw_.sign();
             ball.radius = times * length;
             for (std::size_t i = 0; i < 3; ++i) away[i] = side * times * shape.normal[i];
         }
@@ -160,35 +148,37 @@ private:
         push(ball.centre);
         ball.axis = std::size_t(draw_.number(0, 2));
         ball.half = long_one ? draw_.number(1, TerrainShape::width) : 0;
-        if (long_one && draw_.one_in(2)) { // its end touches
-            const std::int64_t side = away[ball.axis] < 0 ? -1 : 1;
-            ball.centre[ball.axis] += side * ball.half;
-        }
-        ball.from = ball.to = ball.centre;
-        ball.from[ball.axis] -= ball.half, ball.to[ball.axis] += ball.half;
-        ball.square = {Wide(1) << 100, 1};
-        for (const PlaceTriangle& t : shape.triangles())
-            ball.square = std::min(ball.square, square_distance(ball.from, ball.to, t));
+        if (long_one && draw_.one_in(2)) // its end touches
+            ball.centre[ball.axis] += away[ball.axis] < 0 ? -ball.half : ball.half;
         return ball;
+    }
+    /// The distance of the ball's axis from the ground.
+    static oracle::ExactDistance distance(const Ball& ball, std::span<const TrianglePoints> ground)
+    {
+        const Vector3d half = double(ball.half) * Vector3d::Unit(int(ball.axis)), from = vector_of(ball.centre) - half,
+                       to = vector_of(ball.centre) + half;
+        return oracle::least_distance({from, to, to}, ground);
     }
     /// A body that nearly touches, if one is found soon.
     Other ball(const TerrainShape& shape, bool long_one)
     {
+        std::vector<TrianglePoints> ground;
+        for (const PlaceTriangle& t : shape.triangles()) ground.push_back(points_of(t));
         const std::int64_t near = family_ == off ? draw_.number(2, 500) : 2;
         Ball found = draw_ball(shape, long_one);
-        for (int tries = 0; tries < 20 && found.square.compare(std::max<std::int64_t>(found.radius - near, 0)) <= 0;
+        oracle::ExactDistance apart = distance(found, ground);
+        for (int tries = 0; tries < 20 && apart.compare(double(std::max<std::int64_t>(found.radius - near, 0))) <= 0;
              ++tries)
-            found = draw_ball(shape, long_one);
+            found = draw_ball(shape, long_one), apart = distance(found, ground);
         double metres = frame_.unit * double(found.radius);
-        const auto order = found.square.compare(found.radius);
+        const int order = apart.compare(double(found.radius));
         bool meet = order <= 0;
         if (family_ != off && order == 0 && draw_.one_in(2)) { // tangent: the last bit decides
             meet = draw_.one_in(2);
             metres = std::nextafter(metres, meet ? 2 * metres : 0);
         }
-        const long double gap =
-            meet ? 0 : frame_.unit * (found.square.length() - static_cast<long double>(found.radius));
-        const Isometry3d pose = at(found.centre) * quarter_turn(std::int64_t(found.axis), draw_.one_in(2));
+        const long double gap = meet ? 0 : frame_.unit * (apart.value() - static_cast<long double>(found.radius));
+        const Isometry3d pose = frame_.at(found.centre) * quarter_turn(std::int64_t(found.axis), draw_.one_in(2));
         if (!long_one) return {{Shape(Sphere{metres}), pose}, meet, gap};
         return {{Shape(Capsule{metres, 2 * frame_.unit * double(found.half)}), pose}, meet, gap};
     }
@@ -197,14 +187,13 @@ private:
     std::vector<PlaceTriangle> moved_aside(std::vector<PlaceTriangle> all)
     {
         const auto axis = std::size_t(draw_.number(0, 2));
-        const std::int64_t by = draw_.number(0, 1) ? 3 : -3;
+        const int by = 3 * draw_.sign();
         for (PlaceTriangle& t : all)
             for (Place& p : t) p[axis] += by;
         return all;
     }
 
-    /// A cell, a box, a hull or a mesh.
-    Other box(const TerrainShape& shape, std::int64_t kind)
+    Other box(const TerrainShape& shape, BoxForm form)
     {
         Place low, high;
         const std::vector<PlaceTriangle> ground = shape.triangles();
@@ -212,7 +201,7 @@ private:
             low = shape.feature(draw_);
             const std::int64_t side = TerrainShape::width / 4 * draw_.number(1, 4);
             for (std::size_t i = 0; i < 3; ++i) {
-                const std::int64_t size = kind == 0 ? side : TerrainShape::width / 4 * draw_.number(1, 4);
+                const std::int64_t size = form == BoxForm::cell ? side : TerrainShape::width / 4 * draw_.number(1, 4);
                 low[i] -= size / 2 * draw_.number(0, 2), high[i] = size;
             }
             push(low);
@@ -221,16 +210,9 @@ private:
         }
         bool touch = meet(ground, faces_of(low, high));
         for (const PlaceTriangle& t : ground) // enclosed: a mesh has no inside
-            touch |= kind != 3 && t[0][0] >= low[0] && t[0][0] <= high[0] && t[0][1] >= low[1] && t[0][1] <= high[1] &&
-                     t[0][2] >= low[2] && t[0][2] <= high[2];
-        const Vector3d size = frame_.point(high) - frame_.point(low);
-        const Isometry3d corner = at(low), middle = moved_to(frame_.offset + frame_.point(low) + size / 2);
-        if (kind == 0) return {{one_cell(size.x()), corner}, touch};
-        if (kind == 1) return {{Shape(Box{size / 2}), middle}, touch};
-        if (kind == 3) return {{make_box_mesh(size / 2), middle}, touch};
-        ConvexHull hull;
-        for (int k = 0; k < 8; ++k) hull.points.push_back(size.cwiseProduct(Vector3d(k & 1, k >> 1 & 1, k >> 2)));
-        return {{Shape(hull), corner}, touch};
+            touch |= form != BoxForm::mesh && t[0][0] >= low[0] && t[0][0] <= high[0] && t[0][1] >= low[1] &&
+                     t[0][1] <= high[1] && t[0][2] >= low[2] && t[0][2] <= high[2];
+        return {make_box(form, frame_, low, high), touch};
     }
 
     Other triangle(const TerrainShape& shape)
@@ -244,9 +226,7 @@ private:
             push(t[std::size_t(draw_.number(0, 2))]);
             if (!meet(shape.triangles(), moved_aside({t}))) break;
         }
-        const Vector3d points[] = {frame_.point(t[0]), frame_.point(t[1]), frame_.point(t[2])};
-        return {{make_mesh("triangle", {points[0], points[1], points[2]}, {{0, 1, 2}}), moved_to(frame_.offset)},
-                meet(shape.triangles(), {t})};
+        return {make_triangle(frame_, t), meet(shape.triangles(), {t})};
     }
 
     Other half_space(const TerrainShape& shape)
@@ -260,7 +240,7 @@ private:
         bool touch = false;
         for (const PlaceTriangle& t : shape.triangles())
             for (const Place& p : t) touch |= back ? p[axis] >= on[axis] : p[axis] <= on[axis];
-        return {{Shape(HalfSpace{}), at(on) * quarter_turn(std::int64_t(axis), back)}, touch};
+        return {{Shape(HalfSpace{}), frame_.at(on) * quarter_turn(std::int64_t(axis), back)}, touch};
     }
 
     Other terrain(const TerrainShape& shape)

@@ -1,15 +1,14 @@
-#include "verify/trials/triangle_trial.hpp"
+#include "verify/trials/hard_trials.hpp"
 
 #include <fmt/format.h>
 
-#include <oncollide/base/threads/parallel.hpp>
-
 #include "truth/exact_oracle.hpp"
+#include "verify/trials/seeds.hpp"
 
 namespace oncollide::tools {
 namespace {
 
-void try_two(const oncollide::TwoTriangles& pair, TrianglesMeet fcl, Tally& tally)
+void try_two(const TwoTriangles& pair, TrianglesMeet fcl, Tally& tally)
 {
     const auto& [a, b] = pair;
     const TriangleContact truth = oracle::contact(a, b);
@@ -34,24 +33,14 @@ void try_two(const oncollide::TwoTriangles& pair, TrianglesMeet fcl, Tally& tall
 
 Tally try_triangles(const TriangleFamily& family, std::uint64_t count, bool rotated, int threads, TrianglesMeet fcl)
 {
-    constexpr std::uint64_t batch = 10'000, grain = 250;
-    GridPoints random(rotated ? 2 : 1), turns(3);
-    std::vector<oncollide::TwoTriangles> pairs;
-    std::vector<Tally> tallies;
-    Tally sum{.family = family.name + (rotated ? ", turned" : "")};
-    for (std::uint64_t first = 0; first < count; first += batch) {
-        pairs.clear();
-        while (pairs.size() < std::min(batch, count - first)) {
-            const Eigen::Matrix3d turn = rotated ? turns.rotation() : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
-            pairs.push_back(moved(family.make(random), 0x1p-20 * turn, Eigen::Vector3d::Zero()));
-        }
-        tallies.assign((pairs.size() + grain - 1) / grain, {});
-        parallel_chunks(pairs.size(), grain, threads, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t i = begin; i < end; ++i) try_two(pairs[i], fcl, tallies[i / grain]);
-        });
-        for (const Tally& tally : tallies) sum += tally;
-    }
-    return sum;
+    return try_many(
+        family.name + (rotated ? ", turned" : ""), count, threads,
+        [&](std::uint64_t number, Tally& tally) {
+            GridPoints random(2 * number + rotated);
+            const Eigen::Matrix3d turn = rotated ? random.rotation() : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+            try_two(moved(family.make(random), 0x1p-20 * turn, Eigen::Vector3d::Zero()), fcl, tally);
+        },
+        256);
 }
 
 } // namespace oncollide::tools
