@@ -9,71 +9,62 @@
 #include <oncollide/samples/generators.hpp>
 
 #include "truth/scene_truth.hpp"
+#include "truth/setting_variants.hpp"
 
 namespace oncollide::tools::contract_test {
 namespace {
 
-struct Variant {
-    std::string name;
-    Settings settings;
-};
-
-Settings at_depth(int depth)
+/// One variant for each text, which names changes of setting_changes().
+std::vector<SettingVariant> variants_of(int depth, const std::vector<std::string>& changes)
 {
-    Settings settings;
-    settings.depth = depth;
-    return settings;
+    std::vector<SettingVariant> variants;
+    for (const std::string& one : changes) variants.emplace_back("", Settings{.depth = depth}).change(one);
+    return variants;
 }
 
-std::vector<Variant> every_depth()
+std::vector<SettingVariant> every_depth()
 {
-    std::vector<Variant> variants;
-    for (int depth = 1; depth <= 8; ++depth) variants.push_back({"depth " + std::to_string(depth), at_depth(depth)});
+    std::vector<SettingVariant> variants;
+    for (int depth = 1; depth <= 8; ++depth)
+        variants.push_back({"depth " + std::to_string(depth), Settings{.depth = depth}});
     return variants;
 }
 
 /// The plain pipeline first, then one change at a time.
-std::vector<Variant> every_toggle(int depth)
+std::vector<SettingVariant> every_toggle(int depth)
 {
-    std::vector<Variant> variants{{"plain", at_depth(depth)}};
-    const auto add = [&](std::string name, auto change) {
-        variants.push_back({std::move(name), at_depth(depth)});
-        change(variants.back().settings);
-    };
-    for (const StageId stage :
-         {StageId::bounds, StageId::delimitation, StageId::broad, StageId::refine, StageId::exact})
-        add("without " + std::string(name_of(stage)), [&](Settings& s) { s.skip.insert(stage); });
-    add("octree", [](Settings& s) { s.broad_phase = BroadPhaseKind::octree; });
-    add("brute force", [](Settings& s) { s.broad_phase = BroadPhaseKind::brute_force; });
-    add("exact fcl", [](Settings& s) { s.exact = ExactLevel::fcl; });
-    add("exact fcl without refine", [](Settings& s) { s.exact = ExactLevel::fcl, s.skip = {StageId::refine}; });
-    add("predicates", [](Settings& s) { s.exact = ExactLevel::predicates; });
-    add("predicates without refine", [](Settings& s) { s.exact = ExactLevel::predicates, s.skip = {StageId::refine}; });
-    add("predicates on plain spheres",
-        [](Settings& s) { s.exact = ExactLevel::predicates, s.bounding_volume = BoundingVolume::sphere; });
-    add("predicates with a clearance", [](Settings& s) { s.exact = ExactLevel::predicates, s.clearance = 0.05; });
-    add("predicates with a budget", [](Settings& s) { s.exact = ExactLevel::predicates, s.node_budget = 50; });
-    add("predicates, solid",
-        [](Settings& s) { s.exact = ExactLevel::predicates, s.mode = Mode::solid, s.open_as_surface = true; });
-    add("predicates, trees dropped at once", [](Settings& s) { s.exact = ExactLevel::predicates, s.age_limit = 1; });
-    add("boxes", [](Settings& s) { s.bounding_volume = BoundingVolume::obb; });
-    add("boxes, dropped at once", [](Settings& s) { s.bounding_volume = BoundingVolume::obb, s.age_limit = 1; });
-    add("tight with a clearance", [](Settings& s) { s.bounding_volume = BoundingVolume::obb, s.clearance = 0.05; });
-    add("tight to a given error",
-        [](Settings& s) { s.bounding_volume = BoundingVolume::obb, s.depth.reset(), s.max_error = 0.01; });
-    add("tight then fcl", [](Settings& s) { s.bounding_volume = BoundingVolume::obb, s.exact = ExactLevel::fcl; });
-    add("tight and solid",
-        [](Settings& s) { s.bounding_volume = BoundingVolume::obb, s.mode = Mode::solid, s.open_as_surface = true; });
-    add("tight without memory", [](Settings& s) { s.bounding_volume = BoundingVolume::obb, s.memory_budget = 1; });
-    add("clearance", [](Settings& s) { s.clearance = 0.05; });
-    add("a budget of 50 cells", [](Settings& s) { s.node_budget = 50; });
-    add("no memory", [](Settings& s) { s.memory_budget = 1; });
-    add("cells dropped at once", [](Settings& s) { s.age_limit = 1; });
-    add("solid", [](Settings& s) { s.mode = Mode::solid, s.open_as_surface = true; });
-    add("everything skipped", [](Settings& s) {
-        s.skip = {StageId::bounds, StageId::delimitation, StageId::broad, StageId::refine, StageId::exact};
-    });
-    return variants;
+    const std::string all_skipped =
+        "without bounds, without delimitation, without broad, without refine, without exact";
+    return variants_of(depth, {"",
+                               "without bounds",
+                               "without delimitation",
+                               "without broad",
+                               "without refine",
+                               "without exact",
+                               "octree",
+                               "brute",
+                               "exact fcl",
+                               "exact fcl, without refine",
+                               "exact predicates",
+                               "exact predicates, without refine",
+                               "exact predicates, sphere",
+                               "exact predicates, clearance 0.05",
+                               "exact predicates, 100 cells",
+                               "exact predicates, solid",
+                               "exact predicates, age 1",
+                               "obb",
+                               "obb, age 1",
+                               "obb, clearance 0.05",
+                               "obb, error 0.01",
+                               "obb, exact fcl",
+                               "obb, solid",
+                               "obb, no memory",
+                               "clearance 0.05",
+                               "20 cells",
+                               "no memory",
+                               "age 1",
+                               "solid",
+                               all_skipped});
 }
 
 struct Play {
@@ -82,18 +73,18 @@ struct Play {
 };
 
 /// Every variant must keep all collisions, and every bound must hold for the true distance.
-void judge(Scene scene, const std::vector<Variant>& variants, Play play)
+void judge(Scene scene, const std::vector<SettingVariant>& variants, Play play)
 {
     Mover mover;
     mover.move(scene, play.first);
     Settings widest;
-    for (const Variant& v : variants) {
+    for (const SettingVariant& v : variants) {
         widest.clearance = std::max(widest.clearance, v.settings.clearance);
         if (v.settings.mode == Mode::solid) widest.mode = Mode::solid;
     }
     SceneTruth truth(scene, widest);
     std::vector<Pipeline> pipelines;
-    for (const Variant& v : variants) pipelines.emplace_back(scene, v.settings);
+    for (const SettingVariant& v : variants) pipelines.emplace_back(scene, v.settings);
     for (int f = 0; f < play.frames; ++f) {
         mover.move(scene, play.first + f * play.every);
         truth.step();
@@ -290,7 +281,7 @@ TEST(Contract, ABodyInsideAnotherCollidesInSolidModeOnly)
     scene.name = "nested";
     put(scene, scene.add("shell", make_sphere_mesh(2, 800)), {0, 0, 0});
     put(scene, scene.add("core", make_sphere_mesh(0.5, 200)), {0.25, 0, 0});
-    Settings settings = at_depth(6);
+    Settings settings{.depth = 6};
     EXPECT_EQ(Pipeline(scene, settings).step(scene).pairs.front().verdict, Verdict::separate);
     settings.mode = Mode::solid;
     EXPECT_EQ(Pipeline(scene, settings).step(scene).pairs.front().verdict, Verdict::colliding);
@@ -300,18 +291,11 @@ TEST(Contract, ThreadsCoherenceAgeingAndBroadPhaseDoNotChangeTheHash)
 {
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
         Scene scene = catalogue_scene("random", 40, seed);
-        std::vector<Variant> variants{{"plain", at_depth(6)}};
-        const auto add = [&](const char* name, auto change) {
-            variants.push_back({name, at_depth(6)});
-            change(variants.back().settings);
-        };
-        add("three threads", [](Settings& s) { s.threads = 3; });
-        add("no coherence", [](Settings& s) { s.coherence = false; });
-        add("octree", [](Settings& s) { s.broad_phase = BroadPhaseKind::octree; });
-        add("brute force", [](Settings& s) { s.broad_phase = BroadPhaseKind::brute_force; });
-        add("cells dropped at once", [](Settings& s) { s.age_limit = 1; });
+        std::vector<SettingVariant> variants = variants_of(6, {""});
+        for (const SettingChange& change : changes_of_method())
+            variants.push_back(variants_of(6, {change.name}).front());
         std::vector<std::uint64_t> hashes;
-        for (const Variant& v : variants) {
+        for (const SettingVariant& v : variants) {
             Mover mover;
             Pipeline pipeline(scene, v.settings);
             for (int frame = 0; frame < 6; ++frame) {

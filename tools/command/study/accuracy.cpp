@@ -57,19 +57,19 @@ std::vector<JudgedVariant> make_variants(const AccuracyOptions& options)
         Settings plain = with_tried_backend(settings_from(options.settings));
         plain.max_error.reset(), plain.depth = depth;
         const std::size_t first = variants.size();
-        const auto add = [&](std::string name, bool same_hash, auto change) {
+        const auto add = [&](const std::string& changes, bool same_hash = false) {
+            SettingVariant variant{"", plain};
+            variant.change(changes);
             JudgedVariant& v = variants.emplace_back();
-            v.name = std::move(name), v.settings = plain, v.same_hash = same_hash, v.plain = first;
-            change(v.settings);
+            v.name = changes.empty() ? "as given" : changes, v.settings = variant.settings;
+            v.same_hash = same_hash, v.plain = first;
         };
-        add("as given", false, [](Settings&) {});
+        add("");
         if (!options.toggle) continue;
-        for (const StageId stage : std::span(all_stages).first(4)) // the exact level has its own variants
-            add(without_stage(stage).name, false, without_stage(stage).apply);
-        for (const SettingChange& change : changes_of_method()) add(change.name, true, change.apply);
-        add("100 cells", false, [](Settings& s) { s.node_budget = 100; });
-        add("exact fcl", false, [](Settings& s) { s.exact = ExactLevel::fcl; });
-        add("fcl, no refine", false, [](Settings& s) { s.exact = ExactLevel::fcl, s.skip.insert(StageId::refine); });
+        for (const SettingChange& change : changes_without_stage().first(4)) // the exact level has its own variants
+            add(change.name);
+        for (const SettingChange& change : changes_of_method()) add(change.name, true);
+        for (const char* changes : {"100 cells", "exact fcl", "exact fcl, without refine"}) add(changes);
     }
     return variants;
 }
@@ -101,11 +101,11 @@ std::string optional_length(double value, bool known)
 
 void print_table(const std::vector<JudgedVariant>& variants)
 {
-    say("{:>5}  {:<21}{:>8}{:>11}{:>11}{:>11}{:>9}{:>8}{:>9}{:>11}{:>9}{:>11}{:>11}{:>7}{:>10}\n", "depth", "variant",
+    say("{:>5}  {:<26}{:>8}{:>11}{:>11}{:>11}{:>9}{:>8}{:>9}{:>11}{:>9}{:>11}{:>11}{:>7}{:>10}\n", "depth", "variant",
         "frames", "pairs", "left over", "colliding", "false", "missed", "rounding", "bounds", "broken", "margin m",
         "bound m", "hash", "ms/frame");
     for (const JudgedVariant& v : variants)
-        say("{:>5}  {:<21}{:>8}{:>11}{:>11}{:>11}{:>9}{:>8}{:>9}{:>11}{:>9}{:>11}{:>11}{:>7}{:>10.3f}\n",
+        say("{:>5}  {:<26}{:>8}{:>11}{:>11}{:>11}{:>9}{:>8}{:>9}{:>11}{:>9}{:>11}{:>11}{:>7}{:>10.3f}\n",
             *v.settings.depth, v.name, v.frames, v.pairs(), v.left_over(), v.fcl_colliding, v.false_positives,
             v.missed + v.wrong, v.fcl_alone, v.bounds, v.broken, optional_length(v.least_margin, v.bounds),
             optional_length(v.largest_bound, v.largest_bound > 0), v.same_hash ? (v.other_hash ? "DIFF" : "same") : "",
