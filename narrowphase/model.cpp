@@ -52,31 +52,30 @@ void Model::read_all() const
 HeldChunks* Model::held_grid() const
 {
     if (!file_ || cooked()) return nullptr;
-    return map() ? static_cast<HeldChunks*>(cooked_chunks(*map())) : heights_.get();
+    if (map()) return cooked_chunks(*map());
+    const auto* const heights = heights_.made();
+    return heights ? heights->get() : nullptr;
 }
 
 std::size_t Model::grid_bytes() const
 {
-    if (heights_) return heights_->bytes();
+    if (const auto* const heights = heights_.made()) return (*heights)->bytes();
     return file_ && map() ? MapAccess::cells(*map()).bytes() : 0;
 }
 
 const BoundingMesh& Model::bounding_mesh() const
 {
-    std::call_once(bounding_mesh_once_, [this] { bounding_mesh_ = bounding_mesh_of(*shape()); });
-    return *bounding_mesh_;
+    return bounding_mesh_.get([this] { return bounding_mesh_of(*shape()); });
 }
 
 const Mesh& Model::polytope() const
 {
-    std::call_once(polytope_once_, [this] { polytope_ = surface_of_polytope(*shape()); });
-    return polytope_;
+    return polytope_.get([this] { return surface_of_polytope(*shape()); });
 }
 
 const Mesh& Model::whole() const
 {
-    std::call_once(whole_once_, [this] { whole_ = cooked()->whole(); });
-    return whole_;
+    return whole_.get([this] { return cooked()->whole(); });
 }
 
 void Model::make_obb_tree(ChunkBudget* budget, BoxTotals& totals)
@@ -110,16 +109,14 @@ bool Model::prepare_solids(bool near)
 
 const Convex& Model::convex() const
 {
-    std::call_once(convex_once_, [this] {
-        const bool hull = std::holds_alternative<ConvexHull>(*shape());
-        convex_ = hull ? convex_of_hull(polytope()) : convex_of(*shape());
+    return convex_.get([this] {
+        return std::holds_alternative<ConvexHull>(*shape()) ? convex_of_hull(polytope()) : convex_of(*shape());
     });
-    return convex_;
 }
 
 const MeshLinks& Model::links() const
 {
-    std::call_once(links_once_, [this] {
+    return *links_.get([this] {
         const Mesh& mesh = has_triangles() ? *surface_mesh() : bounding_mesh().mesh;
         MeshLinks links = links_of(mesh);
         if (is_mesh())
@@ -127,10 +124,8 @@ const MeshLinks& Model::links() const
                 auto flat = std::make_shared<FlatSurface>(std::move(*joined));
                 if (flat->links.closed == links.closed) links.flat = std::move(flat);
             }
-        links_ = std::make_shared<const MeshLinks>(std::move(links));
-        links_made_ = links_.get();
+        return std::make_shared<const MeshLinks>(std::move(links));
     });
-    return *links_;
 }
 
 std::size_t Model::links_bytes() const
@@ -139,8 +134,9 @@ std::size_t Model::links_bytes() const
     const auto of_links = [&](const MeshLinks& l) {
         return of(l.vertex, l.neighbours, l.ridges) + l.tips.capacity() / 8; // tips stores one bit per vertex
     };
-    const MeshLinks* links = links_made_;
-    if (!links) return 0;
+    const auto* const made = links_.made();
+    if (!made) return 0;
+    const MeshLinks* const links = made->get();
     std::size_t sum = of_links(*links);
     if (const FlatSurface* flat = links->flat.get())
         sum += of_links(flat->links) +
@@ -151,26 +147,22 @@ std::size_t Model::links_bytes() const
 
 ObbTree& Model::bounding_tree() const
 {
-    std::call_once(bounding_tree_once_, [this] { bounding_tree_ = std::make_shared<ObbTree>(bounding_mesh().mesh); });
-    return *bounding_tree_;
+    return *bounding_tree_.get([this] { return std::make_unique<ObbTree>(bounding_mesh().mesh); });
 }
 
 const ShapeTree& Model::shape_tree() const
 {
-    std::call_once(shape_tree_once_, [this] { shape_tree_.emplace(convex(), bounds_of(*shape())); });
-    return *shape_tree_;
+    return shape_tree_.get([this] { return ShapeTree(convex(), bounds_of(*shape())); });
 }
 
 MapTree& Model::cells() const
 {
-    std::call_once(cells_once_, [this] { cells_ = std::make_unique<MapTree>(*map()); });
-    return *cells_;
+    return *cells_.get([this] { return std::make_unique<MapTree>(*map()); });
 }
 
 TerrainTree& Model::heights() const
 {
-    std::call_once(heights_once_, [this] { heights_ = std::make_unique<TerrainTree>(*terrain()); });
-    return *heights_;
+    return *heights_.get([this] { return std::make_unique<TerrainTree>(*terrain()); });
 }
 
 RootCell Model::root_cell() const
@@ -187,33 +179,26 @@ Surface Model::surface(const RootCell& root) const
 
 bool Model::closed() const
 {
-    std::call_once(closed_once_, [this] {
-        if (!is_mesh()) return;
+    return closed_.get([this] {
+        if (!is_mesh()) return false;
         const std::optional<bool> known = cooked() ? cooked()->closed() : std::nullopt;
-        closed_ = known ? *known : is_closed(*mesh());
+        return known ? *known : is_closed(*mesh());
     });
-    return closed_;
 }
 
 std::span<const PartPoints> Model::parts() const
 {
-    std::call_once(parts_once_, [this] {
-        if (terrain())
-            parts_ = part_points_of(*terrain());
-        else if (!cooked())
-            parts_ = part_points_of(geometry_->data);
-        else if (std::optional known = cooked()->parts())
-            parts_ = std::move(*known);
-        else
-            parts_ = part_points_of(whole());
+    return parts_.get([this] {
+        if (terrain()) return part_points_of(*terrain());
+        if (!cooked()) return part_points_of(geometry_->data);
+        if (std::optional known = cooked()->parts()) return std::move(*known);
+        return part_points_of(whole());
     });
-    return parts_;
 }
 
 const FclModel& Model::fcl() const
 {
-    std::call_once(fcl_once_, [&] { fcl_ = cooked() ? make_fcl_model(*mesh()) : make_fcl_model(geometry_->data); });
-    return *fcl_;
+    return *fcl_.get([this] { return cooked() ? make_fcl_model(*mesh()) : make_fcl_model(geometry_->data); });
 }
 
 std::string Model::validate(std::size_t most) const
@@ -225,7 +210,7 @@ std::string Model::validate(std::size_t most) const
     };
     look_at(spheres_, spheres_ ? spheres_->size() : 0, "sphere-tree");
     look_at(obb_tree_, obb_tree_ ? obb_tree_->nodes() : 0, "OBB tree");
-    look_at(heights_, terrain() ? terrain()->cells() : 0, "terrain tree");
+    if (const auto* const heights = heights_.made()) look_at(*heights, terrain()->cells(), "terrain tree");
     return fault;
 }
 

@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include <oncollide/base/memory/once.hpp>
 #include <oncollide/base/simd/prefetch.hpp>
 #include <oncollide/broadphase/bounds/pose_bounds.hpp>
 #include <oncollide/narrowphase/fcl/exact_fcl.hpp>
@@ -197,20 +197,17 @@ private:
     PoseBounds bounds_;
     std::optional<OccupancyMap> own_map_;
     std::optional<Terrain> own_terrain_;
-    mutable std::once_flag bounding_mesh_once_, closed_once_, parts_once_, fcl_once_, polytope_once_, convex_once_,
-        shape_tree_once_, cells_once_, heights_once_, whole_once_, links_once_, bounding_tree_once_;
-    mutable std::optional<BoundingMesh> bounding_mesh_;
-    mutable Mesh polytope_, whole_;
-    mutable Convex convex_;
-    mutable std::optional<ShapeTree> shape_tree_;
-    mutable std::unique_ptr<MapTree> cells_;
-    mutable std::unique_ptr<TerrainTree> heights_;
-    mutable std::shared_ptr<ObbTree> bounding_tree_;
-    mutable std::shared_ptr<const MeshLinks> links_;
-    mutable std::atomic<const MeshLinks*> links_made_ = nullptr; ///< read by threads that did not make the links
-    mutable bool closed_ = false;
-    mutable std::vector<PartPoints> parts_;
-    mutable std::shared_ptr<const FclModel> fcl_;
+    Once<BoundingMesh> bounding_mesh_;
+    Once<Mesh> polytope_, whole_;
+    Once<Convex> convex_;
+    Once<ShapeTree> shape_tree_;
+    Once<std::unique_ptr<MapTree>> cells_;
+    Once<std::unique_ptr<TerrainTree>> heights_;
+    Once<std::unique_ptr<ObbTree>> bounding_tree_;
+    Once<std::shared_ptr<const MeshLinks>> links_; // MeshLinks is incomplete here
+    Once<bool> closed_;
+    Once<std::vector<PartPoints>> parts_;
+    Once<std::shared_ptr<const FclModel>> fcl_;
     std::uint64_t walks_ = 0; ///< traversals that the hull or the inner spheres might have saved
     bool no_solids_ = false;  ///< the file cannot be read
 };

@@ -23,6 +23,7 @@
 #include <oncollide/base/files/paths.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/base/threads/parallel.hpp>
+#include <oncollide/narrowphase/fcl/exact_fcl.hpp>
 #include <oncollide/narrowphase/gl/gpu.hpp>
 
 namespace oncollide::tools {
@@ -68,7 +69,7 @@ std::string self_test(std::string& backend)
             scene.add_body(body);
         }
         Settings settings;
-        settings.exact = ExactLevel::fcl;
+        if (fcl_available()) settings.exact = ExactLevel::fcl;
         Pipeline pipeline(scene, settings);
         backend = pipeline.inspect().backend;
         int colliding = 0;
@@ -77,6 +78,12 @@ std::string self_test(std::string& backend)
     } catch (const Error& error) {
         return error.what();
     }
+}
+
+/// @param version  empty: the build has no such library
+std::string_view version_or_none(std::string_view version)
+{
+    return version.empty() ? "none" : version;
 }
 
 /// The version of a library that is loaded when a file first needs it.
@@ -204,9 +211,10 @@ int doctor(const DoctorOptions& options, std::string (*peers)())
     const std::string expat = *ONCOLLIDE_EXPAT_VERSION ? ", Expat " ONCOLLIDE_EXPAT_VERSION : "";
     say("libraries",
         fmt::format("Eigen {}.{}.{}, FCL {}, OctoMap {}, Qhull {}, fmt {}.{}.{}, JSON {}, CLI11 {}, libpng {}{}",
-                    EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, ONCOLLIDE_FCL_VERSION,
-                    ONCOLLIDE_OCTOMAP_VERSION, ONCOLLIDE_QHULL_VERSION, FMT_VERSION / 10000, FMT_VERSION / 100 % 100,
-                    FMT_VERSION % 100, ONCOLLIDE_JSON_VERSION, ONCOLLIDE_CLI11_VERSION, ONCOLLIDE_PNG_VERSION, expat));
+                    EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION,
+                    version_or_none(ONCOLLIDE_FCL_VERSION), version_or_none(ONCOLLIDE_OCTOMAP_VERSION),
+                    ONCOLLIDE_QHULL_VERSION, FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100,
+                    ONCOLLIDE_JSON_VERSION, ONCOLLIDE_CLI11_VERSION, ONCOLLIDE_PNG_VERSION, expat));
     say_files(found);
     if (peers) say("peers", peers());
     say("self-test", fault.empty() ? "passed" : "FAILED: " + fault);

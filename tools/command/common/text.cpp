@@ -111,9 +111,10 @@ std::string fcl_loaded()
 
 std::string describe_program(const std::string& backend)
 {
-    return fmt::format("program    oncollide {}, {}; {}, flags '{}'; FCL {} {}, one thread\n"
+    return fmt::format("program    oncollide {}, {}; {}, flags '{}'; {}, one thread\n"
                        "machine    {}, {} hardware threads\n",
-                       version, backend, build_text(), build_flags(), ONCOLLIDE_FCL_VERSION, fcl_loaded(),
+                       version, backend, build_text(), build_flags(),
+                       *ONCOLLIDE_FCL_VERSION ? "FCL " ONCOLLIDE_FCL_VERSION " " + fcl_loaded() : "without FCL",
                        processor_name(), hardware_threads());
 }
 

@@ -17,6 +17,7 @@
 #include <oncollide/base/text/json_writer.hpp>
 #include <oncollide/base/text/near_word.hpp>
 #include <oncollide/base/text/printable.hpp>
+#include <oncollide/narrowphase/fcl/exact_fcl.hpp>
 #include <oncollide/narrowphase/spheres/occlusion_backend.hpp>
 #include <oncollide/samples/catalogue.hpp>
 
@@ -69,7 +70,8 @@ std::vector<JudgedVariant> make_variants(const AccuracyOptions& options)
         for (const SettingChange& change : changes_without_stage().first(4)) // the exact level has its own variants
             add(change.name);
         for (const SettingChange& change : changes_of_method()) add(change.name, true);
-        for (const char* changes : {"100 cells", "exact fcl", "exact fcl, without refine"}) add(changes);
+        add("100 cells");
+        if (fcl_available()) add("exact fcl"), add("exact fcl, without refine");
     }
     return variants;
 }
@@ -79,14 +81,16 @@ std::string play(StudyWorkload& workload, const AccuracyOptions& options, std::v
 {
     std::vector<StudyVariant> played;
     for (const JudgedVariant& v : variants) played.push_back({"", v.name, v.settings});
-    const Study study = play_study(workload, played, {fcl_peer()},
+    const std::vector<PeerKind> peers = fcl_available() ? std::vector{fcl_peer()} : std::vector<PeerKind>();
+    const Study study = play_study(workload, played, peers,
                                    {.bounds = std::size_t(options.samples), .any_peer = true, .needed = false});
     for (std::size_t k = 0; k < variants.size(); ++k) {
         const StudyRow& row = study.rows[k];
         JudgedVariant& v = variants[k];
         v += row;
         v.frames += row.ms.size(), v.ms += std::accumulate(row.ms.begin(), row.ms.end(), 0.0);
-        v.fcl_colliding += study.peers[0].colliding, v.fcl_alone += row.fcl_alone;
+        for (const StudyPeer& peer : study.peers) v.fcl_colliding += peer.colliding;
+        v.fcl_alone += row.fcl_alone;
         for (std::size_t i = 0; i < v.verdicts.size(); ++i) v.verdicts[i] += row.verdicts[i];
         for (std::size_t i = 0; i < row.hashes.size() && v.same_hash; ++i)
             v.other_hash += row.hashes[i] != study.rows[v.plain].hashes[i];

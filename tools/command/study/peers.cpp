@@ -6,6 +6,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/text/near_word.hpp>
+#include <oncollide/narrowphase/fcl/exact_fcl.hpp>
 
 #include "common/text.hpp"
 #include "fcl/fcl_world.hpp"
@@ -42,7 +43,7 @@ PeerKind fcl_peer()
 {
     return {.name = "fcl",
             .library = "FCL",
-            .package = {},
+            .package = fcl_available() ? "" : "libfcl-dev",
             .why_not = [](const Scene&) { return std::string(); },
             .make = [](const StudyWorkload& workload) { return std::make_unique<FclPlayer>(workload.scene); }};
 }

@@ -17,6 +17,7 @@
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/text/json_writer.hpp>
 #include <oncollide/base/text/svg.hpp>
+#include <oncollide/narrowphase/fcl/exact_fcl.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -31,7 +32,7 @@ ContinuousOptions options_from(const ContinuousCommand& o)
 {
     ContinuousOptions options;
     check_range("--count", o.count, 1, 1'000'000), check_range("--fcl", o.of_fcl, 0);
-    options.count = std::size_t(o.count), options.of_fcl = std::size_t(o.of_fcl);
+    options.count = std::size_t(o.count), options.of_fcl = fcl_available() ? std::size_t(o.of_fcl) : 0;
     options.tolerances.clear();
     for (const std::string& part : split(o.tolerances)) {
         const double value = parse_numbers("--tolerances", part, 1, "1e-4,1e-6")[0];

@@ -137,9 +137,13 @@ TwoTriangles draw_near(const NearFamily& family, std::uint64_t number)
 {
     CaseNumbers draw(number * 0x9e3779b97f4a7c15u + 1);
     TwoTriangles pair = family.make(draw);
-    const double scale = draw.number(0, 3) ? std::ldexp(1.0, draw.number(-30, 28)) : 1; // bodies are within 1e15 m
+    double scale = draw.number(0, 3) ? std::ldexp(1.0, draw.number(-30, 28)) : 1;
     const Vector3d far =
         draw.number(0, 3) ? Vector3d(Vector3d::Zero()) : Vector3d(draw.magnitude(0, 16) * draw.vector());
+    double most = 0;
+    for (const TrianglePoints* t : {&pair.first, &pair.second})
+        for (const Vector3d& p : *t) most = std::max(most, (p + far).cwiseAbs().maxCoeff());
+    if (scale * most > 1e15) scale = 1; // a World takes no coordinates beyond
     for (TrianglePoints* t : {&pair.first, &pair.second})
         for (Vector3d& p : *t) p = scale * (p + far);
     return pair;

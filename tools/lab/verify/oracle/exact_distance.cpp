@@ -47,10 +47,9 @@ void take(Fraction& least, const Fraction& other)
     if (least.bottom == 0 || other < least) least = other;
 }
 
-void take_segments(Fraction& least, const Place& p, const Place& q, const Place& c, const Place& d)
+/// The distance between inner points of two segments, where they have the nearest points of the lines.
+void take_insides(Fraction& least, const Place& p, const Place& q, const Place& c, const Place& d)
 {
-    take(least, to_segment(p, c, d)), take(least, to_segment(q, c, d));
-    take(least, to_segment(c, p, q)), take(least, to_segment(d, p, q));
     // Gram's determinants of the normal equations of the two lines' nearest points.
     const Place u = q - p, v = d - c, w = c - p;
     const Integer uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), wu = dot(w, u), wv = dot(w, v);
@@ -76,6 +75,7 @@ void take_face(Fraction& least, const Place& p, const std::array<Place, 3>& t)
 struct ExactDistance::Square {
     Fraction value; ///< in units of 4^exponent
     int exponent;
+    long double length = 0; ///< its root, rounded; a relative error below 2^-58
 
     template <std::size_t N>
     static int exponent_of(const std::array<Eigen::Vector3d, N>& a, const std::array<Eigen::Vector3d, N>& b)
@@ -92,6 +92,14 @@ struct ExactDistance::Square {
             for (int k = 0; k < 3; ++k) places[i][std::size_t(k)] = integer<Integer>(of[i][k], exponent);
         return places;
     }
+    void round()
+    {
+        const auto& [top, bottom] = value;
+        if (top == 0) return;
+        const int shift = 128 + int(msb(bottom)) - int(msb(top)), even = shift + (shift & 1);
+        const Integer scaled = even >= 0 ? Integer(top << even) / bottom : Integer(top / (bottom << -even));
+        length = std::ldexp(std::sqrt(scaled.convert_to<long double>()), exponent - even / 2);
+    }
 };
 
 ExactDistance::ExactDistance(const TrianglePoints& a, const TrianglePoints& b)
@@ -102,16 +110,24 @@ ExactDistance::ExactDistance(const TrianglePoints& a, const TrianglePoints& b)
     Fraction least{0, 0};
     for (std::size_t i = 0; i < 3; ++i) {
         take_face(least, p[i], q), take_face(least, q[i], p);
-        for (std::size_t j = 0; j < 3; ++j) take_segments(least, p[i], p[(i + 1) % 3], q[j], q[(j + 1) % 3]);
+        const Place &to_p = p[(i + 1) % 3], &to_q = q[(i + 1) % 3];
+        for (std::size_t j = 0; j < 3; ++j) {
+            take(least, to_segment(p[j], q[i], to_q)), take(least, to_segment(q[j], p[i], to_p));
+            take_insides(least, p[i], to_p, q[j], q[(j + 1) % 3]);
+        }
     }
     square_->value = least;
+    square_->round();
 }
 
 ExactDistance::ExactDistance(const SegmentPoints& a, const SegmentPoints& b)
     : square_(new Square{{0, 0}, Square::exponent_of(a, b)})
 {
     const auto p = Square::places(a, square_->exponent), q = Square::places(b, square_->exponent);
-    take_segments(square_->value, p[0], p[1], q[0], q[1]);
+    for (std::size_t i = 0; i < 2; ++i)
+        take(square_->value, to_segment(p[i], q[0], q[1])), take(square_->value, to_segment(q[i], p[0], p[1]));
+    take_insides(square_->value, p[0], p[1], q[0], q[1]);
+    square_->round();
 }
 
 ExactDistance::~ExactDistance() = default;
@@ -120,6 +136,9 @@ ExactDistance& ExactDistance::operator=(ExactDistance&&) noexcept = default;
 
 int ExactDistance::compare(double length) const
 {
+    const long double rounded = square_->length; // mostly decides
+    if (length > rounded * (1 + 0x1p-50L)) return -1;
+    if (length < rounded * (1 - 0x1p-50L)) return 1;
     const int finer = std::min(last_bit(length), square_->exponent), shift = 2 * (square_->exponent - finer);
     const Integer units = integer<Integer>(length, finer);
     const Integer distance2 = square_->value.top << shift, length2 = units * units * square_->value.bottom;
@@ -128,15 +147,13 @@ int ExactDistance::compare(double length) const
 
 long double ExactDistance::value() const
 {
-    const auto& [top, bottom] = square_->value;
-    if (top == 0) return 0;
-    const int shift = 128 + int(msb(bottom)) - int(msb(top)), even = shift + (shift & 1);
-    const Integer scaled = even >= 0 ? Integer(top << even) / bottom : Integer(top / (bottom << -even));
-    return std::ldexp(std::sqrt(scaled.convert_to<long double>()), square_->exponent - even / 2);
+    return square_->length;
 }
 
 bool ExactDistance::operator<(const ExactDistance& other) const
 {
+    if (square_->length < other.square_->length * (1 - 0x1p-50L)) return true;
+    if (square_->length > other.square_->length * (1 + 0x1p-50L)) return false;
     const int shift = 2 * (square_->exponent - other.square_->exponent);
     Fraction mine = square_->value, theirs = other.square_->value;
     (shift > 0 ? mine.top : theirs.top) <<= std::abs(shift);

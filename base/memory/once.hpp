@@ -1,0 +1,31 @@
+#pragma once
+#include <atomic>
+#include <mutex>
+#include <optional>
+
+namespace oncollide {
+
+/// A value that the first thread that needs it makes. If making throws, the next call tries again.
+template <class T>
+class Once {
+public:
+    /// @param make  returns the value
+    template <class Make>
+    T& get(Make make) const
+    {
+        std::call_once(once_, [&] {
+            value_.emplace(make());
+            made_.store(true, std::memory_order_release);
+        });
+        return *value_;
+    }
+    /// The value, if it was made; else null.
+    T* made() const { return made_.load(std::memory_order_acquire) ? &*value_ : nullptr; }
+
+private:
+    mutable std::once_flag once_;
+    mutable std::optional<T> value_;
+    mutable std::atomic<bool> made_ = false;
+};
+
+} // namespace oncollide
