@@ -25,6 +25,7 @@ public:
         : options_(options), parts_(std::move(parts)), gpu_(describe_gpu(options.gpu)),
           sizes_(sizes_of(options, gpu_.software)), data_(data_folder(options.data))
     {
+        if (!options.scene.empty()) scene_of(sizes_.paper); // throws for an unknown scene before any output
     }
 
     /// Returns the number of faults.
@@ -39,6 +40,7 @@ public:
         correctness(), octants(), trees(), misses(), levels(), many(), paper(), rivals();
         const double seconds = milliseconds_since(began_) / 1e3;
         say("\nfaults     {}; {:.0f} s in all\n", faults_, seconds);
+        report_.commit();
         const bool after = options_.json.empty() && options_.csv.empty();
         if (after) say("\n"), flush_stdout();
         if (!after && options_.json.empty()) return faults_;

@@ -15,6 +15,11 @@ void GpuPart::leave_out(const std::string& why)
     say("left out: {}\n", why);
 }
 
+void GpuReport::commit()
+{
+    for (GpuPart& part : parts_) part.table.commit();
+}
+
 void GpuReport::write_json(TextSink& out, const GpuInfo& gpu,
                            const std::vector<std::pair<std::string, std::int64_t>>& limits, const std::string& sizes,
                            double limit_s, double seconds) const

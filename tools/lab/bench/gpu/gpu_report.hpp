@@ -35,6 +35,8 @@ public:
     {
         return parts_.emplace_back(name, title, csv);
     }
+    /// Completes the CSV files.
+    void commit();
     void write_json(TextSink& out, const GpuInfo& gpu, const std::vector<std::pair<std::string, std::int64_t>>& limits,
                     const std::string& sizes, double limit_s, double seconds) const;
 
