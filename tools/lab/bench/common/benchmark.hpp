@@ -18,7 +18,7 @@
 #include "cli/shard.hpp"
 #include "common/race.hpp"
 #include "common/text.hpp"
-#include "peers/common/contender.hpp"
+#include "peers/peers.hpp"
 
 // Every benchmark includes this header: options with one spelling, one help text and one check of each, races, tables
 // of results, text and exit codes.
