@@ -174,10 +174,10 @@ void Report::write_header(JsonWriter& json) const
     json.line(2), json.key("trees");
     json.object("rounds", trees_.rounds, "rows", trees_.rows, "node_pairs", trees_.node_pairs, "triangle_pairs",
                 trees_.triangle_pairs, "unsure_pairs", trees_.unsure_pairs, "kept", trees_.kept, "narrowed",
-                trees_.narrowed, "by_gap", trees_.by_gap, "by_hull", trees_.by_hull, "by_inner_spheres", trees_.by_inner_spheres,
-                "by_witness", trees_.by_witness, "collapsed", trees_.collapsed, "refused", trees_.refused, "queries",
-                trees_.queries, "gpu_bytes", trees_.gpu_bytes, "repeats", trees_.repeats, "nodes", trees_.nodes,
-                "bytes", trees_.bytes, "peak_nodes", peak_nodes_, "peak_bytes", peak_bytes_);
+                trees_.narrowed, "by_gap", trees_.by_gap, "by_hull", trees_.by_hull, "by_inner_spheres",
+                trees_.by_inner_spheres, "by_witness", trees_.by_witness, "collapsed", trees_.collapsed, "refused",
+                trees_.refused, "queries", trees_.queries, "gpu_bytes", trees_.gpu_bytes, "repeats", trees_.repeats,
+                "nodes", trees_.nodes, "bytes", trees_.bytes, "peak_nodes", peak_nodes_, "peak_bytes", peak_bytes_);
     json.end_object();
 }
 

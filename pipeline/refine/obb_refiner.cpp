@@ -158,7 +158,8 @@ Finding ObbRefiner::refine(const RefineContext& context, const PairTask& task, P
     const auto sure = [&] {
         return goal_ == Goal::exact || tolerance >= 2 * rounding_of(task) + 0x1p-16 * settings.clearance;
     };
-    if (!kept && task.a->inner_spheres() && task.b->inner_spheres() && !wants_kinds(settings) && sure() && inner_spheres_meet(task, *memory)) {
+    if (!kept && task.a->inner_spheres() && task.b->inner_spheres() && !wants_kinds(settings) && sure() &&
+        inner_spheres_meet(task, *memory)) {
         ++worker.by_inner_spheres, memory->meets = true;
         if (!settings.coherence) return walk(nullptr);
         if (goal_ == Goal::exact) return {Verdict::colliding, ContactKind::unknown, 0};

@@ -24,8 +24,8 @@ private:
     /// One thread's working memory.
     struct Worker {
         PairWorker pairs;
-        std::uint64_t by_gap = 0;   ///< pairs decided by their gap
-        std::uint64_t by_hull = 0;  ///< pairs decided by their outer hulls
+        std::uint64_t by_gap = 0;           ///< pairs decided by their gap
+        std::uint64_t by_hull = 0;          ///< pairs decided by their outer hulls
         std::uint64_t by_inner_spheres = 0; ///< pairs decided by their inner spheres
     };
     Finding refine(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;

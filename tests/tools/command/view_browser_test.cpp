@@ -41,8 +41,8 @@ protected:
             return document.substr(from + mark.size(), document.find('"', from + mark.size()) - from - mark.size());
         }
     };
-    /// The page after the given time of the browser's clock. The browser may draw late on a loaded machine, so a picture
-    /// without bodies, whose labels may be there, is taken again.
+    /// The page after the given time of the browser's clock. The browser may draw late on a loaded machine, so a
+    /// picture without bodies, whose labels may be there, is taken again.
     Seen look(const std::string& page, const std::string& fragment, const std::string& size = "900,640",
               int milliseconds = 1500)
     {

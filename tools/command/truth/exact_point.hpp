@@ -18,7 +18,7 @@ struct PointOf : std::array<Number, 3> {
     }
 };
 
-/// For numbers that hold every double.
+/// `Number` must hold every double.
 template <class Number>
 PointOf<Number> point_of(const Eigen::Vector3d& p)
 {

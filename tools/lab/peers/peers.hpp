@@ -1,4 +1,4 @@
-// The libraries and methods that benchmarks compare, by what they do. One file per library.
+// The libraries and methods that benchmarks compare, one file per library, grouped by their queries.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -34,7 +34,7 @@ struct Contender {
     std::function<std::unique_ptr<Peer>(Input...)> make;
 };
 
-/// Makes a Peer of what the benchmark gives, and of `more`.
+/// Makes a Peer from the arguments of the benchmark and `more`.
 template <class Peer>
 auto maker(auto... more)
 {

@@ -22,7 +22,7 @@ struct FirstFault {
     {
         if (what.empty() && !fault.empty()) seed = of, what = std::move(fault);
     }
-    /// Of two parts, `o` has the later seeds.
+    /// The seeds of `o` are the later ones.
     void operator+=(const FirstFault& o) { take(o.seed, o.what); }
 };
 
