@@ -109,7 +109,7 @@ TEST_P(Ended, ASignalLeavesNoTemporaryFile)
         EXPECT_FALSE(folder_.list().empty()) << "it has not begun to write";
         ::kill(child, GetParam());
     };
-    const Outcome outcome = run_program(program, {"bench", "narrow", "--csv", "out.csv"}, around);
+    const Outcome outcome = run_program(program, {"bench", "shapes", "--csv", "out.csv"}, around);
     EXPECT_EQ(outcome.code, 1000 + GetParam());
     EXPECT_EQ(outcome.err.ends_with("oncollide-lab: interrupted\n"), GetParam() != SIGPIPE) << outcome.err;
     EXPECT_TRUE(folder_.list().empty()) << folder_.list().front();
