@@ -21,8 +21,7 @@ public:
     Models& operator=(const Models&) = delete;
 
     /// @param geometry  a Mesh, a Shape (Sphere, Box, ...), an OccupancyMap, a Terrain, or a mesh in a cooked file,
-    /// which
-    ///                  is read where tests need it
+    ///                  which is read where tests need it
     /// @param name      for messages
     /// Throws Error{bad_data} that names the fault in a geometry.
     ModelId add(GeometryData geometry, std::string name = {});

@@ -101,7 +101,6 @@ public:
     /// Queries ignore it. Results are deterministic if the choice depends on the pair alone, not on the run that holds
     /// it. A pair that is dropped or swapped from some frame on ends in that frame. Cost: the calls, and about 0.1
     /// microseconds per candidate.
-    /// 0.1 microseconds per candidate.
     void set_pair_filter(PairFilter filter);
     const PairFilter& pair_filter() const;
     /// How closely step() brackets contacts of moving bodies. Throws Error{usage} for tolerances below 1e-12.
