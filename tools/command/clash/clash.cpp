@@ -203,7 +203,8 @@ void add_comparing_options(Arguments sub, ClashOptions* o)
            "unit of the files and of the report: mm, cm, m or in (default mm). glTF files are in metres; COLLADA and "
            "3MF files define their unit. PATTERN=UNIT sets the unit of some files: 'frame*.stl=m' (repeatable)")
         .repeatable();
-    sub.add_option("--clearance LENGTH", o->clearance, "parts closer than this also clash: 2mm, 0.1in (default 0)");
+    sub.add_option("--clearance LENGTH", o->clearance,
+                   "parts at most this far apart also clash: 2mm, 0.1in (default 0)");
     sub.add_option("--tolerance LENGTH", o->tolerance,
                    "parts that overlap, or are apart, by no more than this count as touching: the overlap is at most "
                    "this thick, or moving one part by this much separates them (default 0)");
@@ -225,7 +226,8 @@ void add_comparing_options(Arguments sub, ClashOptions* o)
 void add_report_options(Arguments sub, ClashOptions* o)
 {
     sub.add_option("--baseline OLD.json", o->baseline,
-                   "the JSON report of an earlier run: only new or worse clashes count; resolved clashes are listed. "
+                   "the JSON report of an earlier run: only clashes that are new, or of a worse kind, count; resolved "
+                   "clashes are listed. "
                    "Comments and statuses that you wrote into it are taken over");
     sub.add_option("-o,--out FILE", o->out,
                    "write a report: .html (one page with pictures), .json, .csv, .xml (JUnit) or .bcfzip (BCF 2.1); "
