@@ -13,6 +13,7 @@ public:
     template <class Make>
     T& get(Make make) const
     {
+        if (T* const value = made()) return *value; // without the call that call_once costs
         std::call_once(once_, [&] {
             value_.emplace(make());
             made_.store(true, std::memory_order_release);
