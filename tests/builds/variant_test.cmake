@@ -26,6 +26,8 @@ if(COMMAND)
       message(FATAL_ERROR "${refused}: code ${code}: ${error}")
     endif()
   endforeach()
+  file(REMOVE_RECURSE ${WORK})
+  return()
 endif()
 file(WRITE ${WORK}/user/CMakeLists.txt "cmake_minimum_required(VERSION 3.22)\nproject(user LANGUAGES C CXX)\n"
      "find_package(oncollide REQUIRED)\nadd_executable(user ${CMAKE_CURRENT_LIST_DIR}/variant/main.cpp)\n"
