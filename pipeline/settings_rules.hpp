@@ -29,10 +29,11 @@ inline bool exact_runs(const Settings& s)
     return exact_level(s) != ExactLevel::off && !s.skip.contains(StageId::exact);
 }
 
-/// False with the paper's occlusion queries, which miss collisions.
+/// False if the paper's occlusion queries, which miss collisions, can decide a pair.
 inline bool certified(const Settings& s)
 {
-    return s.backend != BackendKind::gl_query;
+    return s.backend != BackendKind::gl_query ||
+           (exact_level(s) == ExactLevel::predicates && exact_runs(s) && wants_obbs(s));
 }
 
 } // namespace oncollide

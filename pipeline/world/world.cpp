@@ -170,14 +170,17 @@ const Settings& World::settings() const
 }
 std::string WorldImpl::note_on_backend() const
 {
-    if (!certified(settings)) return "gl-query is not certified: collisions may be missed; for comparison only";
     const std::string& lost = models.lost();
-    if (!lost.empty()) return "the CPU took over when the GPU was lost: " + lost;
-    if (backend_note.empty() && wants_obbs(settings) && models.backend().name().starts_with("gl"))
-        return settings.exact == ExactLevel::predicates && exact_runs(settings)
+    std::string note = backend_note;
+    if (!lost.empty())
+        note = "the CPU took over when the GPU was lost: " + lost;
+    else if (note.empty() && wants_obbs(settings) && models.backend().name().starts_with("gl"))
+        note = settings.exact == ExactLevel::predicates && exact_runs(settings)
                    ? "the GPU is not used: exact tests on the CPU decide"
                    : "the GPU is not used for pairs of meshes: OBB trees on the CPU separate them";
-    return backend_note;
+    if (certified(settings)) return note;
+    return "gl-query is not certified: collisions may be missed; for comparison only" +
+           (note.empty() ? "" : "; " + note);
 }
 
 } // namespace oncollide

@@ -143,5 +143,18 @@ TEST(DialSettings, ADepthMeansSphereTreesAndMetresBoxes)
     EXPECT_TRUE(wants_obbs({.depth = 6, .bounding_volume = BoundingVolume::obb}));
 }
 
+TEST(DialSettings, OnlyOcclusionQueriesThatCanDecideAPairAreNotCertified)
+{
+    const auto query = BackendKind::gl_query;
+    EXPECT_TRUE(certified({}));
+    EXPECT_TRUE(certified({.backend = BackendKind::gl_compute}));
+    EXPECT_FALSE(certified({.backend = query}));
+    EXPECT_FALSE(certified({.depth = 6, .exact = ExactLevel::fcl, .backend = query}));
+    EXPECT_TRUE(certified({.exact = ExactLevel::predicates, .backend = query})) << "exact tests decide all pairs";
+    EXPECT_FALSE(certified({.exact = ExactLevel::predicates, .backend = query, .skip = {StageId::exact}}));
+    EXPECT_FALSE(
+        certified({.exact = ExactLevel::predicates, .backend = query, .bounding_volume = BoundingVolume::sphere}));
+}
+
 } // namespace
 } // namespace oncollide::test
