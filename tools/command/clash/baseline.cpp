@@ -33,11 +33,11 @@ OldClash old_clash(const json& j, bool resolved)
     const auto name_in = [&](const char* part) {
         return (resolved ? j.at(part) : j.at(part).at("name")).get<std::string>();
     };
-    OldClash old{.clash = {.id = j.at("id").get<std::string>(),
+    OldClash old{.clash = {.id = j.value("id", ""),
                            .a = name_in("a"),
                            .b = name_in("b"),
                            .kind = j.at("kind").get<std::string>(),
-                           .comment = j.at("comment").get<std::string>()}};
+                           .comment = j.value("comment", "")}};
     const auto status = j.at("status").get<std::string>();
     old.resolved = status == "resolved";
     old.counts = status != "ignored" && status != "contact";

@@ -112,6 +112,18 @@ TEST_F(ClashReview, StatusesAndCommentsOfUsersAreTakenOver)
             << c;
 }
 
+TEST_F(ClashReview, ABaselineNeedsNoIdsAndNoComments)
+{
+    clash({"--clearance", "1", "-o", "1.json"});
+    json written = read_json("1.json"); // as a script may write it
+    for (json& c : written["clashes"]) c.erase("id"), c.erase("comment");
+    folder_.write("1.json", written.dump());
+    const Outcome outcome = clash({"--clearance", "1", "--baseline", "1.json", "-o", "2.json"});
+    EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+    EXPECT_EQ(pairs("2.json"),
+              (Pairs{"b e enclosed active", "a b crossing active", "a c touching contact", "a d near active"}));
+}
+
 TEST_F(ClashReview, ThePageShowsItsSettingsAndLinksInto3D)
 {
     std::filesystem::create_directories(folder_ / "lib/examples/js/controls");
