@@ -31,4 +31,10 @@ Executor& current_executor();
 /// The number of hardware threads that this process may use; >= 1.
 int hardware_threads();
 
+/// The number of threads that a caller requests, or hardware_threads() for 0.
+inline int threads_of(int requested)
+{
+    return requested ? requested : hardware_threads();
+}
+
 } // namespace oncollide

@@ -181,7 +181,7 @@ int clash(const ClashOptions& o)
     const std::int64_t time = report_time();
     const PartRules rules{o.groups, o.set_a, o.set_b, o.inputs, std::size_t(o.most_parts)};
     PainterProcess painter;
-    PartList parts = read_parts(files, units, rules, o.threads ? o.threads : hardware_threads());
+    PartList parts = read_parts(files, units, rules, threads_of(o.threads));
     Clashes found = find_clashes(parts, settings);
     warnings.insert(warnings.end(), parts.warnings.begin(), parts.warnings.end());
     if (!o.ignore.empty()) ignore_pairs(o.ignore, parts, found.list, warnings);

@@ -46,7 +46,7 @@ Surfaces surfaces_of(const RobotSpheresOptions& options)
 {
     RobotOptions robot;
     robot.urdf = options.urdf, robot.packages = options.packages;
-    Surfaces surfaces{open_robot(robot), {}, options.threads ? options.threads : hardware_threads()};
+    Surfaces surfaces{open_robot(robot), {}, threads_of(options.threads)};
     for (const RobotLink& link : surfaces.robot.links) surfaces.links.emplace_back(link);
     return surfaces;
 }

@@ -20,6 +20,7 @@
 #include <oncollide/base/text/json_writer.hpp>
 #include <oncollide/base/text/plain_number.hpp>
 #include <oncollide/base/text/printable.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 
 namespace oncollide::tools {
@@ -73,10 +74,9 @@ void judge(Judged& judged, const GrownTree& tree, ObbTree& boxes, const SpheresO
     }
     const SurfaceIndex index(judged.mesh);
     for (Row& row : judged.rows)
-        row.quality = judge_level(judged.mesh, index, row.volumes,
-                                  {.closed = judged.closed,
-                                   .directions = options.directions,
-                                   .threads = options.threads ? options.threads : hardware_threads()});
+        row.quality = judge_level(
+            judged.mesh, index, row.volumes,
+            {.closed = judged.closed, .directions = options.directions, .threads = threads_of(options.threads)});
 }
 
 /// Returns how much of the surface is in no volume; "none" only if all of it is covered.

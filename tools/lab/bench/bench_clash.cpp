@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include <oncollide/base/files/paths.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 
 #include "cli/system.hpp"
@@ -45,7 +46,7 @@ Times run(const std::vector<std::string>& files, const PlantedAssembly& planted,
           const fs::path& folder, std::vector<std::string>& faults)
 {
     const Units units({"mm"});
-    const int threads = threads_of(o);
+    const int threads = threads_of(o.threads);
     PainterProcess painter;
     const ClashSettings settings{.clearance = PlantedOptions{}.clearance, .threads = threads};
     Times times{};
@@ -85,11 +86,12 @@ int bench_clash(const ClashBenchOptions& o)
     say("{}", describe_program("cpu"));
     say("{} parts, {} triangles, {} planted pairs (touching, crossing, enclosed, duplicate, near); seconds, {} "
         "threads\n",
-        grouped(planted.parts.size()), grouped(planted.triangles), grouped(planted.pairs.size()), threads_of(o));
+        grouped(planted.parts.size()), grouped(planted.triangles), grouped(planted.pairs.size()),
+        threads_of(o.threads));
     ResultTable table(o.csv, {14});
     table.about(figures("meshes", o.real ? "real" : "made", "parts", planted.parts.size(), "triangles",
-                        planted.triangles, "planted", planted.pairs.size(), "threads", threads_of(o), "pictures",
-                        o.pictures));
+                        planted.triangles, "planted", planted.pairs.size(), "threads", threads_of(o.threads),
+                        "pictures", o.pictures));
     bool faulty = false;
     for (const auto& [name, files] : {std::pair("STL files", files_of({(folder / "parts").string()})),
                                       std::pair("one GLB", std::vector{(folder / "assembly.glb").string()})}) {

@@ -79,7 +79,7 @@ int fuzz(const FuzzOptions& options)
     check_range("--threads", options.threads, 0, 1024);
     check_files({{"--out", options.out}, {"--csv", options.csv}});
     if (!options.csv.empty() && options.sweeps == 0) usage("--csv: it lists sweeps; give their number with --sweeps");
-    const int threads = options.threads ? options.threads : hardware_threads();
+    const int threads = threads_of(options.threads);
     const int of_sweeps = options.sweeps > 0 ? fuzz_sweeps(options, threads) : 0;
     const int of_grazes = options.grazes > 0 ? fuzz_grazes(options, threads) : 0;
     if (options.scenes == 0) return std::max(of_sweeps, of_grazes);

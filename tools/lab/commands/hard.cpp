@@ -173,7 +173,7 @@ void write_json(const std::string& path, const std::vector<Tally>& rows)
 int judge_hard_cases(HardOptions options)
 {
     check_range("--count", options.count, 1), check_range("--threads", options.threads, 0);
-    if (options.threads == 0) options.threads = hardware_threads();
+    options.threads = threads_of(options.threads);
     check_files({{"--csv", options.csv}, {"--json", options.json}});
     std::vector<BodyCase> cases = body_cases();
     std::vector<BodyCase> queries = query_cases(data_folder(options.data));

@@ -26,9 +26,8 @@ int judge_manifolds(const ManifoldFuzzOptions& options)
     check_range("--pairs", options.pairs, 1);
     check_range("--threads", options.threads, 0, 1024);
     Progress progress("pairs", std::size_t(options.pairs));
-    const ManifoldTally tally =
-        try_manifolds(options.seed, std::uint64_t(options.pairs),
-                      options.threads ? options.threads : hardware_threads(), [&] { progress.step(); });
+    const ManifoldTally tally = try_manifolds(options.seed, std::uint64_t(options.pairs), threads_of(options.threads),
+                                              [&] { progress.step(); });
     write_to_stdout(fmt::format("{} pairs, {} cross, {} contacts; {} of one region, judged in all claims\n"
                                 "{} needed rational arithmetic; {} were not in general position\n{} faults\n",
                                 tally.pairs, tally.met, tally.contacts, tally.whole, tally.exact, tally.special,

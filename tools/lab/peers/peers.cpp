@@ -37,6 +37,11 @@ constexpr OptionalLibrary optional_libraries[] = {
 
 } // namespace
 
+void print_missing(std::span<const MissingPeer> missing)
+{
+    for (const MissingPeer& peer : missing) say("{:<11}not in this build (Debian: {})\n", peer.library, peer.package);
+}
+
 template <class Kind>
 void ContenderList<Kind>::keep(const std::string& only)
 {

@@ -46,6 +46,9 @@ struct MissingPeer {
     std::string library, package; ///< Debian's name
 };
 
+/// Names the libraries that this build lacks on standard output.
+void print_missing(std::span<const MissingPeer> missing);
+
 template <class Kind>
 struct ContenderList {
     std::vector<Kind> all;

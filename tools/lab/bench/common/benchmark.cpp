@@ -5,7 +5,6 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/paths.hpp>
-#include <oncollide/base/threads/parallel.hpp>
 
 #include "cli/outputs.hpp"
 #include "cli/shard.hpp"
@@ -142,11 +141,6 @@ ScratchFolder::~ScratchFolder()
     std::filesystem::remove_all(path_, ignored);
 }
 
-void print_missing(std::span<const MissingPeer> missing)
-{
-    for (const MissingPeer& peer : missing) say("{:<11}not in this build (Debian: {})\n", peer.library, peer.package);
-}
-
 double processor_ms()
 {
     std::timespec t{};
@@ -157,11 +151,6 @@ double processor_ms()
 int code_of(bool wrong)
 {
     return wrong ? int(ErrorKind::internal) : 0;
-}
-
-int threads_of(const SharedOptions& options)
-{
-    return options.threads ? options.threads : hardware_threads();
 }
 
 } // namespace oncollide::tools

@@ -18,7 +18,6 @@
 #include "cli/shard.hpp"
 #include "common/race.hpp"
 #include "common/text.hpp"
-#include "peers/peers.hpp"
 
 // Every benchmark includes this header: options with one spelling, one help text and one check of each, races, tables
 // of results, text and exit codes.
@@ -131,16 +130,10 @@ private:
     std::filesystem::path path_;
 };
 
-/// Names the libraries that this build lacks.
-void print_missing(std::span<const MissingPeer> missing);
-
 /// Processor time of this thread, so that other work on the machine affects it less.
 double processor_ms();
 
 /// The exit code of a benchmark: 70 if a result is wrong.
 int code_of(bool wrong);
-
-/// `threads`, or for 0 the number of the machine's.
-int threads_of(const SharedOptions& options);
 
 } // namespace oncollide::tools

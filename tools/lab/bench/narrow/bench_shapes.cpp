@@ -142,7 +142,7 @@ int bench_shapes(const ShapesOptions& options)
     ResultTable table(options.csv);
     say("{}pairs      {}, gaps of {} to 0.1 m, seed {}; checked in extended precision on {} threads\n\n",
         describe_program("shapes"), grouped(std::uint64_t(options.pairs)), options.least_gap, options.seed,
-        threads_of(options));
+        threads_of(options.threads));
     ShapeRace race(options);
     for (std::uint64_t first = 0; first < std::uint64_t(options.pairs); first += batch)
         race.run(first, std::min<std::uint64_t>(batch, std::uint64_t(options.pairs) - first));

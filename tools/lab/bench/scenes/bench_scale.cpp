@@ -241,7 +241,7 @@ int bench_scale(const ScaleOptions& o)
         std::vector<int> numbers = sampled(int(count), o.sample);
         keep_part(shard, numbers, "ranks");
         std::vector<Rank> ranks(numbers.size());
-        parallel_chunks(numbers.size(), 1, threads_of(o), [&](std::size_t begin, std::size_t end, int) {
+        parallel_chunks(numbers.size(), 1, threads_of(o.threads), [&](std::size_t begin, std::size_t end, int) {
             for (std::size_t k = begin; k < end; ++k) ranks[k] = play_rank(world, blocks, numbers[k]);
         });
         Rank sum{.number = int(count)};

@@ -28,7 +28,7 @@ struct SweepTally {
     SweepTally& operator+=(const SweepTally& o);
 };
 
-/// By the names of both kinds, in alphabetical order.
+/// Tallies by the names of both kinds, in alphabetical order.
 struct SweepTallies : std::map<std::pair<std::string, std::string>, SweepTally> {
     FirstFault first;
 
