@@ -9,8 +9,8 @@ namespace oncollide {
 std::string why_not_rigid(const Eigen::Isometry3d& pose)
 {
     constexpr double tolerance = 1e-6;
-    const double* const m = pose.data(); // columns of four. The products are written out, because this is called for
-                                         // every pose of every frame and query
+    // Columns of four. The products are written out, because this is called for every pose of every frame and query.
+    const double* const m = pose.data();
     const auto dot = [](const double* x, const double* y) { return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]; };
     const auto is = [](double value, double wanted) { return std::abs(value - wanted) <= tolerance; };
     const double *const x = m, *const y = m + 4, *const z = m + 8, *const t = m + 12;

@@ -39,8 +39,8 @@ SegmentLine line_of(const SegmentPart& part, const Eigen::Vector3d& origin, doub
     // With u = 2^-24, coordinates err by 4 u radius and projections by 16 u radius; the second bounds by 24 u radius,
     // which `cross_error` exceeds.
     const double error = part.error + 0x1p-18 * radius + 1e-30, norm = part.half.norm();
-    const double half = norm > 1e-100 ? norm : 0; // shorter segments count as points, because their squares may
-                                                  // underflow
+    // Shorter segments count as points, because their squares may underflow.
+    const double half = norm > 1e-100 ? norm : 0;
     const double scale = half > 0 ? 1 / half : 0;
     SegmentLine line{};
     for (int k = 0; k < 3; ++k) {

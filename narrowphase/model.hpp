@@ -141,10 +141,8 @@ public:
     std::uint32_t number() const { return number_; }
     Ocst* spheres() const { return spheres_.get(); }      ///< the sphere-tree; null until a test reaches it
     ObbTree* obb_tree() const { return obb_tree_.get(); } ///< the tree of surface_mesh(); null until a test reaches it
-    const std::string& unreadable() const
-    {
-        return unreadable_;
-    } ///< why a cooked mesh can have no OBB tree; empty: it can
+    /// Why a cooked mesh can have no OBB tree; empty: it can.
+    const std::string& unreadable() const { return unreadable_; }
     /// Records that a pair needs the OBB tree in this frame.
     void need_obb_tree(std::uint32_t frame)
     {

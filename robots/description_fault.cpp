@@ -159,8 +159,8 @@ std::optional<DescriptionFault> fault_of_tree(const RobotDescription& robot)
                 Of::link, i, fmt::format("is a second root, beside {}: no joint leads to it", name_of_link(root))};
         root = i;
     }
-    std::vector<std::uint32_t> reached_from(robot.links.size(), none); // the link from which the walk up reached this
-                                                                       // one
+    // The link from which the walk up reached this one.
+    std::vector<std::uint32_t> reached_from(robot.links.size(), none);
     for (std::uint32_t i = 0; i < above.size(); ++i)
         for (std::uint32_t at = i; reached_from[at] == none || reached_from[at] == i;
              at = robot.joints[above[at]].parent) {

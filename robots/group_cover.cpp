@@ -10,8 +10,8 @@ namespace oncollide {
 namespace {
 
 constexpr float nowhere = 1e18f;
-constexpr double float_slack = 0x1p-19; // share of the coordinates that covers the kernel's arithmetic and rounding to
-                                        // float
+// Share of the coordinates that covers the kernel's arithmetic and rounding to float.
+constexpr double float_slack = 0x1p-19;
 
 /// Orders [begin, end) so that each run of eight is close together.
 template <class Iterator, class Centre>

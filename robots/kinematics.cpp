@@ -193,8 +193,8 @@ BallTravel Kinematics::travel(const double* from, const double* to, double half,
         case JointKind::continuous:
             if (a[0] != b[0]) turn(step.multiplier * (b[0] - a[0]), from_axis());
             break;
-        case JointKind::planar: // seen from the child, a shift also turns points; in the other direction this bound is
-                                // larger than needed
+        // Seen from the child, a shift also turns points; in the other direction this bound is larger than needed.
+        case JointKind::planar:
             shift(std::hypot(b[0] - a[0], b[1] - a[1]));
             turn(b[2] - a[2], from_axis());
             break;

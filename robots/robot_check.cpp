@@ -121,8 +121,8 @@ private:
         if (known && are_apart(std::uint64_t{a.part(0)} << 32 | b.part(0))) return;
         pairs_.clear();
         near_.find(a, link(i, a.link()), b, link(i, b.link()), pairs_);
-        if (!single && !pairs_.empty() && robot_.parts[a.part(0)].solids) { // the list may hold the same pair several
-                                                                            // times
+        // The list may hold the same pair several times.
+        if (!single && !pairs_.empty() && robot_.parts[a.part(0)].solids) {
             std::ranges::sort(pairs_);
             pairs_.erase(std::ranges::unique(pairs_).begin(), pairs_.end());
         }

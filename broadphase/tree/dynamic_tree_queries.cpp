@@ -25,8 +25,8 @@ void DynamicTree::survivors(std::vector<std::uint32_t>& bodies)
 {
     if (whole_ || delimitation_.in_a_heap()) return bodies_.list(bodies);
     delimitation_.survivors(tree_, bodies);
-    bodies.insert(bodies.end(), queries_.begin(), queries_.end()); // filters may have rejected the leaves of the
-                                                                   // queried bodies themselves
+    // Filters may have rejected the leaves of the queried bodies themselves.
+    bodies.insert(bodies.end(), queries_.begin(), queries_.end());
     for (const BodyPair pair : near_are_pairs_ ? pairs_ : near_)
         if (to_compare(pair)) bodies.push_back(pair.a), bodies.push_back(pair.b);
     std::ranges::sort(bodies);

@@ -47,9 +47,8 @@ public:
                 continue;
             }
             triangles.push_back({loop_[(at + n - 1) % n], loop_[at], loop_[(at + 1) % n]});
-            loop_.erase(loop_.begin() + static_cast<std::ptrdiff_t>(at)), failed = 0, ++at; // continues after this ear,
-                                                                                            // so that ears are cut all
-                                                                                            // around
+            // The next ear is sought after this one, so that ears are cut all around.
+            loop_.erase(loop_.begin() + static_cast<std::ptrdiff_t>(at)), failed = 0, ++at;
         }
         if (loop_.size() != 3 || turn(loop_[0], loop_[1], loop_[2]) <= 0) return {};
         triangles.push_back({loop_[0], loop_[1], loop_[2]});

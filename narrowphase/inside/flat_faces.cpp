@@ -37,8 +37,8 @@ public:
             if (polygon_of_[t] == nothing) collect(t);
         if (2 * first_.size() > mesh_.triangles.size()) return {};
         find_sides();
-        for (bool failed = true; failed;) { // a polygon that stays as it is keeps its corners, so its neighbours must
-                                            // keep them, too
+        // A polygon that stays as it is keeps its corners, so its neighbours must keep them, too.
+        for (bool failed = true; failed;) {
             find_droppable();
             triangles_.clear(), face_.clear(), failed = false;
             for (std::uint32_t p = 0; p < first_.size(); ++p)
@@ -98,8 +98,8 @@ private:
     /// A corner may be dropped if it is on a straight edge of one polygon, or of both polygons beside the edge.
     void find_droppable()
     {
-        std::vector<std::array<std::uint32_t, 2>> beside(mesh_.vertices.size(), {nothing, nothing}); // corners before
-                                                                                                     // and after
+        // The corners before and after each vertex.
+        std::vector<std::array<std::uint32_t, 2>> beside(mesh_.vertices.size(), {nothing, nothing});
         for (const Side& s : sides_) {
             for (const auto& [v, other] : {std::pair(s.from, s.to), std::pair(s.to, s.from)}) {
                 auto& [one, two] = beside[v];

@@ -46,11 +46,8 @@ public:
 
     /// Boxes and nodes are relative to this point of the mesh's frame.
     const Eigen::Vector3d& centre() const { return centre_; }
-    const Aabb& bounds() const
-    {
-        return chunked_ ? chunked_->mesh().bounds() : mesh_->bounds;
-    }                                         ///< the bounds in the
-                                              ///< mesh's frame
+    /// The bounds in the mesh's frame.
+    const Aabb& bounds() const { return chunked_ ? chunked_->mesh().bounds() : mesh_->bounds; }
     double radius() const { return radius_; } ///< upper bound of the distance of the triangles' corners from the centre
 
     /// A node whose only box is the box of the whole mesh.

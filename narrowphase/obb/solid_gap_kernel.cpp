@@ -95,8 +95,8 @@ inline F32x8 slab_gap(const TerrainBlocks& blocks, const F32x8 (&from)[3], const
     const F32x8 sx = load(blocks.slope_x), sy = load(blocks.slope_y), low = load(blocks.slab_low),
                 high = load(blocks.slab_high);
     const F32x8 hx = 0.5f * (to[0] - from[0]), hy = 0.5f * (to[1] - from[1]), thick = 0.5f * (high - low);
-    F32x8 dx = hx - blocks.half_x, dy = hy - blocks.half_y; // offset from the point where the heights of the planes are
-                                                            // given
+    // Offset from the point where the heights of the planes are given.
+    F32x8 dx = hx - blocks.half_x, dy = hy - blocks.half_y;
     if (blocks.one_slope) {
         dx = dx + blocks.half_x * F32x8{-1, 1, -1, 1, -1, 1, -1, 1};
         dy = dy + blocks.half_y * F32x8{-3, -3, -1, -1, 1, 1, 3, 3};

@@ -212,8 +212,8 @@ private:
     /// Sets the place around the pair, which waited or is in the boxes of an entry.
     void set_place(const A& a, const B& b, std::optional<Place>* place, const Pair& pair, const Entry* from = nullptr)
     {
-        constexpr int levels = 2; // up to a hundred triangles: a pair mostly meets there again, for a quarter of the
-                                  // cost of a traversal
+        // Up to a hundred triangles: a pair mostly meets there again, for a quarter of the cost of a traversal.
+        constexpr int levels = 2;
         if (!place) return;
         for (std::size_t i = 0; i < from_.size(); ++i)
             if (waiting_[i].a == pair.a && waiting_[i].b == pair.b) from = &from_[i];

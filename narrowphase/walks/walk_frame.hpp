@@ -38,8 +38,8 @@ struct WalkFrame {
         const Eigen::Vector3d d = b_to_a(b.centre()) - a.centre();
         const double both = a.radius() + b.radius(), length = d.norm(), m = length + both;
         const auto sum = [](const Eigen::Vector3d& v) { return std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]); };
-        const double at_most_far = sum(a.centre()) + sum(b.centre()) + sum(b_to_a.translation); // sums of magnitudes,
-                                                                                                // without roots
+        // Sums of magnitudes, without roots.
+        const double at_most_far = sum(a.centre()) + sum(b.centre()) + sum(b_to_a.translation);
         // The translation of B, which only corrects the origin's rounding, is shorter than 2^-17 of the distance.
         box_rounding =
             0x1p-18 * std::min(a.radius(), b.radius()) + 0x1p-37 * length + 0x1p-48 * (m + at_most_far) + 1e-30;

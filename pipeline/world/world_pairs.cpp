@@ -180,8 +180,8 @@ void WorldImpl::decide(QueryWorker& worker)
         if (found.verdict == Verdict::separate || found.verdict == Verdict::colliding) continue;
         const PairTask& task = worker.tasks[i];
         const Aabb a = task.a->bounds().box(*task.pose_a), b = task.b->bounds().box(*task.pose_b);
-        if (const double gap = least_gap(a, b); gap > settings.clearance) // the pair would not be a candidate in a
-                                                                          // frame
+        // The pair would not be a candidate in a frame.
+        if (const double gap = least_gap(a, b); gap > settings.clearance)
             found = {Verdict::separate, ContactKind::unknown, gap};
         else if (found.bound == unknown) // no level had room or time
             found.bound = farthest_apart(a, b);

@@ -110,9 +110,8 @@ void WorldImpl::refine_hits(QueryWorker& w, const Probe& probe, std::vector<Quer
     for (std::size_t i = 0; i < w.tasks.size(); ++i) {
         const std::uint32_t slot = w.tasks[i].number;
         Finding& found = w.refined[i];
-        if (probe.solid_box && found.verdict != Verdict::colliding) // looks for parts of the body whose surface meets
-                                                                    // no face of the box
-            try {
+        // A part of the body whose surface meets no face of the box may be inside it.
+        if (probe.solid_box && found.verdict != Verdict::colliding) try {
                 if (models.with_room([&] { return has_point_in(bodies, slot, *probe.solid_box); }))
                     found = {Verdict::colliding, ContactKind::enclosed, 0};
             } catch (const ChunkFault& fault) {

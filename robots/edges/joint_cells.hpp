@@ -32,8 +32,8 @@ public:
                    Add add)
     {
         const Edge edge = edge_of(pair, from, to);
-        const auto search = [&](auto& self, double begin, double end, bool is_tested) -> bool { // true: no part is
-                                                                                                // known to be apart
+        // The search returns true if no part is known to be apart.
+        const auto search = [&](auto& self, double begin, double end, bool is_tested) -> bool {
             const double width = edge.width * (end - begin);
             if (!is_tested && width <= 1) {
                 if (is_clear(world, edge, coarse, 0.5 * (begin + end), scratch)) return false;

@@ -67,8 +67,8 @@ private:
         for (EdgeItem item : tested_) {
             item.end = std::min(item.end, found_->contact_by);
             if (item.end <= item.begin) continue;
-            if (item.end - item.begin <= 0.5 * what_.tolerance) { // test_begins() also tests the time just after the
-                                                                  // item
+            // test_begins() also tests the time just after the item.
+            if (item.end - item.begin <= 0.5 * what_.tolerance) {
                 open_.push_back(item);
                 continue;
             }

@@ -49,8 +49,8 @@ Eigen::Isometry3d origin_of(const RobotSource& source, const XmlElement& element
 
 fs::path GeometryReader::path_of(const XmlElement& element, const std::string& name) const
 {
-    constexpr std::string_view schemes[] = {"package://", "model://"}; // the schemes of ROS and of Gazebo, with one
-                                                                       // meaning
+    // The schemes of ROS and of Gazebo, with one meaning.
+    constexpr std::string_view schemes[] = {"package://", "model://"};
     const auto* const scheme =
         std::ranges::find_if(schemes, [&](std::string_view one) { return name.starts_with(one); });
     if (scheme == std::end(schemes)) return source_.at(element, [&] { return file_in(folder_, name); });

@@ -31,11 +31,8 @@ public:
     explicit CookedMap(const std::filesystem::path& path);
 
     const CookedFile& file() const { return file_; }
-    std::uint64_t checksum() const
-    {
-        return checksum_;
-    } ///< read from the header; covers the checksums of all other
-      ///< data
+    /// The checksum in the header, which covers the checksums of all other data.
+    std::uint64_t checksum() const { return checksum_; }
     const CookedMapRecord& record() const { return record_; }
     const Node& grid() const { return grid_; } ///< its octant 0 is the grid: CellTree::top()
     const std::vector<Node>& top() const { return top_; }

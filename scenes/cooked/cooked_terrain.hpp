@@ -25,11 +25,8 @@ public:
     explicit CookedTerrain(const std::filesystem::path& path);
 
     const CookedFile& file() const { return file_; }
-    std::uint64_t checksum() const
-    {
-        return checksum_;
-    } ///< read from the header; covers the checksums of all other
-      ///< data
+    /// The checksum in the header, which covers the checksums of all other data.
+    std::uint64_t checksum() const { return checksum_; }
     /// The terrain without its heights and diagonals.
     const Terrain& outline() const { return *outline_; }
     std::uint32_t across() const { return across_; } ///< chunks in a row

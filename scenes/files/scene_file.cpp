@@ -190,8 +190,8 @@ void reserve(SceneBuilder& scene, const Node& bodies)
 {
     if (bodies.size() > most_bodies)
         bodies.fail(fmt::format("{} bodies, at most {} are allowed", bodies.size(), most_bodies));
-    constexpr std::size_t least_bytes = 16; // least bytes of a body, so that a list of commas cannot reserve much
-                                            // memory
+    // Least bytes of a body, so that a list of commas cannot reserve much memory.
+    constexpr std::size_t least_bytes = 16;
     scene.reserve(std::min(bodies.size(), bodies.source().size() / least_bytes));
 }
 

@@ -140,9 +140,8 @@ Hull convex_hull(std::span<const Eigen::Vector3d> points)
         std::vector<Triangle> triangles = qhull.triangles();
         const auto neighbours = neighbours_of(triangles);
         std::vector<std::uint32_t> vertices = used_vertices(triangles);
-        if (!neighbours || 2 * vertices.size() != triangles.size() + 4)
-            continue; // the surface is not a topological
-                      // sphere
+        // The surface is not a topological sphere.
+        if (!neighbours || 2 * vertices.size() != triangles.size() + 4) continue;
         const double volume = signed_volume(coordinates, triangles);
         if (volume == 0) break;
         if (volume < 0)

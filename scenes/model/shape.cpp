@@ -80,8 +80,8 @@ BoundingMesh enclose_capsule(const Capsule& capsule)
     const double radius = (capsule.radius + rounding) * cover.factor;
 
     std::vector<Eigen::Vector3d> points;
-    std::vector<std::uint32_t> lower(cover.points.size()); // index of an equator vertex's lower copy; for other
-                                                           // vertices, of the vertex itself
+    // Index of an equator vertex's lower copy; for other vertices, of the vertex itself.
+    std::vector<std::uint32_t> lower(cover.points.size());
     for (std::size_t i = 0; i < cover.points.size(); ++i) {
         Eigen::Vector3d p = radius * cover.points[i];
         const double z = p.z();

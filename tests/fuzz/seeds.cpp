@@ -160,7 +160,7 @@ std::vector<std::string> ot_seeds()
         tree.writeData(nodes);
         seeds.push_back(map_header("# Octomap OcTree file", tree.calcNumNodes()) + nodes.str());
     }
-    // With a colour in each node, and lines that end with CR LF.
+    // Each node has a colour, and lines end with CR LF.
     std::string coloured = "# Octomap OcTree file\r\nid ColorOcTree\r\nsize 17\r\nres 1\r\ndata\r\n";
     for (int level = 0; level <= 16; ++level) coloured += std::string("\0\0\0?rgb", 7) + (level < 16 ? '\1' : '\0');
     seeds.push_back(coloured);

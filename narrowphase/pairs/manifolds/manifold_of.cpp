@@ -175,8 +175,8 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
         const bool a_in_b = is_held(a, b, worker.locator);
         if (a_in_b || is_held(b, a, worker.locator)) {
             for (ManifoldRegion& r : manifold.regions)
-                r.normal_error = std::numbers::pi; // the body touches from
-                                                   // inside
+                // The body touches from inside.
+                r.normal_error = std::numbers::pi;
             add_enclosed_region(worker, job, a_in_b, b_to_a);
         }
     }

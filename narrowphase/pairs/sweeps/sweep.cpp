@@ -49,9 +49,8 @@ public:
                 end_without_contact();
                 break;
             }
-            if (result_.steps == many_steps)
-                touch_.careful = true; // the sweep may creep between parts that nearly
-                                       // touch
+            // The sweep may creep between parts that nearly touch.
+            if (result_.steps == many_steps) touch_.careful = true;
             if (step(window_first && result_.steps == 0)) break;
         }
         return result_;

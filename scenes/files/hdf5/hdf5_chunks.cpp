@@ -142,8 +142,8 @@ struct Reader {
     /// In a valid file no two chunks share bytes; otherwise a small file could take any memory and time.
     void check()
     {
-        constexpr std::uint64_t not_yet_written = std::uint64_t{4} << 20; // most bytes that a running writer has not
-                                                                          // written yet
+        // Most bytes that a running writer has not written yet.
+        constexpr std::uint64_t not_yet_written = std::uint64_t{4} << 20;
         std::ranges::sort(chunks, {}, &Hdf5Chunk::number);
         std::uint64_t left = walk.file.size() + (walk.file.is_written() ? not_yet_written : 0);
         for (std::size_t i = 0; i < chunks.size(); ++i) {

@@ -110,8 +110,8 @@ void FacetWelder::make_slots(std::size_t count)
 void FacetWelder::take_apart(const char* facets, std::size_t count)
 {
     Corner* next = corners_.data();
-    const RecentLine* const recent = recent_.data(); // local variables stay in registers; members would be reloaded
-                                                     // after each write
+    // Local variables stay in registers; members would be reloaded after each write.
+    const RecentLine* const recent = recent_.data();
     const int shift = recent_shift_;
     for (const char* facet = facets; facet != facets + count * facet_bytes; facet += facet_bytes)
         for (const char* corner = facet + corners_at; corner != facet + corners_at + 36; corner += 12) {

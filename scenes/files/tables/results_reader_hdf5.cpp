@@ -199,8 +199,8 @@ StoredResults::StoredResults(const std::filesystem::path& path, const ResultsHea
         open_->frames = open_->rows(name_, "frames", frame_fields(words));
         frames_.resize(open_->frames->size());
         if (!frames_.empty()) open_->frames->read(0, frames_.size(), frames_.data());
-        open_->pairs = open_->rows(name_, "pairs", pair_fields(words)); // read after the frames, because there may be
-                                                                        // more pairs than they count
+        // Read after the frames, because there may be more pairs than they count.
+        open_->pairs = open_->rows(name_, "pairs", pair_fields(words));
         if (frames_.empty()) throw Hdf5Fault{"it holds no frame"};
         header_.sweeps = open_->find("sweeps").has_value();
         if (header_.sweeps) open_->sweeps = open_->rows(name_, "sweeps", sweep_fields());

@@ -35,9 +35,8 @@ std::vector<KnownPair> read_pairs(const std::string& file)
         if (fields.size() < 2 || fields[0].empty() || fields[1].empty())
             refuse(fmt::format("{}: line {}", file, line),
                    "not two names; expected two names or patterns: \"bolt*\",housing");
-        if (fields.size() > 2 && (fields[2] == "status" || fields[2] == "resolved"))
-            continue; // the columns of a
-                      // report
+        // The row names the columns of a report.
+        if (fields.size() > 2 && (fields[2] == "status" || fields[2] == "resolved")) continue;
         pairs.push_back({fields[0], fields[1], line});
     }
     return pairs;

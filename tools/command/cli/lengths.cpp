@@ -39,8 +39,8 @@ double length_from(const std::string& option, const std::string& text, const Uni
     if (error != std::errc{} || !given || !(value >= 0) || !std::isfinite(value))
         usage(fmt::format("{} {}: expected a length of 0 or more, such as 2mm, 0.1in or a number in {}", option, text,
                           unit.name));
-    return given == &unit ? value : value * given->millimetres / unit.millimetres; // gives 0.009 for 9mm, not
-                                                                                   // 0.009000000000000001
+    // 9mm is 0.009, not 0.009000000000000001.
+    return given == &unit ? value : value * given->millimetres / unit.millimetres;
 }
 
 } // namespace oncollide::tools

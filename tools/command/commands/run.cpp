@@ -104,9 +104,8 @@ int run(const RunOptions& options)
         usage(fmt::format("--from-frame {}: the scene has frames 0 to {}", options.from_frame, scene.frames - 1));
     const auto [begin, end] = shard.range(std::size_t(scene.frames));
     const int first = shard.whole() ? options.from_frame : int(begin);
-    if (options.continuous)
-        Mover().move(scene, std::max(first - 1, 0)); // the bodies start from the poses of the frame
-                                                     // before
+    // The bodies start from the poses of the frame before.
+    if (options.continuous) Mover().move(scene, std::max(first - 1, 0));
     Pipeline pipeline(scene, settings);
     pipeline.set_continuous(options.continuous);
     if (options.continuous && lists_pairs(options)) WorldAccess::parts_by_poses(pipeline.world());

@@ -130,9 +130,8 @@ View::View(const RenderOptions& o)
 Camera View::camera(const Framing& framing) const
 {
     Camera camera = framing.camera();
-    if (look_at_)
-        camera.eye += *look_at_ - camera.look_at, camera.look_at = *look_at_; // keeps the side from which it
-                                                                              // looks
+    // The camera keeps the side from which it looks.
+    if (look_at_) camera.eye += *look_at_ - camera.look_at, camera.look_at = *look_at_;
     if (eye_) camera.eye = *eye_;
     if (eye_ && !look_at_ && !framing.bounds().empty()) camera.look_at = framing.bounds().centre();
     if (camera.eye == camera.look_at) camera.look_at.y() += 1;

@@ -26,13 +26,12 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t bytes_of_body = 25, bytes_of_triangle = 16;
-constexpr std::size_t bytes_of_header = 800, bytes_of_geometry = 600;        ///< sizes as JSON, with the coarsest
-                                                                             ///< meshes
+/// Sizes as JSON, with the coarsest meshes.
+constexpr std::size_t bytes_of_header = 800, bytes_of_geometry = 600;
 constexpr std::uint64_t most_triangles = 1'500'000, most_of_model = 250'000; ///< browsers draw this many easily
 constexpr std::size_t most_of_level = 3000;                                  ///< volumes of trees
-constexpr std::size_t most_bytes_of_trees = 12 * most_of_level * 4 / 3 + 32 * most_of_level * 8 / 7; ///< bytes of the
-                                                                                                     ///< trees of one
-                                                                                                     ///< geometry
+/// Bytes of the trees of one geometry.
+constexpr std::size_t most_bytes_of_trees = 12 * most_of_level * 4 / 3 + 32 * most_of_level * 8 / 7;
 
 std::size_t encoded(std::size_t bytes)
 {
