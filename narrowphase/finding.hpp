@@ -221,13 +221,19 @@ struct ManifoldRegion {
     RegionKind kind;
     bool open;              ///< a surface is not closed; near it, the space behind it counts as inside
     Eigen::Vector3d normal; ///< unit, from a to b: moving b along it parts the bodies
-    double normal_error;    ///< bound of the angle to the exact normal, radians; pi where no normal has a meaning
-    double area, volume;    ///< area of the contact across the normal; volume of the overlap; 0: not known
+    /// Bound of the angle to the exact normal, radians; pi where no normal has a meaning. The exact normal of two
+    /// shapes is a direction of the least translation that parts them, or, where that is less than 1 % longer, of a
+    /// face.
+    double normal_error;
+    /// Area of the contact across the normal; volume of the overlap. 0: not known, as for two shapes of which one is
+    /// round. NaN without ManifoldOptions::measures, and so are `centre` and `lost`.
+    double area, volume;
     Eigen::Vector3d centre; ///< centre of the area
     /// Certified. A point of one body is in the other until b has moved by `depth_lower` along the normal. Once it has
-    /// moved by `depth_upper`, the two surfaces of the region are on the two sides of a plane.
+    /// moved by `depth_upper`, the two surfaces of the region are on the two sides of a plane. For two shapes, no
+    /// translation shorter than `depth_lower` parts them in any direction.
     double depth_lower, depth_upper;
-    double lost;                ///< no exact contact of the region is farther than this from the hull of its points
+    double lost; ///< no common point of both surfaces of the region is farther than this from the hull of its points
     std::uint32_t first, count; ///< its points
     std::uint32_t found;        ///< number of candidates from which these points were chosen
 };
@@ -241,6 +247,9 @@ struct ManifoldOptions {
     /// Points of all pairs of one call of Pairs::manifold(). Pairs share the points in turn, the deepest pair first.
     /// 0: no limit.
     std::uint32_t points_in_all = 0;
+    bool measures = false; ///< find the regions' area, volume, centre and `lost`, which solvers do not use
+
+    friend bool operator==(const ManifoldOptions&, const ManifoldOptions&) = default;
 };
 
 /// The manifold of one pair.

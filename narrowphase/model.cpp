@@ -114,6 +114,11 @@ const Convex& Model::convex() const
     });
 }
 
+const HullFaces& Model::hull_faces() const
+{
+    return hull_faces_.get([this] { return HullFaces(polytope()); });
+}
+
 const MeshLinks& Model::links() const
 {
     return *links_.get([this] {

@@ -23,6 +23,7 @@
 #include <oncollide/narrowphase/obb/shape_tree.hpp>
 #include <oncollide/narrowphase/obb/terrain_tree.hpp>
 #include <oncollide/narrowphase/shapes/convex.hpp>
+#include <oncollide/narrowphase/shapes/hull_faces.hpp>
 #include <oncollide/narrowphase/spheres/ocst.hpp>
 #include <oncollide/narrowphase/spheres/surface.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
@@ -89,6 +90,8 @@ public:
     double reach() const { return kind_ == Kind::half_space ? 0 : bounds_.reach(); }
     /// The shape for tests without trees. The model must be a shape other than a half-space.
     const Convex& convex() const;
+    /// The faces of a hull. The model must be a hull.
+    const HullFaces& hull_faces() const;
     /// The shape as one primitive for traversals. The model must be a shape other than a half-space.
     const ShapeTree& shape_tree() const;
     /// The triangles that OBB trees are built over: the mesh, or the surface of a box or a hull; null: there are none.
@@ -198,6 +201,7 @@ private:
     Once<BoundingMesh> bounding_mesh_;
     Once<Mesh> polytope_, whole_;
     Once<Convex> convex_;
+    Once<HullFaces> hull_faces_;
     Once<ShapeTree> shape_tree_;
     Once<std::unique_ptr<MapTree>> cells_;
     Once<std::unique_ptr<TerrainTree>> heights_;

@@ -182,6 +182,11 @@ struct ManifoldLists {
     std::vector<std::uint8_t> complete; ///< for each pair: Manifold::complete
 };
 
+/// The manifolds of a frame: of its pairs that have a region, or whose manifold is not complete, in the frame's order.
+struct FrameManifolds : ManifoldLists {
+    std::vector<PairOfBodies> pairs;
+};
+
 /// Depends on all bits of the lists.
 ONCOLLIDE_API std::uint64_t hash_of(const ManifoldLists& manifolds);
 

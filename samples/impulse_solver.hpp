@@ -40,7 +40,8 @@ public:
         impulses_.clear();
         for (const Row& row : rows_) impulses_.push_back(row.impulse);
     }
-    const ManifoldLists& manifolds() const { return lists_; }
+    /// Of the last step; the bodies have moved since.
+    const FrameManifolds& manifolds() const { return *manifolds_; }
     std::size_t contacts() const { return rows_.size(); }
     double deepest() const ///< metres
     {
@@ -59,21 +60,21 @@ private:
 
     void find_contacts()
     {
-        pairs_.clear();
-        for (const PairResult& pair : world_.step().pairs) pairs_.push_back({pair.a, pair.b});
-        world_.pairs().manifold(pairs_, {.margin = margin}, lists_);
-        const ManifoldTracker::Update& update = tracker_.update(world_, pairs_, lists_);
-        std::vector<Eigen::Vector3d> kept(lists_.points.size(), Eigen::Vector3d::Zero());
+        world_.step();
+        const FrameManifolds& found = world_.manifolds({.margin = margin});
+        manifolds_ = &found;
+        const ManifoldTracker::Update& update = tracker_.update(world_, found.pairs, found);
+        std::vector<Eigen::Vector3d> kept(found.points.size(), Eigen::Vector3d::Zero());
         for (std::size_t i = 0; i < kept.size(); ++i)
             if (update.previous[i] != ManifoldTracker::none) kept[i] = impulse_of(update.previous[i]);
-        rows_.clear(), row_of_.assign(lists_.points.size(), ManifoldTracker::none);
-        for (std::size_t i = 0; i < pairs_.size(); ++i)
-            for (std::size_t k = lists_.offsets[i]; k < lists_.offsets[i + 1]; ++k) {
-                const ManifoldRegion& region = lists_.regions[k];
+        rows_.clear(), row_of_.assign(found.points.size(), ManifoldTracker::none);
+        for (std::size_t i = 0; i < found.pairs.size(); ++i)
+            for (std::size_t k = found.offsets[i]; k < found.offsets[i + 1]; ++k) {
+                const ManifoldRegion& region = found.regions[k];
                 if (region.normal_error > 1) continue; // no normal has a meaning there
                 for (std::uint32_t p = region.first; p < region.first + region.count; ++p) {
                     row_of_[p] = static_cast<std::uint32_t>(rows_.size());
-                    add(pairs_[i], lists_.points[p], kept[p]);
+                    add(found.pairs[i], found.points[p], kept[p]);
                 }
             }
         std::swap(last_row_of_, row_of_);
@@ -103,7 +104,7 @@ private:
         if (row.a->inverse_mass + row.b->inverse_mass > 0)
             rows_.push_back(row);
         else
-            row_of_[static_cast<std::size_t>(&point - lists_.points.data())] = ManifoldTracker::none;
+            row_of_[static_cast<std::size_t>(&point - manifolds_->points.data())] = ManifoldTracker::none;
     }
     Eigen::Vector3d inverse_inertia(const RigidBody& body, const Eigen::Vector3d& torque) const
     {
@@ -151,8 +152,7 @@ private:
 
     World& world_;
     ManifoldTracker tracker_{0.02};
-    ManifoldLists lists_;
-    std::vector<PairOfBodies> pairs_;
+    const FrameManifolds* manifolds_ = nullptr; ///< the World's, of the last step
     std::vector<Row> rows_;
     std::vector<std::uint32_t> row_of_, last_row_of_; ///< for each point
     std::vector<Eigen::Vector3d> impulses_;

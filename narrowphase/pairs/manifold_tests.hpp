@@ -7,6 +7,9 @@ namespace oncollide {
 /// Pairs::manifold() for every two kinds except two half-spaces.
 void manifold_of(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold);
 
+/// True if manifold_of() needs the trees of the models that have triangles.
+bool needs_trees(const PairTask& task);
+
 /// Keeps at most this many points: regions share them in turn, the deepest first, and lose their last points.
 void limit_points(Manifold& manifold, std::size_t most);
 /// The same for the points of all manifolds: pairs share them in turn, the deepest first.

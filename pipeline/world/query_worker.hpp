@@ -27,6 +27,7 @@ struct WorldImpl::QueryWorker {
     std::vector<Eigen::Isometry3d> poses; ///< poses of pairs given as columns
     std::vector<PairTask> tasks;
     std::vector<Finding> refined;
+    Manifold manifold;
 };
 
 /// A worker for the time of one call.

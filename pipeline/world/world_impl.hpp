@@ -5,6 +5,7 @@
 #include <oncollide/pipeline/refine/narrowing.hpp>
 #include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/pipeline/world.hpp>
+#include <oncollide/pipeline/world/frame_manifolds.hpp>
 #include <oncollide/pipeline/world/motion_forecast.hpp>
 #include <oncollide/pipeline/world/stage.hpp>
 #include <oncollide/pipeline/world/sweep_pairs.hpp>
@@ -35,6 +36,8 @@ struct ONCOLLIDE_LOCAL WorldImpl {
     std::unique_ptr<BroadPhase> broad;
 
     Frame frame;
+    FrameManifoldCache frame_manifolds;
+    bool changed_since_step = false; ///< bodies or models changed since the last frame
     SweepPairs sweeps{models};
     std::vector<std::unique_ptr<Stage>> stages;
     std::vector<std::uint8_t> skipped;            ///< by stage: skipped by request
@@ -72,6 +75,7 @@ struct ONCOLLIDE_LOCAL WorldImpl {
     void replace(ModelId id, std::shared_ptr<const Geometry> geometry);
     void changed()
     {
+        changed_since_step = true;
         taken_in.store(false, std::memory_order_release);
         with_tree.store(nullptr, std::memory_order_relaxed);
     }
@@ -109,7 +113,8 @@ struct ONCOLLIDE_LOCAL WorldImpl {
                       const SweepOptions& options, bool all, std::vector<SweepHit>& hits);
     SweepHit first_cast(QueryWorker& worker, const MovingModel& model, const CollisionFilter& filter,
                         const SweepOptions& options);
-    Manifold manifold(QueryWorker& worker, const PairTask& task, const ManifoldOptions& options);
+    /// Overwrites `found`. The trees must be there.
+    void manifold(QueryWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& found);
     void check_placed(const char* call, std::size_t number, const PlacedModel& placed);
     struct Probe; // a model at a pose against all bodies: world_space.cpp
     void find_near(QueryWorker& worker, const Probe& probe, double margin);

@@ -29,16 +29,15 @@ void check_options(const ManifoldOptions& options)
 
 } // namespace
 
-/// The trees must be there.
-Manifold WorldImpl::manifold(QueryWorker& worker, const PairTask& task, const ManifoldOptions& options)
+void WorldImpl::manifold(QueryWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& found)
 {
+    const auto begin = [&] { found.regions.clear(), found.points.clear(), found.complete = true; };
     const auto find = tests_for(task).manifold;
-    Manifold found;
+    begin();
     if (!find || reads_a_part(task))
         found.complete = false;
     else
-        models.with_room([&] { found = {}, find(worker.pairs, task, options, found); });
-    return found;
+        models.with_room([&] { begin(), find(worker.pairs, task, options, found); });
 }
 
 Manifold Pairs::manifold(PairSide a, PairSide b, const ManifoldOptions& options) const
@@ -48,7 +47,9 @@ Manifold Pairs::manifold(PairSide a, PairSide b, const ManifoldOptions& options)
     const PairTask task = p.checked_task(a, b);
     p.need_trees({&task, 1});
     WorldImpl::Lease worker(p);
-    return p.manifold(*worker, task, options);
+    Manifold found;
+    p.manifold(*worker, task, options, found);
+    return found;
 }
 
 void Pairs::manifold(PairSpan pairs, const ManifoldOptions& options, ManifoldLists& lists) const
@@ -56,16 +57,48 @@ void Pairs::manifold(PairSpan pairs, const ManifoldOptions& options, ManifoldLis
     check_options(options);
     WorldImpl& p = *world_;
     const PairTasks tasks = p.ready_tasks("manifold", pairs);
-    std::vector<Manifold> found(tasks.size());
-    p.each(tasks.size(), 4, [&](auto& worker, std::size_t i) { found[i] = p.manifold(worker, tasks[i], options); });
-    if (options.points_in_all > 0) limit_points(found, options.points_in_all);
-    lists.regions.clear(), lists.points.clear(), lists.complete.clear(), lists.offsets.assign(1, 0);
-    for (const Manifold& m : found) {
-        const auto before = static_cast<std::uint32_t>(lists.points.size());
-        for (ManifoldRegion region : m.regions) region.first += before, lists.regions.push_back(region);
-        lists.points.insert(lists.points.end(), m.points.begin(), m.points.end());
-        lists.offsets.push_back(lists.regions.size()), lists.complete.push_back(m.complete);
+    constexpr std::size_t chunk = 16;
+    if (p.frame.context.threads == 1 || tasks.size() <= chunk) { // without copies
+        const ExecutorScope scope(p.settings.executor);
+        WorldImpl::Lease worker(p);
+        clear(lists);
+        for (const PairTask& task : tasks.tasks)
+            p.manifold(*worker, task, options, worker->manifold), append(lists, worker->manifold);
+    } else {
+        std::vector<ManifoldLists> parts((tasks.size() + chunk - 1) / chunk);
+        p.each(tasks.size(), chunk, [&](auto& worker, std::size_t i) {
+            ManifoldLists& part = parts[i / chunk];
+            if (i % chunk == 0) clear(part);
+            p.manifold(worker, tasks[i], options, worker.manifold), append(part, worker.manifold);
+        });
+        clear(lists);
+        for (const ManifoldLists& part : parts)
+            for (std::size_t i = 0; i + 1 < part.offsets.size(); ++i) append(lists, part, i);
     }
+    if (options.points_in_all > 0) limit_points(lists, options.points_in_all, lists);
+}
+
+const FrameManifolds& World::manifolds(const ManifoldOptions& options)
+{
+    check_options(options);
+    return impl().frame_manifolds.find(impl(), options);
+}
+
+void limit_points(const ManifoldLists& lists, std::size_t most, ManifoldLists& limited)
+{
+    std::vector<Manifold> all(lists.complete.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        all[i].complete = lists.complete[i];
+        for (std::size_t k = lists.offsets[i]; k < lists.offsets[i + 1]; ++k) {
+            ManifoldRegion region = lists.regions[k];
+            const auto own = std::span(lists.points).subspan(region.first, region.count);
+            region.first = static_cast<std::uint32_t>(all[i].points.size());
+            all[i].regions.push_back(region), all[i].points.insert(all[i].points.end(), own.begin(), own.end());
+        }
+    }
+    limit_points(all, most);
+    clear(limited);
+    for (const Manifold& m : all) append(limited, m);
 }
 
 namespace {

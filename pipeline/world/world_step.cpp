@@ -186,6 +186,7 @@ FrameView World::step()
     frame.sweeps.clear();
     if (p.rests()) {
         p.repeat_stages();
+        p.frame_manifolds.repeat(frame.number);
     } else {
         try {
             p.run_stages();
@@ -205,6 +206,7 @@ FrameView World::step()
     frame.fresh.clear(), frame.changed.clear(), frame.moved = 0, frame.same_bodies = true;
 
     if (p.bodies.any_motion()) p.bodies.end_motions(), p.changed();
+    p.changed_since_step = false;
     TreeStats& trees = frame.context.trees;
     trees.collapsed = p.models.age(frame.number);
     p.with_tree.store(nullptr, std::memory_order_relaxed);
@@ -322,8 +324,8 @@ WorldInfo World::inspect() const
     return {.bodies = p.bodies.size(),
             .models = p.models.size(),
             .frames = p.frame.number,
-            .bytes =
-                p.bodies.bytes() + p.broad->bytes() + p.models.bytes() + p.models.links_bytes() + p.frame.cache.bytes(),
+            .bytes = p.bodies.bytes() + p.broad->bytes() + p.models.bytes() + p.models.links_bytes() +
+                     p.frame.cache.bytes() + p.frame_manifolds.bytes(),
             .backend = p.models.backend().name(),
             .renderer = p.models.backend().renderer(),
             .backend_note = p.note_on_backend(),

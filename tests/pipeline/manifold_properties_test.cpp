@@ -334,7 +334,7 @@ TEST(Manifolds, RegionsAndPairsShareTheLimitOfPointsInTurn)
     const std::vector<PairOfBodies> pairs = {{bodies[0], bodies[1]}, {bodies[2], bodies[3]}};
     ManifoldLists lists;
     for (const std::uint32_t most : {1u, 2u, 6u, 10u}) {
-        world.pairs().manifold(pairs, {.points_in_all = most}, lists);
+        world.pairs().manifold(pairs, {.points_in_all = most, .measures = true}, lists);
         ASSERT_EQ(lists.points.size(), most);
         EXPECT_FALSE(lists.complete[0]);
         std::size_t of_box = 0;

@@ -74,7 +74,11 @@ struct Two {
         };
         a = add(of_a, pose_a), b = add(of_b, pose_b);
     }
-    Manifold manifold(const ManifoldOptions& options = {}) const { return world.pairs().manifold(a, b, options); }
+    Manifold manifold(ManifoldOptions options = {}) const
+    {
+        options.measures = true;
+        return world.pairs().manifold(a, b, options);
+    }
 };
 
 inline void expect_near(const Vector3d& x, const Vector3d& y, double tolerance, const std::string& what)

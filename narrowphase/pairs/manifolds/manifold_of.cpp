@@ -1,6 +1,7 @@
 // The manifold of two bodies of any kinds.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
@@ -8,7 +9,7 @@
 #include <oncollide/narrowphase/pairs/manifolds/crossing_regions.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/near_regions.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/points/point_hull.hpp>
-#include <oncollide/narrowphase/pairs/manifolds/round_solids.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/shapes/shape_manifold.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/touching_regions.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
@@ -92,7 +93,7 @@ void add_enclosed_region(PairWorker& worker, const ManifoldJob& job, bool inner_
 
 /// Drops a point that an earlier region has, too, with nearly the same normal: a solver would get the same equation
 /// twice. A region keeps at least one point.
-void drop_repeated(Manifold& manifold)
+void drop_repeated(Manifold& manifold, const ManifoldOptions& options)
 {
     std::vector<ManifoldPoint> kept;
     std::vector<double> same; // distance within which two points count as the same
@@ -109,7 +110,8 @@ void drop_repeated(Manifold& manifold)
             if (i == before || (&p == &own.back() && kept.size() == before)) kept.push_back(p), same.push_back(near);
         }
         r.first = static_cast<std::uint32_t>(before), r.count = static_cast<std::uint32_t>(kept.size() - before);
-        if (r.count < own.size()) r.lost += most_lost(std::span<const ManifoldPoint>(kept).subspan(before), own);
+        if (r.count < own.size() && options.measures)
+            r.lost += most_lost(std::span<const ManifoldPoint>(kept).subspan(before), own);
     }
     manifold.points = std::move(kept);
 }
@@ -121,7 +123,7 @@ void complete(Manifold& manifold, const ManifoldOptions& options, const Eigen::I
     std::ranges::stable_sort(regions, std::ranges::greater{}, [](const ManifoldRegion& r) { return r.depth_lower; });
     if (const std::size_t most = std::max(options.regions_per_pair, 1u); regions.size() > most)
         regions.resize(most), manifold.complete = false;
-    drop_repeated(manifold);
+    drop_repeated(manifold, options);
     for (ManifoldRegion& r : regions) r.normal = pose.linear() * r.normal, r.centre = pose * r.centre;
     for (ManifoldPoint& p : manifold.points)
         p.point_a = pose * p.point_a, p.point_b = pose * p.point_b, p.normal = pose.linear() * p.normal;
@@ -132,7 +134,6 @@ void complete(Manifold& manifold, const ManifoldOptions& options, const Eigen::I
 void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold, bool joins)
 {
     const Kind kind_a = task.a->kind(), kind_b = task.b->kind();
-    if (kind_a == Kind::round && kind_b == Kind::round) return manifold_of_solids(worker, task, options, manifold);
     const bool round = kind_a == Kind::round || kind_b == Kind::round;
     bool meet = true;
     if (round) {
@@ -190,14 +191,30 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
             find(worker, task, options, manifold, false);
 }
 
+void drop_measures(Manifold& manifold)
+{
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    for (ManifoldRegion& r : manifold.regions) r.area = r.volume = r.lost = none, r.centre.setConstant(none);
+}
+
 } // namespace
+
+bool needs_trees(const PairTask& task)
+{
+    return !are_shapes(takes_b_first(task) ? task.swapped() : task);
+}
 
 void manifold_of(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold)
 {
     const bool swapped = takes_b_first(task);
     const PairTask ordered = swapped ? task.swapped() : task;
-    find(worker, ordered, options, manifold, true);
-    complete(manifold, options, *ordered.pose_a);
+    if (are_shapes(ordered)) {
+        manifold_of_shapes(worker, ordered, options, manifold);
+    } else {
+        find(worker, ordered, options, manifold, true);
+        complete(manifold, options, *ordered.pose_a);
+    }
+    if (!options.measures) drop_measures(manifold);
     if (!swapped) return;
     for (ManifoldRegion& r : manifold.regions) r.normal = -r.normal;
     for (ManifoldPoint& p : manifold.points)

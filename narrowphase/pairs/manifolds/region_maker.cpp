@@ -159,10 +159,12 @@ void RegionMaker::finish(const ManifoldJob& job)
     region.depth_upper = std::max(region.depth_upper, region.depth_lower);
     const auto own = std::span(points).subspan(region.first);
     level(own, region.normal);
-    const PointHull hull(own);
-    double lost = 0;
-    for (const Vector3d& p : draft.contacts) lost = std::max(lost, hull.distance2(p, lost));
-    region.lost = std::sqrt(lost) + draft.rounding;
+    if (job.options.measures) {
+        const PointHull hull(own);
+        double lost = 0;
+        for (const Vector3d& p : draft.contacts) lost = std::max(lost, hull.distance2(p, lost));
+        region.lost = std::sqrt(lost) + draft.rounding;
+    }
     job.manifold.regions.push_back(region);
 }
 

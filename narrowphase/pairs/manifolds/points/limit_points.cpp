@@ -1,5 +1,6 @@
 // Limits of the number of points of a pair, and of many pairs.
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include <oncollide/narrowphase/pairs/manifold_tests.hpp>
@@ -37,7 +38,7 @@ void limit_points(Manifold& manifold, std::size_t most)
         ManifoldRegion& r = manifold.regions[i];
         const auto own = std::span<const ManifoldPoint>(manifold.points).subspan(r.first, r.count);
         const auto first = own.first(shares[i]);
-        r.lost += most_lost(first, own.subspan(shares[i]));
+        if (!std::isnan(r.lost)) r.lost += most_lost(first, own.subspan(shares[i]));
         r.first = static_cast<std::uint32_t>(kept.size()), r.count = shares[i];
         kept.insert(kept.end(), first.begin(), first.end());
     }

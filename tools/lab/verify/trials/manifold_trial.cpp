@@ -93,7 +93,7 @@ void try_pair(std::uint64_t seed, ManifoldTally& tally)
     const auto add = [&](const Mesh& mesh) { return world.bodies().add({.model = world.models().add(Mesh(mesh))}); };
     const BodyId of_a = add(a), of_b = add(b);
     const oracle::ManifoldVerdict found =
-        oracle::judge_manifold(surface_of(a), surface_of(b), world.pairs().manifold(of_a, of_b));
+        oracle::judge_manifold(surface_of(a), surface_of(b), world.pairs().manifold(of_a, of_b, {.measures = true}));
     ++tally.pairs;
     tally.met += found.contacts > 0, tally.whole += found.whole, tally.exact += found.exact;
     tally.special += !found.general, tally.contacts += found.contacts;

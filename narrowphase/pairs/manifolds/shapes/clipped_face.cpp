@@ -1,0 +1,116 @@
+#include <oncollide/narrowphase/pairs/manifolds/shapes/clipped_face.hpp>
+
+#include <algorithm>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+namespace oncollide {
+
+namespace {
+
+using Eigen::Vector3d;
+
+/// A corner of the polygon that is being clipped. Edges of the face have the numbers from 0 on; the cut by side k of
+/// the flat face is edge -1 - k.
+struct Draft {
+    Vector3d at;
+    int before, after; ///< the edges that meet here
+};
+
+std::uint32_t next(const ContactFace& f, std::uint32_t k)
+{
+    return k + 1 < f.count ? k + 1 : 0;
+}
+
+/// The outward normal of side k of a flat face, not unit, and the height of the side along it.
+std::pair<Vector3d, double> side(const ContactFace& flat, std::uint32_t k)
+{
+    const Vector3d out = (flat.corner[next(flat, k)] - flat.corner[k]).cross(flat.normal);
+    return {out, out.dot(flat.corner[k])};
+}
+
+} // namespace
+
+void ClippedFace::clip_segment(const ContactFace& face, const ContactFace& flat, double off)
+{
+    const Vector3d from = face.corner[0], way = face.count > 1 ? Vector3d(face.corner[1] - from) : Vector3d::Zero();
+    double low = 0, high = 1;
+    int low_side = -1, high_side = -1;
+    for (std::uint32_t k = 0; k < flat.count; ++k) {
+        const auto [out, height] = side(flat, k);
+        const double at_low = out.dot(from) - height, rise = out.dot(way), slack = off * out.norm();
+        if (at_low <= slack && at_low + rise <= slack) continue;
+        if (at_low > slack && at_low + rise > slack) return;
+        const double cut = -at_low / rise;
+        if (rise < 0 ? cut > low : cut < high)
+            (rise < 0 ? low : high) = cut, (rise < 0 ? low_side : high_side) = int(k);
+    }
+    if (low > high) return;
+    const auto add = [&](double t, int by, std::uint32_t end) {
+        const auto k = static_cast<std::uint32_t>(std::max(by, 0));
+        corner[count++] = {from + t * way, by < 0 ? face.vertex(end) : face.edge(0, face.count - 1),
+                           by < 0 ? flat.face : flat.edge(k, next(flat, k)), by < 0 ? (end ? 1 : -1) : 0};
+    };
+    add(low, low_side, 0);
+    if (face.count > 1 && high > low) add(high, high_side, 1);
+}
+
+void ClippedFace::clip_polygon(const ContactFace& face, const ContactFace& flat, double off)
+{
+    std::array<Draft, most> lists[2];
+    Draft *now = lists[0].data(), *then = lists[1].data();
+    std::uint32_t size = face.count;
+    for (std::uint32_t i = 0; i < size; ++i) now[i] = {face.corner[i], i ? int(i) - 1 : int(size) - 1, int(i)};
+    std::array<double, most> height;
+    for (std::uint32_t k = 0; k < flat.count && size > 0; ++k) {
+        const auto [out, level] = side(flat, k);
+        const double slack = off * out.norm();
+        bool any = false;
+        for (std::uint32_t i = 0; i < size; ++i) height[i] = out.dot(now[i].at) - level, any |= height[i] > slack;
+        if (!any) continue;
+        std::uint32_t kept = 0;
+        const auto add = [&](const Draft& draft) {
+            if (kept < most) then[kept++] = draft;
+        };
+        for (std::uint32_t i = 0; i < size; ++i) {
+            const std::uint32_t j = i + 1 < size ? i + 1 : 0;
+            const bool in = height[i] <= slack, next_in = height[j] <= slack;
+            if (in) add(now[i]);
+            if (in == next_in) continue;
+            const double t = std::clamp(height[i] / (height[i] - height[j]), 0.0, 1.0);
+            const Vector3d at = now[i].at + t * (now[j].at - now[i].at);
+            const int cut = -1 - int(k);
+            add(in ? Draft{at, now[i].after, cut} : Draft{at, cut, now[i].after});
+        }
+        std::swap(now, then), size = kept;
+    }
+    for (std::uint32_t i = 0; i < size; ++i) {
+        const Draft& d = now[i];
+        Corner& to = corner[count++];
+        to.at = d.at, to.end = 0;
+        const auto flat_side = [](int edge) { return static_cast<std::uint32_t>(-1 - edge); };
+        if (d.before >= 0 && d.after >= 0) {
+            to.of_face = face.vertex(static_cast<std::uint32_t>(d.after)), to.of_flat = flat.face;
+        } else if (d.before < 0 && d.after < 0) {
+            const std::uint32_t p = flat_side(d.before), q = flat_side(d.after);
+            to.of_face = face.face;
+            to.of_flat = next(flat, p) == q ? flat.vertex(q) : next(flat, q) == p ? flat.vertex(p) : flat.edge(p, q);
+        } else {
+            const std::uint32_t k = flat_side(std::min(d.before, d.after));
+            const auto e = static_cast<std::uint32_t>(std::max(d.before, d.after));
+            to.of_face = face.edge(e, next(face, e)), to.of_flat = flat.edge(k, next(flat, k));
+        }
+    }
+}
+
+void ClippedFace::find(const ContactFace& face, const ContactFace& flat, double off)
+{
+    count = 0;
+    if (face.count < 3)
+        clip_segment(face, flat, off);
+    else
+        clip_polygon(face, flat, off);
+}
+
+} // namespace oncollide

@@ -1,0 +1,29 @@
+#pragma once
+#include <array>
+
+#include <oncollide/narrowphase/pairs/manifolds/shapes/contact_face.hpp>
+
+namespace oncollide {
+
+/// The part of a face that lies over another, flat face, seen along that face's normal.
+struct ClippedFace {
+    static constexpr std::uint32_t most = 2 * ContactFace::most;
+    struct Corner {
+        Eigen::Vector3d at;
+        FeatureBits of_face, of_flat; ///< the features of both that meet here
+        int end;                      ///< of a clipped segment: 1 or -1 at its own ends, 0 elsewhere
+    };
+    std::uint32_t count;
+    std::array<Corner, most> corner;
+
+    /// @param face  a point, a segment or a polygon
+    /// @param flat  a polygon
+    /// @param off   metres: a corner may lie this far outside of the polygon
+    void find(const ContactFace& face, const ContactFace& flat, double off);
+
+private:
+    void clip_segment(const ContactFace& face, const ContactFace& flat, double off);
+    void clip_polygon(const ContactFace& face, const ContactFace& flat, double off);
+};
+
+} // namespace oncollide

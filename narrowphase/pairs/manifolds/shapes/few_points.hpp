@@ -1,0 +1,38 @@
+#pragma once
+#include <array>
+#include <span>
+
+#include <oncollide/narrowphase/pairs/manifolds/shapes/clipped_face.hpp>
+
+namespace oncollide {
+
+/// The points of a region of two shapes, and the choice of a few.
+class FewPoints {
+public:
+    struct Candidate {
+        Eigen::Vector3d on_a, on_b;
+        double depth, off;
+        FeatureBits of_a, of_b;
+    };
+    void add(const Candidate& c)
+    {
+        if (count_ < all_.size()) all_[count_++] = c;
+    }
+    void clear() { count_ = 0; }
+    bool empty() const { return count_ == 0; }
+    std::uint32_t count() const { return count_; }
+    double deepest() const;
+    std::span<const Candidate> chosen() const { return std::span(all_).first(count_); }
+
+    /// Drops points of less depth, but not the deepest.
+    void drop_shallow(double least);
+    /// Keeps at most this many: the deepest, the farthest from it, the corner of the largest triangle, then always the
+    /// point that adds the most area. Points at one place count as one.
+    void choose(const Eigen::Vector3d& normal, std::uint32_t most);
+
+private:
+    std::uint32_t count_ = 0;
+    std::array<Candidate, ClippedFace::most + 2> all_;
+};
+
+} // namespace oncollide

@@ -1,0 +1,35 @@
+#pragma once
+#include <oncollide/narrowphase/shapes/convex_pair.hpp>
+
+namespace oncollide {
+
+/// The least translation of B that parts two convex solids; for solids apart, their gap as a negative depth. In A's
+/// frame, metres.
+struct LeastTranslation {
+    /// Certified: no translation of less than `lower` parts the solids, and one of `upper` along the normal does.
+    /// Negative: they are apart by at least -upper, and at most -lower.
+    double lower = 0, upper = 0;
+    Eigen::Vector3d normal = Eigen::Vector3d::UnitX(); ///< unit, from A to B
+    double normal_error = 0; ///< radians: bound of its angle to a direction of least translation; see below
+    /// Points of the cores where the solids are deepest or nearest, if `has_points`.
+    Eigen::Vector3d on_a = Eigen::Vector3d::Zero(), on_b = Eigen::Vector3d::Zero();
+    bool has_points = false;
+    bool of_edges = false; ///< the normal is across two edges
+    bool beyond = false;   ///< they are certainly farther apart than `cutoff`; only `upper` is set
+};
+
+/// The bounds are as close as rounding allows, 2^-46 of sizes and distance, for cores that are points, segments, boxes
+/// or hulls; to 2^-17 of the depth and 2^-34 of the sizes for other cores that overlap. The error of the normal is that
+/// of rounding where the direction is unique. Of faces and edges with nearly the same depth (to 1 % and 2^-24 of the
+/// sizes), it is normal to the first face: `upper` is its depth, and `lower` the least of all.
+/// @param cutoff  metres, >= 0: solids that are farther apart are not measured
+///
+/// Cost: 20 to 60 ns for spheres and capsules, 0.1 microseconds for two boxes, 0.3 to 2 otherwise.
+///
+/// Separating axes for boxes; closed forms for points and segments; Gilbert, Johnson and Keerthi's distance for cores
+/// that are apart; an expanding polytope otherwise (van den Bergen, "Proximity queries and penetration depth
+/// computation on 3D game objects", 2001). The lower bound is the distance of 0 from the polytope, whose corners are
+/// points of the difference: it holds whatever shape rounding gives the polytope.
+LeastTranslation least_translation(const ConvexDifference& cores, double cutoff);
+
+} // namespace oncollide

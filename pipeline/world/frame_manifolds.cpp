@@ -1,0 +1,159 @@
+#include <oncollide/pipeline/world/frame_manifolds.hpp>
+
+#include <algorithm>
+#include <utility>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/narrowphase/pairs/manifold_tests.hpp>
+#include <oncollide/pipeline/world/query_worker.hpp>
+
+namespace oncollide {
+
+namespace {
+
+constexpr std::size_t pairs_of_a_part = 64;
+
+} // namespace
+
+void clear(ManifoldLists& lists)
+{
+    lists.regions.clear(), lists.points.clear(), lists.complete.clear(), lists.offsets.assign(1, 0);
+}
+
+void append(ManifoldLists& lists, const Manifold& found)
+{
+    const auto before = static_cast<std::uint32_t>(lists.points.size());
+    for (const ManifoldRegion& region : found.regions)
+        lists.regions.push_back(region), lists.regions.back().first += before;
+    lists.points.insert(lists.points.end(), found.points.begin(), found.points.end());
+    lists.offsets.push_back(lists.regions.size()), lists.complete.push_back(found.complete);
+}
+
+void append(ManifoldLists& lists, const ManifoldLists& from, std::size_t i)
+{
+    const auto before = static_cast<std::uint32_t>(lists.points.size());
+    const std::size_t begin = from.offsets[i], end = from.offsets[i + 1];
+    if (begin < end) {
+        const std::uint32_t first = from.regions[begin].first;
+        const ManifoldRegion& last = from.regions[end - 1];
+        for (std::size_t k = begin; k < end; ++k)
+            lists.regions.push_back(from.regions[k]), lists.regions.back().first += before - first;
+        lists.points.insert(lists.points.end(), from.points.begin() + first,
+                            from.points.begin() + last.first + last.count);
+    }
+    lists.offsets.push_back(lists.regions.size()), lists.complete.push_back(from.complete[i]);
+}
+
+/// Sets which pairs are copied, and which are measured.
+void FrameManifoldCache::choose_pairs(WorldImpl& world, const ManifoldOptions& options, bool reuse)
+{
+    const Frame& frame = world.frame;
+    const std::size_t count = frame.results.size();
+    kept_from_.assign(count, none), open_.clear();
+    std::size_t sweep = 0, next = 0; // next: the first pair that was not looked at
+    const auto look = [&](std::size_t end) {
+        for (; next < end; ++next) {
+            while (sweep < frame.sweeps.size() && frame.sweeps[sweep].pair < next) ++sweep;
+            const bool swept = sweep < frame.sweeps.size() && frame.sweeps[sweep].pair == next;
+            const PairResult& result = frame.results[next];
+            if (swept || result.verdict != Verdict::separate || (options.margin > 0 && result.bound <= options.margin))
+                open_.push_back(static_cast<std::uint32_t>(next));
+        }
+    };
+    if (reuse)
+        for (const PairRun& run : frame.cache.unchanged()) {
+            look(run.now);
+            for (std::uint32_t k = 0; k < run.count; ++k) kept_from_[next++] = last_.place[run.before + k];
+        }
+    look(count);
+}
+
+/// Measures the open pairs, in parts.
+void FrameManifoldCache::measure(WorldImpl& world, const ManifoldOptions& options)
+{
+    tasks_.clear(), of_trees_.clear();
+    for (const std::uint32_t i : open_) {
+        const PairResult& pair = world.frame.results[i];
+        tasks_.push_back(world.task_of(pair.a, pair.b));
+        if (needs_trees(tasks_.back())) of_trees_.push_back(tasks_.back());
+    }
+    if (!of_trees_.empty()) world.need_trees(of_trees_);
+    parts_.resize((open_.size() + pairs_of_a_part - 1) / pairs_of_a_part);
+    const ExecutorScope scope(world.settings.executor);
+    parallel_chunks(parts_.size(), 1, world.frame.context.threads, [&](std::size_t begin, std::size_t end, int) {
+        WorldImpl::Lease worker(world);
+        for (std::size_t part = begin; part < end; ++part) {
+            ManifoldLists& lists = parts_[part].lists;
+            clear(lists);
+            for (std::size_t i = part * pairs_of_a_part; i < std::min(open_.size(), (part + 1) * pairs_of_a_part);
+                 ++i) {
+                world.manifold(*worker, tasks_[i], options, worker->manifold);
+                append(lists, worker->manifold);
+            }
+        }
+    });
+}
+
+/// Joins what was copied and what was measured, in the order of the pairs. Pairs without regions are left out.
+void FrameManifoldCache::join(WorldImpl& world)
+{
+    const std::size_t count = world.frame.results.size();
+    clear(now_.manifolds), now_.manifolds.pairs.clear();
+    now_.place.assign(count, none);
+    const auto take = [&](std::size_t pair, const ManifoldLists& from, std::size_t i) {
+        if (from.offsets[i] == from.offsets[i + 1] && from.complete[i]) return;
+        now_.place[pair] = static_cast<std::uint32_t>(now_.manifolds.pairs.size());
+        now_.manifolds.pairs.push_back({world.frame.results[pair].a, world.frame.results[pair].b});
+        append(now_.manifolds, from, i);
+    };
+    std::size_t measured = 0;
+    for (std::size_t pair = 0; pair < count; ++pair)
+        if (kept_from_[pair] != none) {
+            take(pair, last_.manifolds, kept_from_[pair]);
+        } else if (measured < open_.size() && open_[measured] == pair) {
+            take(pair, parts_[measured / pairs_of_a_part].lists, measured % pairs_of_a_part);
+            ++measured;
+        }
+}
+
+/// With the limit of the points of all pairs.
+const FrameManifolds& FrameManifoldCache::limited(const ManifoldOptions& options)
+{
+    if (options.points_in_all == 0 || now_.manifolds.points.size() <= options.points_in_all) return now_.manifolds;
+    limited_.pairs = now_.manifolds.pairs;
+    limit_points(now_.manifolds, options.points_in_all, limited_);
+    return limited_;
+}
+
+const FrameManifolds& FrameManifoldCache::find(WorldImpl& world, const ManifoldOptions& options)
+{
+    if (world.frame.number == 0)
+        throw Error(ErrorKind::usage, "manifolds: there was no frame; call World::step() first");
+    if (world.changed_since_step)
+        throw Error(ErrorKind::usage,
+                    "manifolds: bodies or models changed since the last frame; call World::step() first");
+    const std::uint32_t frame = world.frame.number - 1;
+    const bool same = frame_ && options_ == options;
+    if (same && *frame_ == frame) return limited(options);
+    const bool reuse = same && *frame_ + 1 == frame;
+    std::swap(now_, last_);
+    frame_.reset(); // unless all is found
+    choose_pairs(world, options, reuse);
+    measure(world, options);
+    join(world);
+    frame_ = frame, options_ = options;
+    return limited(options);
+}
+
+std::size_t FrameManifoldCache::bytes() const
+{
+    const auto of = [](const auto&... lists) { return (... + (lists.capacity() * sizeof(lists[0]))); };
+    const auto of_lists = [&](const ManifoldLists& l) { return of(l.regions, l.points, l.offsets, l.complete); };
+    std::size_t sum = of(kept_from_, open_, tasks_, of_trees_, parts_);
+    for (const Lists* lists : {&now_, &last_})
+        sum += of_lists(lists->manifolds) + of(lists->manifolds.pairs, lists->place);
+    for (const Part& part : parts_) sum += of_lists(part.lists);
+    return sum + of_lists(limited_) + of(limited_.pairs);
+}
+
+} // namespace oncollide
