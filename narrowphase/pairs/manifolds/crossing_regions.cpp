@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include <oncollide/narrowphase/pairs/manifolds/points/support_points.hpp>
-
 namespace oncollide {
 
 using Eigen::Vector3d;
@@ -46,7 +44,6 @@ struct CrossingRegions::Builder {
     const ManifoldJob& job;
     const OverlapPatches& overlap;
     RegionMaker& maker;
-    bool keeps_curve = false; ///< true for a round solid whose support points do not reach the other body
 
     /// @param whole   the part is the whole lump
     /// @param others  points of the curve that are not candidates
@@ -58,7 +55,6 @@ private:
     Vector3d sum_of(int side, std::span<const std::uint32_t> numbers) const;
     void set_normal(ManifoldRegion& region, const Lump& lump, const LumpPart& part, bool whole) const;
     void collect(const LumpPart& part);
-    void exchange_round(int side, Extent& extent) const;
 };
 
 /// The area vector of patches.
@@ -76,20 +72,12 @@ Vector3d CrossingRegions::Builder::sum_of(int side, std::span<const std::uint32_
 void CrossingRegions::Builder::set_normal(ManifoldRegion& region, const Lump& lump, const LumpPart& part,
                                           bool whole) const
 {
-    const bool a_round = job.a.round(), b_round = job.b.round();
     const Vector3d area_a = whole ? lump.area_a : sum_of(0, part.a), area_b = whole ? lump.area_b : sum_of(1, part.b);
-    // A round solid's own patches have the directions of its bounding mesh.
-    const Vector3d area = a_round ? Vector3d(-area_b) : b_round ? area_a : Vector3d(0.5 * (area_a - area_b));
-    const double gap = whole && !job.any_round() ? (area_a + area_b).norm() : 0, error = lump.rounding + gap;
+    const Vector3d area = 0.5 * (area_a - area_b);
+    const double gap = whole ? (area_a + area_b).norm() : 0, error = lump.rounding + gap;
     region.area = area.norm();
     region.normal = region.area > 0 ? Vector3d(area / region.area) : Vector3d::UnitX();
     region.normal_error = region.area > 2 * error ? std::asin(error / region.area) + 0x1p-50 : std::numbers::pi;
-    if (job.any_round()) // the true patch is a part of this one, whose normals enclose the true direction
-        for (const std::uint32_t i : a_round ? part.b : part.a) {
-            const Vector3d& n = overlap.patches[a_round ? 1 : 0][i].normal;
-            const double angle = angle_between(a_round ? Vector3d(-n) : n, region.normal);
-            region.normal_error = std::min(std::numbers::pi, std::max(region.normal_error, 2 * angle + 0x1p-40));
-        }
     constexpr double least_share = manifold_limits::least_flat_share;
     const bool through = area.norm() < least_share * lump.pieces_a || area.norm() < least_share * lump.pieces_b;
     if ((whole && through) || lump.open) region.normal_error = std::numbers::pi;
@@ -135,24 +123,6 @@ void CrossingRegions::Builder::collect(const LumpPart& part)
     }
 }
 
-/// Exchanges a round solid's candidates for points of its true surface.
-void CrossingRegions::Builder::exchange_round(int side, Extent& extent) const
-{
-    const PlacedSurface& round = job.surface(side);
-    if (!round.round() || keeps_curve) return;
-    RegionDraft& draft = maker.draft;
-    const bool of_a = side == 0;
-    const Vector3d out = of_a ? draft.region.normal : Vector3d(-draft.region.normal);
-    const auto own = of_a ? ManifoldCandidate::of_a : ManifoldCandidate::of_b;
-    const std::vector<Vector3d> points = support_points(round.model().convex(), round.rotated_back(out));
-    std::erase_if(draft.candidates, [&](const auto& c) { return c.of == own || c.of == ManifoldCandidate::of_both; });
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const FeatureBits feature = round.vertex(0) | i;
-        draft.candidates.push_back({round.placed(points[i]), own, of_a ? feature : 0, of_a ? 0 : feature});
-    }
-    extent.add(draft.region.normal.dot(round.farthest(out)));
-}
-
 void CrossingRegions::Builder::add(const Lump& lump, const LumpPart& part, double share, bool whole,
                                    std::span<const std::uint32_t> others)
 {
@@ -172,18 +142,10 @@ void CrossingRegions::Builder::add(const Lump& lump, const LumpPart& part, doubl
     }
     if (draft.candidates.empty()) return;
     region.centre = centre_of(overlap, part, region.normal, box.centre());
-    exchange_round(0, extent_a), exchange_round(1, extent_b);
     draft.least_depth = -job.options.margin - 0x1p-30 * box.diagonal();
     region.depth_upper =
         std::max(extent_a.most - extent_b.least, 0.0) + 4 * draft.rounding + job.a.error() + job.b.error();
     maker.finish(job);
-    if (keeps_curve || !job.any_round()) return;
-    // The bounding mesh may reach where the solid does not.
-    Manifold& manifold = job.manifold;
-    const std::uint32_t first = manifold.regions.back().first;
-    const auto apart = [&](const ManifoldPoint& p) { return p.depth + p.depth_error < draft.least_depth; };
-    if (std::ranges::all_of(std::span(manifold.points).subspan(first), apart))
-        manifold.points.resize(first), manifold.regions.pop_back();
 }
 
 /// Adds a region for each direction of a lump.
@@ -233,7 +195,7 @@ void CrossingRegions::add(const ManifoldJob& job, const OverlapPatches& overlap,
         return regions;
     };
     for (std::size_t i = 0; i < lumps.size(); ++i)
-        if (!overlap.lumps[lumps[i]].open && !job.any_round())
+        if (!overlap.lumps[lumps[i]].open)
             facings[i] = facings_.find(overlap, parts_[lumps[i]], job.options.normal_spread);
     using manifold_limits::most_spread;
     // If there are more directions than regions, the faces of one region may differ more.
@@ -251,9 +213,6 @@ void CrossingRegions::add(const ManifoldJob& job, const OverlapPatches& overlap,
         else
             builder.add_directions(lump, parts_[lumps[i]], facings[i]);
     }
-    if (!job.manifold.regions.empty() || !job.any_round()) return;
-    builder.keeps_curve = true;
-    for (const std::uint32_t i : lumps) builder.add(overlap.lumps[i], parts_[i], 1, true);
 }
 
 } // namespace oncollide

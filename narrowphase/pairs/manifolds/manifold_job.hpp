@@ -15,7 +15,6 @@ struct ManifoldJob {
 
     const PlacedSurface& surface(int side) const { return side == 0 ? a : b; }
     bool solid() const { return a.solid() && b.solid(); }
-    bool any_round() const { return a.round() || b.round(); }
     std::size_t most_points() const { return std::max(options.points_per_region, 1u); }
     /// How many regions a pair may have so that each can keep all its points.
     std::size_t most_regions() const

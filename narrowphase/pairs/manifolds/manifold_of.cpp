@@ -9,6 +9,7 @@
 #include <oncollide/narrowphase/pairs/manifolds/crossing_regions.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/near_regions.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/points/point_hull.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/shapes/round_on_surface.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/shapes/shape_manifold.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/touching_regions.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
@@ -26,6 +27,7 @@ struct ManifoldMemory {
     TouchingRegions touching;
     NearRegions near;
     RegionMaker maker;
+    RoundOnSurface round;
 };
 
 namespace {
@@ -135,14 +137,6 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
 {
     const Kind kind_a = task.a->kind(), kind_b = task.b->kind();
     const bool round = kind_a == Kind::round || kind_b == Kind::round;
-    bool meet = true;
-    if (round) {
-        const Finding found = tests_for(task).decide(worker, task, {}, nullptr);
-        meet = found.verdict != Verdict::separate;
-        if (!meet && found.bound > options.margin && kind_a != Kind::mesh && kind_b != Kind::mesh &&
-            kind_a != Kind::terrain && kind_b != Kind::terrain)
-            return;
-    }
     const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
     const RelativePose b_to_a(*task.pose_a, *task.pose_b);
     const auto box_in = [&](const Model& other, const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
@@ -156,20 +150,24 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
     if (!worker.manifold_memory) worker.manifold_memory = std::make_shared<ManifoldMemory>();
     ManifoldMemory& memory = *worker.manifold_memory;
     const ManifoldJob job{a, b, options, manifold};
-    a.with_tree([&](auto& tree_a) {
-        b.with_tree([&](auto& tree_b) {
-            auto& traversal = worker.traversal(tree_a, tree_b);
-            if (options.margin > 0 && !round)
-                traversal.all_near(tree_a, tree_b, b_to_a, options.margin + near_rounding(a, b), memory.near.triangles,
-                                   &memory.meeting);
-            else
-                traversal.all_meeting(tree_a, tree_b, b_to_a, memory.meeting);
+    if (round) {
+        memory.round.add(worker, task, job, b_to_a);
+    } else {
+        a.with_tree([&](auto& tree_a) {
+            b.with_tree([&](auto& tree_b) {
+                auto& traversal = worker.traversal(tree_a, tree_b);
+                if (options.margin > 0)
+                    traversal.all_near(tree_a, tree_b, b_to_a, options.margin + near_rounding(a, b),
+                                       memory.near.triangles, &memory.meeting);
+                else
+                    traversal.all_meeting(tree_a, tree_b, b_to_a, memory.meeting);
+            });
         });
-    });
-    if (!memory.meeting.empty() && meet) {
-        memory.overlap.find(a, b, memory.meeting, worker.locator);
-        memory.crossing.add(job, memory.overlap, memory.maker);
-        if (!round) memory.touching.add(job, memory.meeting, memory.overlap, memory.maker);
+        if (!memory.meeting.empty()) {
+            memory.overlap.find(a, b, memory.meeting, worker.locator);
+            memory.crossing.add(job, memory.overlap, memory.maker);
+            memory.touching.add(job, memory.meeting, memory.overlap, memory.maker);
+        }
     }
     const auto crosses = [](const ManifoldRegion& r) { return r.kind == RegionKind::crossing; };
     if (std::ranges::none_of(manifold.regions, crosses)) {
@@ -181,10 +179,7 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
             add_enclosed_region(worker, job, a_in_b, b_to_a);
         }
     }
-    if (options.margin > 0 && round)
-        memory.near.add_round(worker, task, job, b_to_a, memory.maker);
-    else if (options.margin > 0)
-        memory.near.add(job, !memory.meeting.empty(), memory.maker);
+    if (options.margin > 0 && !round) memory.near.add(job, !memory.meeting.empty(), memory.maker);
     // A joined face is flat; its original triangles, moved with rounding, may stick out of it by the rounding.
     if (manifold.regions.empty() && (a.joined() || b.joined()))
         if (const Finding found = tests_for(task).decide(worker, task, {}, nullptr); found.verdict != Verdict::separate)

@@ -5,8 +5,6 @@
 #include <numbers>
 
 #include <oncollide/narrowphase/exact/triangle_gap.hpp>
-#include <oncollide/narrowphase/pairs/manifolds/points/support_points.hpp>
-#include <oncollide/narrowphase/pairs/pair_tests.hpp>
 
 namespace oncollide {
 
@@ -33,63 +31,6 @@ NearGroups groups_of(const std::vector<NearPair>& near, double spread)
 }
 
 } // namespace
-
-void NearRegions::add_round(PairWorker& worker, const PairTask& task, const ManifoldJob& job,
-                            const RelativePose& b_to_a, RegionMaker& maker)
-{
-    const double margin = job.options.margin;
-    const Distance d = tests_for(task).distance(worker, task, {.cutoff = margin}, true);
-    if (!(d.lower > 0) || !(d.upper <= margin)) return;
-    const Eigen::Isometry3d into = task.pose_a->inverse(Eigen::Isometry);
-    const Vector3d on_a = into * d.point_a, on_b = into * d.point_b;
-    RegionDraft& draft = maker.draft;
-    draft.begin(RegionKind::near, false, job.rounding);
-    draft.region.normal = (on_b - on_a).normalized();
-    draft.region.normal_error = std::min(std::numbers::pi, 0x1p-10 + 2 * draft.rounding / d.lower);
-    draft.region.centre = 0.5 * (on_a + on_b), draft.region.depth_upper = -d.lower + draft.rounding;
-    draft.least_depth = -margin;
-    const bool of_a = job.a.round();
-    const PlacedSurface &round = of_a ? job.a : job.b, &other = of_a ? job.b : job.a;
-    job.a.with_tree([&](auto& tree_a) {
-        job.b.with_tree([&](auto& tree_b) {
-            worker.traversal(tree_a, tree_b)
-                .all_near(tree_a, tree_b, b_to_a, margin + near_rounding(job.a, job.b), triangles);
-        });
-    });
-    std::vector<std::uint32_t> numbers; // numbers of triangles of the other body
-    for (const TrianglePair& pair : triangles) numbers.push_back(of_a ? pair.b : pair.a);
-    std::ranges::sort(numbers);
-    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-    auto& faces = draft.faces[of_a ? 1 : 0];
-    for (const std::uint32_t t : numbers) faces.push_back({t, other.points(t)});
-    const Vector3d out = of_a ? draft.region.normal : Vector3d(-draft.region.normal);
-    std::uint64_t number = 1;
-    for (const Vector3d& p : support_points(round.model().convex(), round.rotated_back(out))) {
-        const FeatureBits bits = round.vertex(0) | number++;
-        draft.candidates.push_back({round.placed(p), of_a ? ManifoldCandidate::of_a : ManifoldCandidate::of_b,
-                                    of_a ? bits : 0, of_a ? 0 : bits});
-    }
-    const auto misses = [&](const ManifoldCandidate& c) {
-        return std::ranges::none_of(faces, [&](const NumberedTriangle& f) {
-            const TrianglePoints& t = f.points;
-            const Vector3d n = (t[1] - t[0]).cross(t[2] - t[0]);
-            if (!(out.dot(n) < 0)) return false;
-            const Vector3d at = c.at + n.dot(t[0] - c.at) / out.dot(n) * out;
-            return n.dot((t[1] - t[0]).cross(at - t[0])) >= 0 && n.dot((t[2] - t[1]).cross(at - t[1])) >= 0 &&
-                   n.dot((t[0] - t[2]).cross(at - t[2])) >= 0;
-        });
-    };
-    std::erase_if(draft.candidates, misses);
-    if (draft.candidates.empty()) {
-        const double gap = (on_b - on_a).norm();
-        constexpr FeatureBits whole = FeatureBits{3} << 62;
-        draft.candidates.push_back(
-            {0.5 * (on_a + on_b), ManifoldCandidate::of_both, whole, whole, -gap, d.upper - d.lower});
-    }
-    maker.finish(job);
-    for (ManifoldPoint& p : std::span(job.manifold.points).subspan(job.manifold.regions.back().first))
-        if (p.point_a == p.point_b) p.point_a = on_a, p.point_b = on_b;
-}
 
 /// A region of the nearest two triangles, where no pair of features is certainly a minimum: slivers, and triangles that
 /// are so near that rounding hides their direction. Exact integers then find a direction.

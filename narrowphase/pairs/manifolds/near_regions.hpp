@@ -4,8 +4,6 @@
 
 namespace oncollide {
 
-struct PairTask;
-
 /// Regions of surfaces that are at most the margin apart. Keeps its memory.
 class NearRegions {
 public:
@@ -15,9 +13,6 @@ public:
     /// Appends regions of `triangles`.
     /// @param meets  the surfaces meet; else the nearest triangles have a region, even if no two features have one
     void add(const ManifoldJob& job, bool meets, RegionMaker& maker);
-    /// Appends a region of a round solid and another body, along the shortest way between them. Finds `triangles`.
-    void add_round(PairWorker& worker, const PairTask& task, const ManifoldJob& job, const RelativePose& b_to_a,
-                   RegionMaker& maker);
 
 private:
     void add_nearest(const ManifoldJob& job, RegionMaker& maker) const;

@@ -119,8 +119,7 @@ ManifoldPoint RegionMaker::point_of(const ManifoldJob& job, const ManifoldCandid
     ManifoldRegion& region = draft.region;
     const Vector3d n = region.normal;
     const bool of_a = c.of == ManifoldCandidate::of_a, of_b = c.of == ManifoldCandidate::of_b;
-    // Support points of a round solid are on its true surface.
-    const double off = (of_a && job.a.round() ? 0 : job.a.error()) + (of_b && job.b.round() ? 0 : job.b.error());
+    const double off = job.a.error() + job.b.error();
     const Vector3d normal = c.normal.dot(n) >= manifold_limits::point_cosine ? c.normal : n;
     ManifoldPoint p{c.at, c.at, c.depth, c.error + draft.rounding + off, c.a, c.b, normal};
     double deep = p.depth - p.depth_error;

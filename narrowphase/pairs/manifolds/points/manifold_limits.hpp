@@ -74,16 +74,4 @@ constexpr double behind_share = -0.5;
 /// Triangles that are looked at around a corner.
 constexpr int most_around = 64;
 
-// --- Round solids.
-
-/// Sine of the angle to the axis. Directions nearer to the axis have no side component, so the x axis is used.
-constexpr double least_across = 1e-9;
-/// Sine. Lines of two solids that differ by less lie on each other along their common part.
-constexpr double parallel_sine = 0.05;
-/// Radians. The first and the last step of the search for the least width. The error of the width is about the square
-/// of the last step.
-constexpr double first_step = 0.25, last_step = 0x1p-30;
-/// Moves by one step. Along the ridge of a cone there would be millions of moves.
-constexpr int most_moves = 64;
-
 } // namespace oncollide::manifold_limits

@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Share of the region's size: points less apart are at one place, and depths that differ by less are equal.
+/// Share of the region's size, as FewPoints::choose's `place`; depths that differ by less are equal.
 constexpr double same_place = 1e-6;
 
 double turn(const Vector2d& u, const Vector2d& v)
@@ -37,7 +37,7 @@ void FewPoints::drop_shallow(double least)
         all_.begin());
 }
 
-void FewPoints::choose(const Vector3d& normal, std::uint32_t most)
+void FewPoints::choose(const Vector3d& normal, double place, std::uint32_t most)
 {
     if (count_ < 2) return;
     const Vector3d u = normal.unitOrthogonal(), v = normal.cross(u);
@@ -47,7 +47,7 @@ void FewPoints::choose(const Vector3d& normal, std::uint32_t most)
         flat[i] = {u.dot(all_[i].on_a), v.dot(all_[i].on_a)};
         low = low.cwiseMin(flat[i]), high = high.cwiseMax(flat[i]);
     }
-    const double size = (high - low).norm(), same = same_place * size;
+    const double size = (high - low).norm(), same = std::max(same_place * size, place);
     if (count_ <= most && count_ <= 4) { // all, unless two are at one place
         bool apart = true;
         for (std::uint32_t i = 0; i < count_; ++i)

@@ -27,8 +27,9 @@ public:
     /// Drops points of less depth, but not the deepest.
     void drop_shallow(double least);
     /// Keeps at most this many: the deepest, the farthest from it, the corner of the largest triangle, then always the
-    /// point that adds the most area. Points at one place count as one.
-    void choose(const Eigen::Vector3d& normal, std::uint32_t most);
+    /// point that adds the most area. Points at one place count as one. @param place  metres: points less
+    /// apart are at one place
+    void choose(const Eigen::Vector3d& normal, double place, std::uint32_t most);
 
 private:
     std::uint32_t count_ = 0;

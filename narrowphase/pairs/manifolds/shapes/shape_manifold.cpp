@@ -5,8 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include <oncollide/narrowphase/pairs/manifolds/shapes/clipped_face.hpp>
-#include <oncollide/narrowphase/pairs/manifolds/shapes/few_points.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/shapes/contact_points.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/shapes/shape_measures.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
@@ -18,13 +17,11 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Cosine of 10 degrees. A face that is more oblique to the normal has no points but the deepest.
-constexpr double facing = 0.985;
-/// Sine. Segments that differ by more have one point.
-constexpr double along_each_other = 0.05;
 /// Shares of the depth and of the sizes by which a face's normal may be worse than an edge's, and is taken all the
 /// same.
 constexpr double nearly = 1.0 / 128, close = 0x1p-24;
+/// Share of the sizes. Points less apart are one.
+constexpr double one_place = 0x1p-20;
 
 /// Makes the region of two shapes, in a's frame.
 class ShapeRegion {
@@ -49,11 +46,7 @@ private:
     void prefer_face(const ContactFace& face, double sign);
     void add_points();
     bool reaches() const;
-    void add_over(const ContactFace& flat, const ContactFace& face, bool flat_is_a);
-    void add_along();
     void add_deepest();
-    void add(Vector3d on_a, Vector3d on_b, double off, FeatureBits of_a, FeatureBits of_b);
-    Vector3d surface(const Convex& c, const Vector3d& axis, const Vector3d& at, const Vector3d& out, int end) const;
     ManifoldPoint point(const FewPoints::Candidate& c) const;
 
     const PairTask& task_;
@@ -67,8 +60,7 @@ private:
     LeastTranslation found_{};
     RegionKind kind_{};
     ContactFace face_a_, face_b_;
-    ClippedFace clipped_;
-    FewPoints points_;
+    ContactPoints points_;
 };
 
 const Convex ShapeRegion::point_of_plane = convex_of(Shape(Sphere{0}));
@@ -121,87 +113,13 @@ void ShapeRegion::prefer_face(const ContactFace& face, double sign)
     if (!face.flat()) return;
     const Vector3d n = sign * face.normal.normalized();
     const double cosine = n.dot(found_.normal);
-    if (cosine < facing || n == found_.normal) return;
+    if (cosine < ContactPoints::facing || n == found_.normal) return;
     const double width = -n.dot(cores_.support(-n).w) + cores_.radius();
     const bool flat = cores_.flat_sided() && cores_.radius() == 0;
     const double more = flat ? nearly * std::abs(found_.upper) + close * size() : 0x1p-20 * std::abs(found_.upper);
     if (width > found_.upper + more + 16 * rounding_) return;
     found_.normal = n, found_.normal_error = 0x1p-48 + 8 * placed_.slack;
     found_.upper = width + rounding_, found_.lower = std::min(found_.lower, found_.upper);
-}
-
-/// @param on_a, on_b  points of the surfaces; the second is moved onto the line along the normal through the first
-/// @param off  metres: how far both may be from the surfaces
-void ShapeRegion::add(Vector3d on_a, Vector3d on_b, double off, FeatureBits of_a, FeatureBits of_b)
-{
-    const double depth = found_.normal.dot(on_a - on_b);
-    const Vector3d there = on_a - depth * found_.normal;
-    points_.add({on_a, there, depth, off + (there - on_b).norm(), of_a, of_b});
-}
-
-/// A point of the surface at a point of the core. A segment's surface is a cylinder around it, and a ball at its ends.
-/// @param end  1 or -1: `at` is the end of a segment along its axis, or against it
-Vector3d ShapeRegion::surface(const Convex& c, const Vector3d& axis, const Vector3d& at, const Vector3d& out,
-                              int end) const
-{
-    if (c.radius == 0) return at;
-    const double along = axis.dot(out);
-    if (axis.isZero(0) || end * along >= 0) return at + c.radius * out;
-    return at + c.radius * (out - along * axis).normalized();
-}
-
-/// Of a segment, unit; 0 for other faces.
-Vector3d axis_of(const ContactFace& face)
-{
-    return face.count == 2 ? Vector3d((face.corner[1] - face.corner[0]).normalized()) : Vector3d(Vector3d::Zero());
-}
-
-/// Adds the corners of the part of a face over another, flat face.
-void ShapeRegion::add_over(const ContactFace& flat, const ContactFace& face, bool flat_is_a)
-{
-    const Vector3d& n = found_.normal;
-    const double slope = flat.normal.dot(n);
-    const Convex& other = flat_is_a ? b_ : a_;
-    const Vector3d out = flat_is_a ? Vector3d(-n) : n, axis = axis_of(face);
-    const auto take = [&](const Vector3d& at, FeatureBits of_face, FeatureBits of_flat, int end) {
-        const Vector3d q = surface(other, axis, at, out, end);
-        const Vector3d from = flat.count ? flat.corner[0] : Vector3d(Vector3d::Zero());
-        const double way = flat.normal.dot(from - q) / slope;
-        const Vector3d p = q + way * n;
-        if (flat_is_a)
-            add(p, q, flat.off + face.off, of_flat, of_face);
-        else
-            add(q, p, flat.off + face.off, of_face, of_flat);
-    };
-    if (flat.count == 0) { // a half-space's plane
-        for (std::uint32_t i = 0; i < face.count; ++i) take(face.corner[i], face.vertex(i), flat.face, i ? 1 : -1);
-        return;
-    }
-    clipped_.find(face, flat, 4 * rounding_);
-    for (std::uint32_t i = 0; i < clipped_.count; ++i) {
-        const ClippedFace::Corner& c = clipped_.corner[i];
-        take(c.at, c.of_face, c.of_flat, c.end);
-    }
-}
-
-/// Adds the ends of the common part of two segments that lie along each other.
-void ShapeRegion::add_along()
-{
-    const Vector3d p = face_a_.corner[0], u = face_a_.corner[1] - p, q = face_b_.corner[0], v = face_b_.corner[1] - q;
-    const double length2 = u.squaredNorm(), width2 = v.squaredNorm();
-    if (u.cross(v).squaredNorm() > along_each_other * along_each_other * length2 * width2) return;
-    const double from = u.dot(q - p) / length2, to = u.dot(q + v - p) / length2;
-    const double low = std::clamp(std::min(from, to), 0.0, 1.0), high = std::clamp(std::max(from, to), 0.0, 1.0);
-    if (!(high > low)) return;
-    const Vector3d axis_a = axis_of(face_a_), axis_b = axis_of(face_b_);
-    for (const double t : {low, high}) {
-        const Vector3d on_a = p + t * u;
-        const double s = std::clamp(v.dot(on_a - q) / width2, 0.0, 1.0);
-        const auto end_of = [](double at) { return at <= 0 ? -1 : at >= 1 ? 1 : 0; };
-        const Vector3d of_a = surface(a_, axis_a, on_a, found_.normal, end_of(t)),
-                       of_b = surface(b_, axis_b, q + s * v, -found_.normal, end_of(s));
-        add(of_a, of_b, 0, face_a_.vertex(t > low), face_b_.vertex(s > 0.5));
-    }
 }
 
 void ShapeRegion::add_deepest()
@@ -211,28 +129,29 @@ void ShapeRegion::add_deepest()
         on_b = placed_.b_to_a(b_.support(cores_.into_b(-found_.normal)));
         on_a = on_b + (found_.upper - cores_.radius()) * found_.normal;
     }
-    add(on_a + a_.radius * found_.normal, on_b - b_.radius * found_.normal, 0, face_a_.face, face_b_.face);
+    points_.add(on_a + a_.radius * found_.normal, on_b - b_.radius * found_.normal, 0, face_a_.face, face_b_.face);
 }
 
 void ShapeRegion::add_points()
 {
+    points_.normal = found_.normal;
     const double over_a = face_a_.flat() || plane_ ? face_a_.normal.dot(found_.normal) : 0,
                  over_b = face_b_.flat() ? -face_b_.normal.dot(found_.normal) : 0;
-    if (std::max(over_a, over_b) >= facing) {
+    if (std::max(over_a, over_b) >= ContactPoints::facing) {
         if (over_a + 0x1p-20 >= over_b)
-            add_over(face_a_, face_b_, true);
+            points_.add_over(face_a_, face_b_, b_, true, 4 * rounding_);
         else
-            add_over(face_b_, face_a_, false);
+            points_.add_over(face_b_, face_a_, a_, false, 4 * rounding_);
     } else if (face_a_.count == 2 && face_b_.count == 2) {
-        add_along();
+        points_.add_along(face_a_, a_, face_b_, b_);
     }
 }
 
 /// True if the points reach the depth that is certain.
 bool ShapeRegion::reaches() const
 {
-    return !points_.empty() &&
-           points_.deepest() >= found_.lower - nearly * std::abs(found_.lower) - 16 * rounding_ - close * size();
+    return !points_.points.empty() &&
+           points_.points.deepest() >= found_.lower - nearly * std::abs(found_.lower) - 16 * rounding_ - close * size();
 }
 
 ManifoldPoint ShapeRegion::point(const FewPoints::Candidate& c) const
@@ -251,19 +170,20 @@ void ShapeRegion::find(PairWorker& worker, Manifold& manifold)
     const LeastTranslation found = found_;
     if (!plane_) prefer_face(face_a_, 1), prefer_face(face_b_, -1);
     add_points();
-    if (!reaches() && found.normal != found_.normal) found_ = found, points_.clear(), add_points();
+    if (!reaches() && found.normal != found_.normal) found_ = found, points_.points.clear(), add_points();
     if (!reaches()) add_deepest();
-    points_.drop_shallow(-options_.margin - 8 * rounding_);
+    points_.points.drop_shallow(-options_.margin - 8 * rounding_);
     ManifoldRegion region{};
     region.kind = kind_ == RegionKind::crossing && holds_other(task_, placed_.b_to_a) ? RegionKind::enclosed : kind_;
-    if (options_.measures) measure_region(task_, placed_.b_to_a, points_.chosen(), found_.normal, region);
-    region.found = points_.count();
-    points_.choose(found_.normal, std::min(options_.points_per_region, options_.points_per_pair));
+    if (options_.measures) measure_region(task_, placed_.b_to_a, points_.points.chosen(), found_.normal, region);
+    region.found = points_.points.count();
+    points_.points.choose(found_.normal, one_place * size(),
+                          std::min(options_.points_per_region, options_.points_per_pair));
     region.normal = task_.pose_a->linear() * found_.normal, region.normal_error = found_.normal_error;
     region.depth_lower = kind_ == RegionKind::near ? found_.lower : std::max(found_.lower, 0.0);
     region.depth_upper = std::max(found_.upper, region.depth_lower);
-    region.first = static_cast<std::uint32_t>(manifold.points.size()), region.count = points_.count();
-    for (const FewPoints::Candidate& c : points_.chosen()) {
+    region.first = static_cast<std::uint32_t>(manifold.points.size()), region.count = points_.points.count();
+    for (const FewPoints::Candidate& c : points_.points.chosen()) {
         const ManifoldPoint p = point(c);
         region.depth_upper = std::max(region.depth_upper, p.depth - p.depth_error);
         manifold.points.push_back(p);

@@ -1,0 +1,86 @@
+#include <oncollide/narrowphase/pairs/manifolds/shapes/contact_points.hpp>
+
+#include <algorithm>
+
+#include <Eigen/Geometry>
+
+namespace oncollide {
+
+using Eigen::Vector3d;
+
+namespace {
+
+/// Sine. Segments that differ by more have one point.
+constexpr double along_each_other = 0.05;
+
+/// Of a segment, unit; 0 for other faces.
+Vector3d axis_of(const ContactFace& face)
+{
+    return face.count == 2 ? Vector3d((face.corner[1] - face.corner[0]).normalized()) : Vector3d(Vector3d::Zero());
+}
+
+/// The point of the surface at a point of the core. A segment's surface is a cylinder around it, and a ball at its
+/// ends.
+/// @param end  1 or -1: `at` is the end of a segment along its axis, or against it
+Vector3d surface_point(const Convex& c, const Vector3d& axis, const Vector3d& at, const Vector3d& out, int end)
+{
+    if (c.radius == 0) return at;
+    const double along = axis.dot(out);
+    if (axis.isZero(0) || end * along > 0) return at + c.radius * out;
+    return at + c.radius * (out - along * axis).normalized();
+}
+
+} // namespace
+
+void ContactPoints::add(const Vector3d& on_a, const Vector3d& on_b, double off, FeatureBits of_a, FeatureBits of_b)
+{
+    const double depth = normal.dot(on_a - on_b);
+    const Vector3d there = on_a - depth * normal;
+    points.add({on_a, there, depth, off + (there - on_b).norm(), of_a, of_b});
+}
+
+void ContactPoints::add_over(const ContactFace& flat, const ContactFace& face, const Convex& solid, bool flat_is_a,
+                             double rounding)
+{
+    const double slope = flat.normal.dot(normal);
+    const Vector3d out = flat_is_a ? Vector3d(-normal) : normal, axis = axis_of(face);
+    const Vector3d from = flat.count ? flat.corner[0] : Vector3d(Vector3d::Zero());
+    const auto take = [&](const Vector3d& at, FeatureBits of_face, FeatureBits of_flat, int end) {
+        const Vector3d q = surface_point(solid, axis, at, out, end);
+        const Vector3d p = q + flat.normal.dot(from - q) / slope * normal;
+        if (flat_is_a)
+            add(p, q, flat.off + face.off, of_flat, of_face);
+        else
+            add(q, p, flat.off + face.off, of_face, of_flat);
+    };
+    if (flat.count == 0) {
+        for (std::uint32_t i = 0; i < face.count; ++i) take(face.corner[i], face.vertex(i), flat.face, i ? 1 : -1);
+        return;
+    }
+    clipped_.find(face, flat, rounding);
+    for (std::uint32_t i = 0; i < clipped_.count; ++i) {
+        const ClippedFace::Corner& c = clipped_.corner[i];
+        take(c.at, c.of_face, c.of_flat, c.end);
+    }
+}
+
+void ContactPoints::add_along(const ContactFace& face_a, const Convex& a, const ContactFace& face_b, const Convex& b)
+{
+    const Vector3d p = face_a.corner[0], u = face_a.corner[1] - p, q = face_b.corner[0], v = face_b.corner[1] - q;
+    const double length2 = u.squaredNorm(), width2 = v.squaredNorm();
+    if (u.cross(v).squaredNorm() > along_each_other * along_each_other * length2 * width2) return;
+    const double from = u.dot(q - p) / length2, to = u.dot(q + v - p) / length2;
+    const double low = std::clamp(std::min(from, to), 0.0, 1.0), high = std::clamp(std::max(from, to), 0.0, 1.0);
+    if (!(high > low)) return;
+    const Vector3d axis_a = axis_of(face_a), axis_b = axis_of(face_b);
+    for (const double t : {low, high}) {
+        const Vector3d on_a = p + t * u;
+        const double s = std::clamp(v.dot(on_a - q) / width2, 0.0, 1.0);
+        const auto end_of = [](double at) { return at <= 0 ? -1 : at >= 1 ? 1 : 0; };
+        const Vector3d of_a = surface_point(a, axis_a, on_a, normal, end_of(t)),
+                       of_b = surface_point(b, axis_b, q + s * v, -normal, end_of(s));
+        add(of_a, of_b, 0, face_a.vertex(t > low), face_b.vertex(s > 0.5));
+    }
+}
+
+} // namespace oncollide
