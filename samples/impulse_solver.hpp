@@ -27,9 +27,17 @@ public:
     std::vector<RigidBody> bodies; ///< in the order of the World's slots
 
     explicit ImpulseSolver(World& world) : world_(world) {}
-    void step()
+    void step() { detect(), advance(); }
+    /// Finds the contacts of the bodies as they are.
+    void detect()
     {
-        find_contacts();
+        world_.step();
+        manifolds_ = &world_.manifolds({.margin = margin});
+    }
+    /// Moves the bodies by dt, against these contacts.
+    void advance()
+    {
+        add_rows();
         for (RigidBody& body : bodies)
             if (body.inverse_mass > 0) body.velocity += dt * gravity;
         for (Row& row : rows_) apply(row, row.impulse);
@@ -40,7 +48,7 @@ public:
         impulses_.clear();
         for (const Row& row : rows_) impulses_.push_back(row.impulse);
     }
-    /// Of the last step; the bodies have moved since.
+    /// Of the last detect(); step() moves the bodies after it.
     const FrameManifolds& manifolds() const { return *manifolds_; }
     std::size_t contacts() const { return rows_.size(); }
     double deepest() const ///< metres
@@ -58,11 +66,9 @@ private:
         Eigen::Vector3d impulse; ///< along the normal and both tangents
     };
 
-    void find_contacts()
+    void add_rows()
     {
-        world_.step();
-        const FrameManifolds& found = world_.manifolds({.margin = margin});
-        manifolds_ = &found;
+        const FrameManifolds& found = *manifolds_;
         const ManifoldTracker::Update& update = tracker_.update(world_, found.pairs, found);
         std::vector<Eigen::Vector3d> kept(found.points.size(), Eigen::Vector3d::Zero());
         for (std::size_t i = 0; i < kept.size(); ++i)

@@ -11,8 +11,8 @@ void add_bench(Arguments app)
                                  "alternation");
     bench.at_most_one_command();
     bench.action([]() -> int {
-        usage("bench: choose a benchmark: broad, narrow, planner, continuous, rays, edges, contacts, robot, world, "
-              "environment, distances, shapes, clash, read, scale, many, gpu, poses or scene "
+        usage("bench: choose a benchmark: broad, narrow, planner, continuous, rays, edges, contacts, avalanche, robot, "
+              "world, environment, distances, shapes, clash, read, scale, many, gpu, poses or scene "
               "(oncollide-lab bench --help)");
     });
     add_broad(bench);
@@ -22,6 +22,7 @@ void add_bench(Arguments app)
     add_rays(bench);
     add_edges_bench(bench);
     add_contacts(bench);
+    add_avalanche(bench);
     add_robot_bench(bench);
     add_world(bench);
     add_environment(bench);

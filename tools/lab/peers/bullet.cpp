@@ -1,59 +1,15 @@
+#include "peers/bullet_world.hpp"
 #include "peers/peers.hpp"
 
-#include <map>
-
 #include <BulletCollision/BroadphaseCollision/btAxisSweep3.h>
-#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
-#include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
-#include <btBulletCollisionCommon.h>
 
 namespace oncollide::tools {
+
+using namespace bullet;
+
 namespace {
-
-btVector3 vector_of(const Eigen::Vector3d& p)
-{
-    return {btScalar(p.x()), btScalar(p.y()), btScalar(p.z())};
-}
-
-btTransform transform_of(const Eigen::Isometry3d& pose)
-{
-    const Eigen::Matrix3d rows = pose.linear().transpose();
-    const btVector3 x = vector_of(rows.col(0)), y = vector_of(rows.col(1)), z = vector_of(rows.col(2));
-    const btMatrix3x3 turn(x.x(), x.y(), x.z(), y.x(), y.y(), y.z(), z.x(), z.y(), z.z());
-    return btTransform(turn, vector_of(pose.translation()));
-}
-
-/// A mesh in Bullet's form and precision. Bullet's shapes keep pointers into it.
-class BulletMesh {
-public:
-    explicit BulletMesh(const Mesh& mesh)
-    {
-        for (const Eigen::Vector3d& v : mesh.vertices)
-            for (int axis = 0; axis < 3; ++axis) vertices_.push_back(btScalar(v[axis]));
-        for (const Triangle& t : mesh.triangles) indices_.insert(indices_.end(), t.begin(), t.end());
-        arrays_ = std::make_unique<btTriangleIndexVertexArray>(int(mesh.triangles.size()), indices_.data(),
-                                                               int(3 * sizeof(int)), int(mesh.vertices.size()),
-                                                               vertices_.data(), int(3 * sizeof(btScalar)));
-    }
-    BulletMesh(const BulletMesh&) = delete;
-    BulletMesh& operator=(const BulletMesh&) = delete;
-    btTriangleIndexVertexArray* arrays() const { return arrays_.get(); }
-
-private:
-    std::vector<btScalar> vertices_;
-    std::vector<int> indices_;
-    std::unique_ptr<btTriangleIndexVertexArray> arrays_;
-};
-
-/// A world of collision objects.
-struct BulletSpace {
-    btDefaultCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher{&configuration};
-    btDbvtBroadphase broad;
-    btCollisionWorld world{&dispatcher, &broad, &configuration};
-};
 
 std::unique_ptr<btBroadphaseInterface> make_tree(const BoxFrame&)
 {
@@ -189,55 +145,6 @@ private:
     btPairSet candidates_;
 };
 
-/// Moving meshes are GImpact shapes, still ones trees of triangles.
-class BulletContactPeer final : public ContactPeer {
-public:
-    explicit BulletContactPeer(std::span<const ContactPeerBody> bodies)
-    {
-        btGImpactCollisionAlgorithm::registerAlgorithm(&space_.dispatcher);
-        for (const ContactPeerBody& body : bodies) {
-            auto& shape = shapes_[{body.geometry, body.is_static}];
-            if (!shape) shape = make_shape(body);
-            auto& object = objects_.emplace_back(std::make_unique<btCollisionObject>());
-            object->setCollisionShape(shape.get());
-            object->setCollisionFlags(body.is_static ? btCollisionObject::CF_STATIC_OBJECT : 0);
-            space_.world.addCollisionObject(object.get(), body.is_static ? 1 : 2, body.is_static ? 2 : 3);
-        }
-    }
-    ~BulletContactPeer() override
-    {
-        for (const auto& object : objects_) space_.world.removeCollisionObject(object.get());
-    }
-    std::size_t contacts(std::span<const Eigen::Isometry3d> poses) override
-    {
-        for (std::size_t i = 0; i < poses.size(); ++i) objects_[i]->setWorldTransform(transform_of(poses[i]));
-        space_.world.performDiscreteCollisionDetection();
-        std::size_t count = 0;
-        for (int i = 0; i < space_.dispatcher.getNumManifolds(); ++i)
-            count += static_cast<std::size_t>(space_.dispatcher.getManifoldByIndexInternal(i)->getNumContacts());
-        return count;
-    }
-
-private:
-    std::unique_ptr<btCollisionShape> make_shape(const ContactPeerBody& body)
-    {
-        const auto* mesh = std::get_if<Mesh>(&body.geometry->data);
-        if (!mesh)
-            return std::make_unique<btBoxShape>(vector_of(std::get<Box>(std::get<Shape>(body.geometry->data)).half));
-        auto& data = meshes_[body.geometry];
-        if (!data) data = std::make_unique<BulletMesh>(*mesh);
-        if (body.is_static) return std::make_unique<btBvhTriangleMeshShape>(data->arrays(), true);
-        auto shape = std::make_unique<btGImpactMeshShape>(data->arrays());
-        shape->updateBound();
-        return shape;
-    }
-
-    BulletSpace space_;
-    std::map<const Geometry*, std::unique_ptr<BulletMesh>> meshes_;
-    std::map<std::pair<const Geometry*, bool>, std::unique_ptr<btCollisionShape>> shapes_;
-    std::vector<std::unique_ptr<btCollisionObject>> objects_;
-};
-
 /// A world of one static mesh.
 class BulletRayPeer final : public RayPeer {
 public:
@@ -296,10 +203,7 @@ void add_bullet(Contenders& all)
          .promise = Promise::approximate,
          .most = std::size_t{1} << 21, // bits of a triangle's index in btQuantizedBvh; it crashes with more
          .make = maker<BulletRayPeer>()});
-    all.contacts.all.push_back({.name = "bullet",
-                                .what = "Bullet btCollisionWorld, moving meshes as GImpact",
-                                .promise = Promise::approximate,
-                                .make = maker<BulletContactPeer>()});
+    add_bullet_contacts(all), add_bullet_physics(all);
 }
 
 } // namespace oncollide::tools

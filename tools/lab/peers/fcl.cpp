@@ -123,18 +123,27 @@ public:
         for (const ContactPeerBody& body : bodies) {
             FclGeometry& model = models[body.geometry];
             if (!model) model = make_fcl_geometry(body.geometry->data, FclNodes::obb);
-            objects_.push_back(std::make_unique<fcl::CollisionObjectd>(model));
+            objects_.push_back(std::make_unique<fcl::CollisionObjectd>(model, body.pose));
             objects_.back()->setUserData(&bodies_[objects_.size() - 1]);
             tree_.registerObject(objects_.back().get());
         }
         tree_.setup();
     }
-    std::size_t contacts(std::span<const Eigen::Isometry3d> poses) override
+    void place(std::span<const Eigen::Isometry3d> poses) override
     {
         for (std::size_t i = 0; i < poses.size(); ++i) objects_[i]->setTransform(poses[i]), objects_[i]->computeAABB();
+    }
+    std::size_t contacts() override
+    {
         tree_.update();
         count_ = 0;
         tree_.collide(this, take);
+        return count_;
+    }
+    std::size_t contacts_of(std::span<const BodyPair> pairs) override
+    {
+        count_ = 0;
+        for (const auto& [a, b] : pairs) take(objects_[a].get(), objects_[b].get(), this);
         return count_;
     }
 

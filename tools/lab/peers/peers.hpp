@@ -104,31 +104,69 @@ public:
 };
 using RayContender = Contender<RayPeer, const Mesh&>;
 
-/// A body of the benchmark of contacts: a mesh or a box.
+/// A body of the benchmark of contacts: a mesh, a terrain or a shape.
 struct ContactPeerBody {
     const Geometry* geometry;
     bool is_static;
+    Eigen::Isometry3d pose; ///< at first
 };
 
 /// Finds contacts for a solver.
 class ContactPeer {
 public:
     virtual ~ContactPeer() = default;
-    /// Finds the contacts of all pairs of which a body moves, at these poses of the bodies. Returns their number.
-    virtual std::size_t contacts(std::span<const Eigen::Isometry3d> poses) = 0;
+    /// Places all bodies.
+    virtual void place(std::span<const Eigen::Isometry3d> poses) = 0;
+    /// Finds the contacts of all pairs of which a body moves. Returns their number.
+    virtual std::size_t contacts() = 0;
+    /// Finds the contacts of these pairs alone, anew in each call. All calls have the same
+    /// pairs, so the peer may keep memory for each.
+    virtual std::size_t contacts_of(std::span<const BodyPair> pairs) = 0;
 };
 using ContactContender = Contender<ContactPeer, std::span<const ContactPeerBody>>;
+
+/// A body that a library moves by its own physics. Its centre of mass is the origin of its frame.
+struct PhysicsBody {
+    const Geometry* geometry;
+    Eigen::Isometry3d pose;
+    double mass;             ///< kg; 0: it does not move
+    Eigen::Vector3d inertia; ///< about the axes of its frame
+};
+
+struct PhysicsSettings {
+    double dt = 0.004, friction = 0.5;
+    double damping = 0.1, spin_damping = 0.6; ///< shares of the speed and the spin that are lost in a second
+};
+
+/// The figures of a step.
+struct PhysicsStep {
+    double detection_ms = 0, solver_ms = 0;
+    std::size_t contacts = 0, awake = 0; ///< awake: bodies
+    double fastest = 0;                  ///< speed of the fastest body, m/s
+};
+
+/// A library that finds contacts and solves them.
+class PhysicsPeer {
+public:
+    virtual ~PhysicsPeer() = default;
+    virtual PhysicsStep step() = 0;
+    /// Overwrites `poses` with the poses of all bodies.
+    virtual void poses(std::vector<Eigen::Isometry3d>& poses) const = 0;
+};
+using PhysicsContender = Contender<PhysicsPeer, std::span<const PhysicsBody>, const PhysicsSettings&>;
 
 using BroadContenders = ContenderList<BroadContender>;
 using NarrowContenders = ContenderList<NarrowContender>;
 using RayContenders = ContenderList<RayContender>;
 using ContactContenders = ContenderList<ContactContender>;
+using PhysicsContenders = ContenderList<PhysicsContender>;
 
 struct Contenders {
     BroadContenders broad;
     NarrowContenders narrow;
     RayContenders rays;         ///< of other libraries
     ContactContenders contacts; ///< of other libraries
+    PhysicsContenders physics;  ///< of other libraries
 };
 
 /// All contenders of this build, and the libraries that it lacks.

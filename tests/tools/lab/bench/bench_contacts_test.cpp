@@ -1,3 +1,6 @@
+#include <array>
+#include <map>
+
 #include "tools/command_fixture.hpp"
 #include "tools/csv_rows.hpp"
 
@@ -37,6 +40,73 @@ TEST_F(CommandLine, BenchContactsComparesScenesAtTheSamePoses)
     expect_error(64, {"bench", "contacts", "--scene", "none"}, {"--scene", "'none'", "stack-12"});
     expect_error(64, {"bench", "contacts", "--nut", "nut.obj"}, {"--nut and --bolt"});
     expect_error(64, {"bench", "contacts", "--repeats", "0"}, {"--repeats 0"});
+}
+
+/// The rows of 'bench contacts' with few bodies, by scene, mode and library.
+class ShapeContacts : public CommandLine {
+protected:
+    using Row = std::map<std::string, std::string>;
+    std::map<std::array<std::string, 3>, Row> rows(const std::string& scenes, const std::string& threads = "1")
+    {
+        const Outcome outcome = run({"bench", "contacts", "--scene", scenes, "--bodies", "40", "--steps", "2",
+                                     "--repeats", "1", "--threads", threads, "--csv", "c.csv"});
+        EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+        std::map<std::array<std::string, 3>, Row> by;
+        for (auto& row : read_csv(folder_.read("c.csv"))) by[{row["scene"], row["mode"], row["who"]}] = row;
+        return by;
+    }
+    static double number(const Row& row, const std::string& name) { return std::stod(row.at(name)); }
+};
+
+TEST_F(ShapeContacts, ArePlentyInPilesAndOnTheGroundInEachMode)
+{
+    const auto all = rows("pile-boxes-1000,pile-mixed-1000,pile-hulls-1000,pile-round-1000,pile-spheres-1000,"
+                          "pile-capsules-1000,terrain-shapes-1000,mesh-shapes-1000");
+    std::map<std::string, int> modes, others;
+    for (const auto& [key, row] : all) {
+        const auto& [scene, mode, who] = key;
+        EXPECT_TRUE(scene.ends_with("-40")) << scene;
+        EXPECT_EQ(row.at("bodies"), "41") << scene;
+        EXPECT_GT(number(row, "contacts"), 20) << scene << " " << mode << " " << who;
+        EXPECT_LT(number(row, "contacts"), 2000) << scene << " " << mode << " " << who;
+        if (who != "oncollide") {
+            ++others[mode];
+            continue;
+        }
+        ++modes[mode];
+        EXPECT_EQ(row.at("complete"), "1") << scene;
+        EXPECT_GE(number(row, "regions"), 35) << scene << ": nearly all bodies lie on something";
+        EXPECT_LE(number(row, "regions"), 400) << scene;
+        EXPECT_GE(number(row, "pairs"), 40) << scene;
+    }
+    EXPECT_EQ(modes, (std::map<std::string, int>{{"moving", 8}, {"slow", 8}, {"rest", 8}}));
+    for (const auto& [mode, count] : others) EXPECT_GE(count, 8) << mode << ": FCL is always there";
+}
+
+TEST_F(ShapeContacts, AreTheSameOnTwoThreads)
+{
+    const std::string scenes = "pile-mixed-1000,terrain-shapes-1000";
+    const auto one = rows(scenes), two = rows(scenes, "2");
+    ASSERT_EQ(one.size(), two.size());
+    for (const auto& [key, row] : one) {
+        if (key[2] != "oncollide") continue;
+        for (const char* column : {"contacts", "pairs", "regions", "hash"})
+            EXPECT_EQ(row.at(column), two.at(key).at(column)) << key[0] << " " << key[1] << " " << column;
+    }
+}
+
+TEST_F(ShapeContacts, OfSinglePairsAreThoseOfEachPair)
+{
+    for (const auto& [key, row] : rows("pair-sphere-sphere,pair-box-box,pair-box-sphere,pair-hull20-hull20")) {
+        EXPECT_EQ(key[1], "fresh");
+        const double contacts = number(row, "contacts");
+        if (key[0].ends_with("-sphere")) {
+            EXPECT_EQ(contacts, 1) << key[0] << " " << key[2];
+        } else {
+            EXPECT_GE(contacts, 1) << key[0] << " " << key[2];
+            EXPECT_LE(contacts, 8) << key[0] << " " << key[2];
+        }
+    }
 }
 
 TEST_F(CommandLine, AccuracyManifoldsContradictsNoClaim)

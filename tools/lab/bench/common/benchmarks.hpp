@@ -14,6 +14,7 @@ void add_shapes(Arguments bench);
 void add_rays(Arguments bench);
 void add_edges_bench(Arguments bench);
 void add_contacts(Arguments bench);
+void add_avalanche(Arguments bench);
 void add_robot_bench(Arguments bench);
 void add_world(Arguments bench);
 void add_environment(Arguments bench);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <functional>
+#include <iterator>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -12,6 +12,8 @@
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/samples/generators.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
+
+#include "bench/contacts/shape_scenes.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -167,14 +169,9 @@ ContactScene nut_and_bolt(const ContactFiles& files)
     return scene;
 }
 
-struct Entry {
-    std::string name;
-    std::function<ContactScene()> make;
-};
-
-std::vector<Entry> entries(const ContactFiles& files)
+std::vector<ContactEntry> entries(const ContactFiles& files, int bodies)
 {
-    std::vector<Entry> all;
+    std::vector<ContactEntry> all;
     for (const int cells : {0, 1, 10, 32})
         all.push_back(
             {cells ? fmt::format("stack-{}", 12 * cells * cells) : "stack-shapes", [=] { return stack(cells); }});
@@ -202,23 +199,23 @@ std::vector<Entry> entries(const ContactFiles& files)
     for (const bool shape : {false, true})
         all.push_back({shape ? "enclosed-shape" : "enclosed-mesh", [=] { return enclosed(shape); }});
     if (!files.nut.empty() && !files.bolt.empty()) all.push_back({"nut", [=] { return nut_and_bolt(files); }});
+    std::ranges::move(shape_scenes(bodies), std::back_inserter(all));
     return all;
 }
 
 } // namespace
 
-std::vector<ContactScene> contact_scenes(const std::vector<std::string>& names, const ContactFiles& files)
+std::vector<ContactEntry> contact_scenes(const std::vector<std::string>& names, const ContactFiles& files, int bodies)
 {
-    const std::vector<Entry> all = entries(files);
+    std::vector<ContactEntry> all = entries(files, bodies);
     std::string valid;
-    for (const Entry& e : all) valid += (valid.empty() ? "" : ", ") + e.name;
+    for (const ContactEntry& e : all) valid += (valid.empty() ? "" : ", ") + e.name;
     for (const std::string& name : names)
-        if (std::ranges::find(all, name, &Entry::name) == all.end())
+        if (std::ranges::find(all, name, &ContactEntry::name) == all.end())
             throw Error(ErrorKind::usage, fmt::format("--scene: no scene named '{}'; there are: {}", name, valid));
-    std::vector<ContactScene> scenes;
-    for (const Entry& e : all)
-        if (names.empty() || std::ranges::find(names, e.name) != names.end()) scenes.push_back(e.make());
-    return scenes;
+    if (!names.empty())
+        std::erase_if(all, [&](const ContactEntry& e) { return std::ranges::find(names, e.name) == names.end(); });
+    return all;
 }
 
 } // namespace oncollide::tools
