@@ -13,7 +13,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double parallel = 1e-8;                     ///< sine
-constexpr double nearly = 1.0 / 128, close = 0x1p-24; ///< share of the depth; share of the sizes
+constexpr double nearly = 1.0 / 300, close = 0x1p-26; ///< share of the depth; share of the smaller size
 
 /// An axis of least overlap.
 struct Axis {
@@ -45,7 +45,7 @@ LeastTranslation translation_of_boxes(const ConvexDifference& cores, double roun
     const Vector3d centre_a = 0.5 * (a.low + a.high);
     const Vector3d t = cores.b_to_a()(0.5 * (b.low + b.high)) - centre_a;
     const Vector3d u = r.transpose() * t; // in B's frame
-    const double size = cores.size();
+    const double size = cores.size(), smaller = std::min(a.extent + a.radius, b.extent + b.radius);
     LeastTranslation found{};
     const double beyond = -cutoff - rounding;
     double least = std::numeric_limits<double>::infinity(); // lower bound of all overlaps
@@ -61,7 +61,7 @@ LeastTranslation translation_of_boxes(const ConvexDifference& cores, double roun
         if (of_a[i] < beyond) return apart(of_a[i]);
         if (of_a[i] < face.overlap) face = {of_a[i], i, -1};
     }
-    const double preferred = face.overlap - nearly * std::abs(face.overlap) - close * size;
+    const double preferred = face.overlap - nearly * std::abs(face.overlap) - close * smaller;
     least = face.overlap;
     for (int j = 0; j < 3; ++j) {
         if (!has_face(hb, j)) continue;
@@ -92,12 +92,13 @@ LeastTranslation translation_of_boxes(const ConvexDifference& cores, double roun
             if (overlap < edge.overlap) edge = {overlap, i, j};
         }
     }
-    found.of_edges = edge.overlap + nearly * std::abs(edge.overlap) + close * size < face.overlap;
-    if (found.of_edges) {
+    const bool of_edges = edge.overlap + nearly * std::abs(edge.overlap) + close * smaller < face.overlap;
+    if (of_edges) {
         const Vector3d across = Vector3d::Unit(edge.i).cross(r.col(edge.j));
         const double length = across.norm();
         found.normal = across / (across.dot(t) < 0 ? -length : length);
-        found.upper = edge.overlap + 2 * rounding / length;
+        found.upper = ha.dot(found.normal.cwiseAbs()) + hb.dot((r.transpose() * found.normal).cwiseAbs()) -
+                      found.normal.dot(t) + rounding;
         found.normal_error = std::min(std::numbers::pi, 0x1p-48 / length + 8 * cores.slack());
         // The nearest points of the two edges' lines.
         const Vector3d n = found.normal, p = edge_along(ha, n, edge.i), d = Vector3d::Unit(edge.i), e = r.col(edge.j);
@@ -118,8 +119,8 @@ LeastTranslation translation_of_boxes(const ConvexDifference& cores, double roun
         found.normal = line.unitOrthogonal();
         found.upper = std::abs(found.normal.dot(t)) + rounding, least = -rounding;
     }
-    if (!found.of_edges) found.normal_error = 0x1p-48 + 8 * cores.slack();
-    found.lower = std::min(least, found.upper);
+    if (!of_edges) found.normal_error = 0x1p-48 + 8 * cores.slack();
+    found.lower = std::min(least, found.upper), found.of_axes = true;
     return found;
 }
 

@@ -37,7 +37,7 @@ bool look_along_normals(const ConvexDifference& cores, const DistanceGoal& goal,
         const double apart = n.dot(p.w), upper = p.w.norm() + rounding;
         if (!(apart > last)) break; // faces, edges, or the limit of doubles stop the progress
         last = apart, v = n;
-        found.lower = std::max(found.lower, apart - rounding);
+        if (apart - rounding > found.lower) found.lower = apart - rounding, found.toward = n;
         if (upper < found.upper) found.upper = upper, found.on_a = p.a, found.on_b = p.a + p.w;
         if (is_enough(found, goal, rounding)) return true;
         n = (n + newton_step(cores, n, p.w)).normalized();
@@ -66,7 +66,8 @@ ConvexDistance convex_distance(const ConvexDifference& cores, const DistanceGoal
     double length = v.norm();
     for (int step = 0; step < most_steps && length > 0; ++step) {
         const ConvexDifference::Point p = cores.support(-v);
-        found.lower = std::max(found.lower, v.dot(p.w) / length - rounding);
+        if (const double apart = v.dot(p.w) / length - rounding; apart > found.lower)
+            found.lower = apart, found.toward = v;
         if (found.lower > goal.cutoff || found.upper - found.lower <= goal.tolerance + 4 * rounding) break;
         if (simplex.holds(p.w)) break;
         simplex.corner[simplex.count++] = p;

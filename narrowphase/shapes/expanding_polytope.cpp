@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include <oncollide/narrowphase/shapes/newton_meeting.hpp>
 #include <oncollide/narrowphase/shapes/simplex.hpp>
 
 namespace oncollide {
@@ -27,7 +28,7 @@ public:
 
 private:
     static constexpr int most_corners = 112, most_faces = 2 * most_corners;
-    /// Shares of the depth and of the sizes: how close the bounds of curved cores get.
+    /// Shares of the depth and of the smaller size: how close the bounds of curved cores get.
     static constexpr double close_in_depth = 0x1p-17, close_in_size = 0x1p-34;
 
     const ConvexDifference::Point& look(const Vector3d& d)
@@ -44,6 +45,7 @@ private:
     }
     Vector3d normal(int f) const { return {x_[f], y_[f], z_[f]}; }
     void set_points(LeastTranslation& found, int face) const;
+    void polish(LeastTranslation& found) const;
 
     const ConvexDifference& cores_;
     const double rounding_;
@@ -139,6 +141,23 @@ void ExpandingPolytope::set_points(LeastTranslation& found, int face) const
     found.lower = std::max(found.lower, -w.norm() - rounding_);
 }
 
+/// Improves the normal of curved cores by Newton's method.
+void ExpandingPolytope::polish(LeastTranslation& found) const
+{
+    Vector3d n = found.normal;
+    ConvexDifference::Point p = cores_.support(-n);
+    double depth = -n.dot(p.w);
+    for (int step = 0; step < 6; ++step) {
+        const Vector3d next = (n + newton_step(cores_, n, p.w)).normalized();
+        const ConvexDifference::Point q = cores_.support(-next);
+        if (!(-next.dot(q.w) < depth)) break;
+        n = next, p = q, depth = -n.dot(q.w);
+    }
+    if (!(depth + rounding_ < found.upper)) return;
+    found.upper = depth + rounding_, found.normal = n;
+    found.on_a = p.a, found.on_b = p.a + p.w, found.off = 0; // points of the surfaces
+}
+
 LeastTranslation ExpandingPolytope::find(double cutoff)
 {
     LeastTranslation found{};
@@ -163,10 +182,11 @@ LeastTranslation ExpandingPolytope::find(double cutoff)
         const double enough =
             cores_.flat_sided()
                 ? 4 * rounding_
-                : std::max({4 * rounding_, close_in_depth * std::abs(found.upper), close_in_size * cores_.size()});
+                : std::max({4 * rounding_, close_in_depth * std::abs(found.upper), close_in_size * std::min(cores_.a().extent, cores_.b().extent)});
         const auto known = [&](int k) { return corner_[k].w == p.w; };
         const bool converged = height - d_[face] <= enough;
         if (converged) found.normal = -n, found.upper = height + rounding_; // the points lie along this normal
+        found.off = std::max(height - d_[face], 0.0);
         if (converged || std::ranges::any_of(of_[face], known) || corners_ == most_corners) break;
         // Each new corner adds two faces, in the mean.
         if (faces_ > most_faces - 24) break;
@@ -176,6 +196,7 @@ LeastTranslation ExpandingPolytope::find(double cutoff)
     for (int f = 0; f < faces_; ++f) least = std::min(least, d_[f] - error_[f]);
     if (least > 0) found.lower = least;
     set_points(found, face);
+    if (!cores_.flat_sided()) polish(found);
     found.lower = std::min(found.lower, found.upper);
     found.normal_error =
         cores_.flat_sided()

@@ -9,6 +9,7 @@
 
 #include <oncollide/narrowphase/shapes/box_axes.hpp>
 #include <oncollide/narrowphase/shapes/expanding_polytope.hpp>
+#include <oncollide/narrowphase/shapes/newton_meeting.hpp>
 
 namespace oncollide {
 
@@ -18,6 +19,7 @@ using Eigen::Vector3d;
 
 /// A gap between cores below this many roundings has no certain direction.
 constexpr double least_gap = 0x1p12;
+constexpr int most_polish_steps = 6;
 
 /// A core that is a point or a segment along z.
 bool is_thin(const Convex& c)
@@ -25,8 +27,17 @@ bool is_thin(const Convex& c)
     return c.core == Convex::Core::box && c.low.x() == c.high.x() && c.low.y() == c.high.y();
 }
 
+/// The angle of a direction to the shortest way: along the direction the gap is `along`, and the way is at most `way`.
+double angle_of(double along, double way)
+{
+    const double cosine = along / way;
+    return cosine > 0 ? std::min(std::numbers::pi, std::sqrt(2 * std::max(1 - cosine, 0.0)) * 1.6 + 0x1p-50)
+                      : std::numbers::pi;
+}
+
 struct Ends {
     Vector3d on_a, on_b;
+    Vector3d toward = Vector3d::Zero(); ///< another direction to try; 0: none
 };
 
 /// The nearest points of two segments or points.
@@ -44,19 +55,34 @@ Ends nearest_of_segments(const ConvexDifference& cores)
     return {Vector3d(0, 0, s), t + u * d};
 }
 
-/// Bounds and normal of cores that are apart, from their nearest points.
+/// Bounds and normal of cores that are apart, from their nearest points. False: they are too near for a direction.
 bool set_apart(const ConvexDifference& cores, const Ends& ends, double rounding, LeastTranslation& found)
 {
-    const Vector3d v = ends.on_b - ends.on_a;
-    const double gap = v.norm();
+    Vector3d on_a = ends.on_a, v = ends.on_b - ends.on_a;
+    double gap = v.norm();
     if (!(gap > least_gap * rounding)) return false;
-    found.normal = v / gap;
     // The gap along any direction is a lower bound of the distance.
-    const double along = found.normal.dot(cores.support(-found.normal).w);
-    found.upper = rounding - along, found.lower = -gap - rounding;
-    found.normal_error = std::min(std::numbers::pi, 2 * std::sqrt(2 * std::max(found.upper - found.lower, 0.0) / gap));
-    found.on_a = ends.on_a, found.on_b = ends.on_b, found.has_points = true;
-    return along > 0;
+    Vector3d n = v / gap;
+    ConvexDifference::Point p = cores.support(-n);
+    double along = n.dot(p.w);
+    if (!ends.toward.isZero(0)) {
+        const Vector3d other = ends.toward.normalized();
+        if (const ConvexDifference::Point q = cores.support(-other); other.dot(q.w) > along)
+            n = other, p = q, along = n.dot(q.w);
+    }
+    if (!cores.flat_sided()) // the distance of curved cores was found to about the root of the rounding
+        for (int step = 0; step < most_polish_steps && gap - along > 2 * rounding; ++step) {
+            if (const double length = p.w.norm(); length < gap) gap = length, on_a = p.a, v = p.w;
+            const Vector3d next = (n + newton_step(cores, n, p.w)).normalized();
+            const ConvexDifference::Point q = cores.support(-next);
+            if (!(next.dot(q.w) > along)) break;
+            n = next, p = q, along = n.dot(q.w);
+        }
+    if (!(along > 0)) return false;
+    found.normal = n, found.upper = rounding - along, found.lower = -gap - rounding;
+    found.normal_error = angle_of(along - rounding, gap + rounding);
+    found.on_a = on_a, found.on_b = on_a + v, found.off = std::max(gap - along, 0.0), found.has_points = true;
+    return true;
 }
 
 /// By the distance; false: the cores meet, or nearly.
@@ -68,9 +94,7 @@ bool by_distance(const ConvexDifference& cores, double rounding, double cutoff, 
         found.beyond = true, found.upper = -d.lower;
         return true;
     }
-    if (!set_apart(cores, {d.on_a, d.on_b}, rounding, found)) return false;
-    found.upper = std::min(found.upper, -d.lower);
-    return true;
+    return set_apart(cores, {d.on_a, d.on_b, d.toward}, rounding, found);
 }
 
 LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double cutoff)
@@ -79,8 +103,11 @@ LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double
     LeastTranslation found{};
     const bool thin_a = is_thin(a), thin_b = is_thin(b), boxes = a.core == Convex::Core::box && b.core == a.core;
     if (thin_a && thin_b) {
-        if (set_apart(cores, nearest_of_segments(cores), rounding, found)) return found;
-        return translation_of_boxes(cores, rounding, cutoff + cores.radius());
+        const Ends ends = nearest_of_segments(cores);
+        if (set_apart(cores, ends, rounding, found)) return found;
+        found = translation_of_boxes(cores, rounding, cutoff + cores.radius());
+        found.on_a = ends.on_a, found.on_b = ends.on_b, found.has_points = true;
+        return found;
     }
     if (boxes && cores.radius() > 0) {
         const bool point_a = a.low == a.high, point_b = b.low == b.high;
@@ -108,27 +135,40 @@ LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double
     if (!by_distance(cores, rounding, cutoff, apart)) return found;
     if (apart.beyond) return apart;
     if (found.upper <= apart.upper + 8 * rounding) { // the plane's normal has less rounding in it
-        apart.normal = found.normal, apart.normal_error = found.normal_error, apart.upper = found.upper;
-        apart.lower = std::min(apart.lower, apart.upper);
+        apart.normal = found.normal, apart.upper = found.upper, apart.lower = std::min(apart.lower, apart.upper);
+        apart.normal_error = angle_of(-apart.upper, -apart.lower);
     }
     return apart;
+}
+
+/// A pose may stretch lengths by the slack.
+double rounding_of(const ConvexDifference& cores)
+{
+    return cores.rounding() +
+           cores.slack() * (cores.size() + cores.radius() + cores.b_to_a().translation.norm());
+}
+
+LeastTranslation with_radius(LeastTranslation found, double radius, double cutoff)
+{
+    const double off = 0x1p-50 * radius;
+    found.lower += radius - off, found.upper += radius + off;
+    found.beyond |= found.upper < -cutoff;
+    if (!found.beyond && found.upper < 0)
+        found.normal_error = std::max(found.normal_error, angle_of(radius - found.upper, radius - found.lower));
+    return found;
 }
 
 } // namespace
 
 LeastTranslation least_translation(const ConvexDifference& cores, double cutoff)
 {
-    // A pose may stretch lengths by the slack.
-    const double radius = cores.radius();
-    const double rounding =
-        cores.rounding() + cores.slack() * (cores.size() + radius + cores.b_to_a().translation.norm());
-    LeastTranslation found = of_cores(cores, rounding, cutoff);
-    found.lower += radius, found.upper += radius;
-    if (found.beyond) return found;
-    const double off = 0x1p-50 * radius;
-    found.lower -= off, found.upper += off;
-    found.beyond = found.upper < -cutoff;
-    return found;
+    return with_radius(of_cores(cores, rounding_of(cores), cutoff), cores.radius(), cutoff);
+}
+
+LeastTranslation deepest_translation(const ConvexDifference& cores)
+{
+    const double endless = std::numeric_limits<double>::infinity();
+    return with_radius(translation_by_polytope(cores, rounding_of(cores), endless), cores.radius(), endless);
 }
 
 } // namespace oncollide

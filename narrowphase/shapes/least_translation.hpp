@@ -14,12 +14,13 @@ struct LeastTranslation {
     /// Points of the cores where the solids are deepest or nearest, if `has_points`.
     Eigen::Vector3d on_a = Eigen::Vector3d::Zero(), on_b = Eigen::Vector3d::Zero();
     bool has_points = false;
-    bool of_edges = false; ///< the normal is across two edges
+    double off = 0; ///< the points are at most this far inside the cores' surfaces, metres
+    bool of_axes = false; ///< all separating axes were tried, and the normal is one of them
     bool beyond = false;   ///< they are certainly farther apart than `cutoff`; only `upper` is set
 };
 
 /// The bounds are as close as rounding allows, 2^-46 of sizes and distance, for cores that are points, segments, boxes
-/// or hulls; to 2^-17 of the depth and 2^-34 of the sizes for other cores that overlap. The error of the normal is that
+/// or hulls; to 2^-17 of the depth and 2^-34 of the smaller size for other cores that overlap. The error of the normal is that
 /// of rounding where the direction is unique. Of faces and edges with nearly the same depth (to 1 % and 2^-24 of the
 /// sizes), it is normal to the first face: `upper` is its depth, and `lower` the least of all.
 /// @param cutoff  metres, >= 0: solids that are farther apart are not measured
@@ -31,5 +32,8 @@ struct LeastTranslation {
 /// computation on 3D game objects", 2001). The lower bound is the distance of 0 from the polytope, whose corners are
 /// points of the difference: it holds whatever shape rounding gives the polytope.
 LeastTranslation least_translation(const ConvexDifference& cores, double cutoff);
+
+/// The same for cores that overlap, one of them with a volume, always with points.
+LeastTranslation deepest_translation(const ConvexDifference& cores);
 
 } // namespace oncollide

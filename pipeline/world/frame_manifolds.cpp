@@ -68,8 +68,8 @@ void FrameManifoldCache::choose_pairs(WorldImpl& world, const ManifoldOptions& o
     look(count);
 }
 
-/// Measures the open pairs, in parts.
-void FrameManifoldCache::measure(WorldImpl& world, const ManifoldOptions& options)
+/// Makes the tasks of the open pairs, and the trees that they need.
+void FrameManifoldCache::make_tasks(WorldImpl& world)
 {
     tasks_.clear(), of_trees_.clear();
     for (const std::uint32_t i : open_) {
@@ -78,6 +78,11 @@ void FrameManifoldCache::measure(WorldImpl& world, const ManifoldOptions& option
         if (needs_trees(tasks_.back())) of_trees_.push_back(tasks_.back());
     }
     if (!of_trees_.empty()) world.need_trees(of_trees_);
+}
+
+/// Measures the open pairs on the World's threads, in parts.
+void FrameManifoldCache::measure(WorldImpl& world, const ManifoldOptions& options)
+{
     parts_.resize((open_.size() + pairs_of_a_part - 1) / pairs_of_a_part);
     const ExecutorScope scope(world.settings.executor);
     parallel_chunks(parts_.size(), 1, world.frame.context.threads, [&](std::size_t begin, std::size_t end, int) {
@@ -95,25 +100,21 @@ void FrameManifoldCache::measure(WorldImpl& world, const ManifoldOptions& option
 }
 
 /// Joins what was copied and what was measured, in the order of the pairs. Pairs without regions are left out.
-void FrameManifoldCache::join(WorldImpl& world)
+/// @param take_open  take_open(i) appends the manifold of the i-th open pair unless it is left out, and returns whether
+void FrameManifoldCache::join(WorldImpl& world, auto take_open)
 {
     const std::size_t count = world.frame.results.size();
     clear(now_.manifolds), now_.manifolds.pairs.clear();
     now_.place.assign(count, none);
-    const auto take = [&](std::size_t pair, const ManifoldLists& from, std::size_t i) {
-        if (from.offsets[i] == from.offsets[i + 1] && from.complete[i]) return;
+    std::size_t measured = 0;
+    for (std::size_t pair = 0; pair < count; ++pair) {
+        if (kept_from_[pair] != none)
+            append(now_.manifolds, last_.manifolds, kept_from_[pair]);
+        else if (measured == open_.size() || open_[measured] != pair || !take_open(measured++))
+            continue;
         now_.place[pair] = static_cast<std::uint32_t>(now_.manifolds.pairs.size());
         now_.manifolds.pairs.push_back({world.frame.results[pair].a, world.frame.results[pair].b});
-        append(now_.manifolds, from, i);
-    };
-    std::size_t measured = 0;
-    for (std::size_t pair = 0; pair < count; ++pair)
-        if (kept_from_[pair] != none) {
-            take(pair, last_.manifolds, kept_from_[pair]);
-        } else if (measured < open_.size() && open_[measured] == pair) {
-            take(pair, parts_[measured / pairs_of_a_part].lists, measured % pairs_of_a_part);
-            ++measured;
-        }
+    }
 }
 
 /// With the limit of the points of all pairs.
@@ -139,8 +140,26 @@ const FrameManifolds& FrameManifoldCache::find(WorldImpl& world, const ManifoldO
     std::swap(now_, last_);
     frame_.reset(); // unless all is found
     choose_pairs(world, options, reuse);
-    measure(world, options);
-    join(world);
+    make_tasks(world);
+    if (world.frame.context.threads == 1 || open_.size() <= pairs_of_a_part) {
+        const ExecutorScope scope(world.settings.executor);
+        WorldImpl::Lease worker(world);
+        join(world, [&](std::size_t i) {
+            world.manifold(*worker, tasks_[i], options, worker->manifold);
+            const bool counts = !worker->manifold.regions.empty() || !worker->manifold.complete;
+            if (counts) append(now_.manifolds, worker->manifold);
+            return counts;
+        });
+    } else {
+        measure(world, options);
+        join(world, [&](std::size_t i) {
+            const ManifoldLists& lists = parts_[i / pairs_of_a_part].lists;
+            const std::size_t k = i % pairs_of_a_part;
+            const bool counts = lists.offsets[k] < lists.offsets[k + 1] || !lists.complete[k];
+            if (counts) append(now_.manifolds, lists, k);
+            return counts;
+        });
+    }
     frame_ = frame, options_ = options;
     return limited(options);
 }

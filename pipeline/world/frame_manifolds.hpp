@@ -35,8 +35,9 @@ private:
         ManifoldLists lists;
     };
     void choose_pairs(WorldImpl& world, const ManifoldOptions& options, bool reuse);
+    void make_tasks(WorldImpl& world);
     void measure(WorldImpl& world, const ManifoldOptions& options);
-    void join(WorldImpl& world);
+    void join(WorldImpl& world, auto take_open);
     const FrameManifolds& limited(const ManifoldOptions& options);
 
     std::optional<std::uint32_t> frame_; ///< of `now_`

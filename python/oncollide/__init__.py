@@ -15,7 +15,7 @@ except ModuleNotFoundError as _missing:
     raise ImportError("oncollide needs NumPy: apt install python3-numpy, or pip install numpy") from None
 
 from . import _core
-from ._core import Bodies, Error, Frame, Geometry, Model, Models, Pairs, Robot, Space
+from ._core import Bodies, Error, Frame, Geometry, ManifoldTracker, Manifolds, Model, Models, Pairs, Robot, Space
 
 __version__ = "0.1.0"
 
@@ -85,6 +85,6 @@ class Stage(enum.IntEnum):
 
 
 __all__ = [name for name in dir() if not name.startswith("_") and name not in ("enum", "functools")]
-for _item in (Bodies, Error, Frame, Geometry, Model, Models, Pairs, Robot, Space, World):
+for _item in (Bodies, Error, Frame, Geometry, ManifoldTracker, Manifolds, Model, Models, Pairs, Robot, Space, World):
     _item.__module__ = __name__
 del _item, _name

@@ -68,6 +68,24 @@ class Frame:
     @property
     def trees(self) -> dict[str, int]: ...
 
+class Manifolds:
+    @property
+    def pairs(self) -> NDArray[np.void]: ...
+    @property
+    def regions(self) -> NDArray[np.void]: ...
+    @property
+    def points(self) -> NDArray[np.void]: ...
+    @property
+    def offsets(self) -> NDArray[np.int64]: ...
+    @property
+    def complete(self) -> NDArray[np.bool_]: ...
+
+class ManifoldTracker:
+    def __init__(self, match_distance: float = 0.01) -> None: ...
+    def update(
+        self, world: World, manifolds: Manifolds
+    ) -> tuple[NDArray[np.int64], NDArray[np.uint64], NDArray[np.uint32]]: ...  # previous, ids, ended
+
 # One or many, one name: an ArrayLike may be one pose or many.
 _Result = Any  # np.void; of many NDArray[np.void]
 _List = Any  # NDArray[np.void]; of many tuple[NDArray[np.void], NDArray[np.int64]]: items and offsets
@@ -112,6 +130,16 @@ class World:
     @property
     def space(self) -> Space: ...
     def step(self) -> Frame: ...
+    def manifolds(
+        self,
+        margin: float = 0.0,
+        normal_spread: float = ...,
+        points_per_region: int = 4,
+        regions_per_pair: int = 16,
+        points_per_pair: int = 64,
+        points_in_all: int = 0,
+        measures: bool = False,
+    ) -> Manifolds: ...
     def set_sweep_options(
         self,
         time_tolerance: float = 0.0001,
@@ -205,6 +233,7 @@ class Pairs:
         regions_per_pair: int = 16,
         points_per_pair: int = 64,
         points_in_all: int = 0,
+        measures: bool = False,
     ) -> Any: ...  # (regions, points, complete); of many (regions, points, offsets, complete)
     def near_features(self, a: _Side, b: _Side, dhat: float) -> _List: ...
     def max_error(self, a: _Side, b: _Side) -> float: ...

@@ -113,5 +113,6 @@ void bind_bodies(py::module_& module);
 void bind_pairs(py::module_& module);
 void bind_space(py::module_& module);
 void bind_frames(py::module_& module, WorldClass& world);
+void bind_manifolds(py::module_& module, WorldClass& world);
 
 } // namespace oncollide::python

@@ -59,12 +59,13 @@ py::object sweep(PairsView& view, py::handle a, py::handle b, py::handle path, p
 
 py::tuple manifold(PairsView& view, py::handle a, py::handle b, double margin, double normal_spread,
                    std::uint32_t points_per_region, std::uint32_t regions_per_pair, std::uint32_t points_per_pair,
-                   std::uint32_t points_in_all)
+                   std::uint32_t points_in_all, bool measures)
 {
     const char* const call = "pairs.manifold";
     Sides sides(call, a, b);
     const ManifoldOptions options{margin,           normal_spread,   points_per_region,
-                                  regions_per_pair, points_per_pair, points_in_all};
+                                  regions_per_pair, points_per_pair, points_in_all,
+                                  measures};
     if (sides.one()) {
         Manifold found = computed(*view.held, call, false, [&](const World& w) {
             return w.pairs().manifold(sides.a().only(), sides.b().only(), options);
@@ -175,17 +176,19 @@ separates a from b just before; 0: unknown).)",
 margin: metres; parts of surfaces this near are regions, too. normal_spread: radians; faces of one region differ by at
 most twice this. points_per_region, regions_per_pair, points_per_pair: at least 1; regions share the points of a pair in
 turn, the deepest first. points_in_all: limit of the points of all pairs, which share them in turn; 0: no limit.
+measures: find area, volume, centre and lost, which solvers do not use; else they are NaN.
 
 Returns (regions, points, complete); for many pairs (regions, points, offsets, complete), and complete is bool (N,).
 regions: structured, the deepest first: kind (uint8: 0 crossing, 1 touching, 2 enclosed, 3 near), open (bool: a surface is
 not closed), normal (float64 (3,), unit, from a to b), normal_error (radians; pi where no normal has a meaning), area,
-volume, centre (3,), depth_lower, depth_upper (certified), lost (no exact contact is farther than this from the hull of
-the points), first, count (its points), found (candidates before the reduction). points: point_a, point_b (float64 (3,)),
+volume, centre (3,), depth_lower, depth_upper (certified), lost (no common point of both surfaces is farther than this from
+the hull of the points), first, count (its points), found (candidates before the reduction). points: point_a, point_b (float64 (3,)),
 depth (> 0 inside), depth_error, feature_a, feature_b (uint64), normal (3,) (unit: across the faces at the point, or the
 region's). complete: False if a limit left out a region or a point, or the pair has no manifold. World frame, metres.)",
            "a"_a, "b"_a, "margin"_a = usual.margin, "normal_spread"_a = usual.normal_spread,
            "points_per_region"_a = usual.points_per_region, "regions_per_pair"_a = usual.regions_per_pair,
-           "points_per_pair"_a = usual.points_per_pair, "points_in_all"_a = usual.points_in_all);
+           "points_per_pair"_a = usual.points_per_pair, "points_in_all"_a = usual.points_in_all,
+           "measures"_a = usual.measures);
     define(
         pairs, "near_features",
         [](PairsView& view, py::handle a, py::handle b, py::handle dhat) {

@@ -125,6 +125,7 @@ parallel. Other Python threads can run during calls that compute.)";
     bind_pairs(m);
     bind_space(m);
     bind_frames(m, world);
+    bind_manifolds(m, world);
 
     const SharedArguments with;
     define(

@@ -86,6 +86,34 @@ def test_lists_of_many_pairs_have_offsets():
     assert len(few[1]) <= 5 and not few[3].all()
 
 
+def test_manifolds_of_a_frame_are_those_of_its_pairs():
+    world = oncollide.World(clearance=0.01)
+    box = world.models.add(oncollide.box([0.5, 0.5, 0.5]))
+    with pytest.raises(oncollide.Error, match="call World::step\\(\\) first"):
+        world.manifolds()
+    stack = [world.bodies.add(box, pose=at(0, 0, 0.999 * k)) for k in range(3)]
+    tracker, ids = oncollide.ManifoldTracker(), None
+    for shift in (0, 1e-4, 0):
+        world.bodies.set_pose(stack[2], at(shift, 0, 1.998))
+        world.step()
+        found = world.manifolds(margin=0.01)
+        assert [tuple(pair) for pair in found.pairs] == [(stack[0], stack[1]), (stack[1], stack[2])]
+        assert found.complete.all() and list(found.offsets) == [0, 1, 2] and len(found.points) == 8
+        assert np.allclose(found.regions["normal"], [0, 0, 1]) and np.allclose(found.points["depth"], 0.001)
+        assert np.isnan(found.regions["area"]).all()
+        one = world.pairs.manifold(stack[1], stack[2], margin=0.01, measures=True)
+        assert one[0]["depth_upper"][0] == found.regions["depth_upper"][1] and abs(one[0]["area"][0] - 1) < 1e-3
+        previous, now, ended = tracker.update(world, found)
+        assert len(ended) == 0 and (previous == (-1 if ids is None else np.arange(8))).all()
+        assert ids is None or np.array_equal(now, ids)
+        ids = now
+    world.bodies.set_pose(stack[2], at(9, 0, 0))
+    with pytest.raises(oncollide.Error, match="changed since the last frame"):
+        world.manifolds()
+    with pytest.raises(oncollide.Error, match="margin of -1"):
+        world.manifolds(margin=-1)
+
+
 def test_distances_are_certified_and_limited():
     poses = random_poses(40, 3, 4)
     world, (knot, _, box, *_) = world_of(*ALL)

@@ -12,7 +12,7 @@ from conftest import Cube, at, random_poses
 from test_robot import ARM
 
 CLASSES = [oncollide.Frame, oncollide.Geometry, oncollide.Model, oncollide.Robot, oncollide.World, oncollide.Models, oncollide.Bodies,
-           oncollide.Pairs, oncollide.Space]  # fmt: skip
+           oncollide.Pairs, oncollide.Space, oncollide.Manifolds, oncollide.ManifoldTracker]  # fmt: skip
 
 
 def geometries():

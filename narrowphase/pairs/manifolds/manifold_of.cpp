@@ -141,7 +141,8 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
     const RelativePose b_to_a(*task.pose_a, *task.pose_b);
     const auto box_in = [&](const Model& other, const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
         Aabb box = other.bounds().box(to.inverse(Eigen::Isometry) * from);
-        box.min.array() -= options.margin, box.max.array() += options.margin;
+        const double more = options.margin + 0x1p-40 * (box.diagonal() + box.centre().norm());
+        box.min.array() -= more, box.max.array() += more;
         return box;
     };
     const PlacedSurface a(*task.a, RelativePose(here, here), box_in(*task.b, *task.pose_b, *task.pose_a), joins);

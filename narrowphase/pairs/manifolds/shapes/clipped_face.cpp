@@ -24,22 +24,22 @@ std::uint32_t next(const ContactFace& f, std::uint32_t k)
 }
 
 /// The outward normal of side k of a flat face, not unit, and the height of the side along it.
-std::pair<Vector3d, double> side(const ContactFace& flat, std::uint32_t k)
+std::pair<Vector3d, double> side(const ContactFace& flat, std::uint32_t k, const Vector3d& along)
 {
-    const Vector3d out = (flat.corner[next(flat, k)] - flat.corner[k]).cross(flat.normal);
+    const Vector3d out = (flat.corner[next(flat, k)] - flat.corner[k]).cross(along);
     return {out, out.dot(flat.corner[k])};
 }
 
 } // namespace
 
-void ClippedFace::clip_segment(const ContactFace& face, const ContactFace& flat, double off)
+void ClippedFace::clip_segment(const ContactFace& face, const ContactFace& flat)
 {
     const Vector3d from = face.corner[0], way = face.count > 1 ? Vector3d(face.corner[1] - from) : Vector3d::Zero();
     double low = 0, high = 1;
     int low_side = -1, high_side = -1;
     for (std::uint32_t k = 0; k < flat.count; ++k) {
-        const auto [out, height] = side(flat, k);
-        const double at_low = out.dot(from) - height, rise = out.dot(way), slack = off * out.norm();
+        const auto [out, height] = side(flat, k, along_);
+        const double at_low = out.dot(from) - height, rise = out.dot(way), slack = off_ * out.norm();
         if (at_low <= slack && at_low + rise <= slack) continue;
         if (at_low > slack && at_low + rise > slack) return;
         const double cut = -at_low / rise;
@@ -56,7 +56,7 @@ void ClippedFace::clip_segment(const ContactFace& face, const ContactFace& flat,
     if (face.count > 1 && high > low) add(high, high_side, 1);
 }
 
-void ClippedFace::clip_polygon(const ContactFace& face, const ContactFace& flat, double off)
+void ClippedFace::clip_polygon(const ContactFace& face, const ContactFace& flat)
 {
     std::array<Draft, most> lists[2];
     Draft *now = lists[0].data(), *then = lists[1].data();
@@ -64,8 +64,8 @@ void ClippedFace::clip_polygon(const ContactFace& face, const ContactFace& flat,
     for (std::uint32_t i = 0; i < size; ++i) now[i] = {face.corner[i], i ? int(i) - 1 : int(size) - 1, int(i)};
     std::array<double, most> height;
     for (std::uint32_t k = 0; k < flat.count && size > 0; ++k) {
-        const auto [out, level] = side(flat, k);
-        const double slack = off * out.norm();
+        const auto [out, level] = side(flat, k, along_);
+        const double slack = off_ * out.norm();
         bool any = false;
         for (std::uint32_t i = 0; i < size; ++i) height[i] = out.dot(now[i].at) - level, any |= height[i] > slack;
         if (!any) continue;
@@ -104,13 +104,13 @@ void ClippedFace::clip_polygon(const ContactFace& face, const ContactFace& flat,
     }
 }
 
-void ClippedFace::find(const ContactFace& face, const ContactFace& flat, double off)
+void ClippedFace::find(const ContactFace& face, const ContactFace& flat, const Vector3d& along, double off)
 {
-    count = 0;
+    count = 0, along_ = along, off_ = off;
     if (face.count < 3)
-        clip_segment(face, flat, off);
+        clip_segment(face, flat);
     else
-        clip_polygon(face, flat, off);
+        clip_polygon(face, flat);
 }
 
 } // namespace oncollide

@@ -32,6 +32,13 @@ Vector3d surface_point(const Convex& c, const Vector3d& axis, const Vector3d& at
 
 } // namespace
 
+Vector3d surface_at(const Convex& c, const Vector3d& axis, double height, const Vector3d& at, const Vector3d& out)
+{
+    const double half = 0.5 * (c.high.z() - c.low.z()), near = half * (1 - 0x1p-40);
+    if (c.radius == 0 || c.low == c.high) return at + c.radius * out;
+    return surface_point(c, axis, at, out, height >= near ? 1 : height <= -near ? -1 : 0);
+}
+
 void ContactPoints::add(const Vector3d& on_a, const Vector3d& on_b, double off, FeatureBits of_a, FeatureBits of_b)
 {
     const double depth = normal.dot(on_a - on_b);
@@ -57,7 +64,7 @@ void ContactPoints::add_over(const ContactFace& flat, const ContactFace& face, c
         for (std::uint32_t i = 0; i < face.count; ++i) take(face.corner[i], face.vertex(i), flat.face, i ? 1 : -1);
         return;
     }
-    clipped_.find(face, flat, rounding);
+    clipped_.find(face, flat, -out, rounding);
     for (std::uint32_t i = 0; i < clipped_.count; ++i) {
         const ClippedFace::Corner& c = clipped_.corner[i];
         take(c.at, c.of_face, c.of_flat, c.end);

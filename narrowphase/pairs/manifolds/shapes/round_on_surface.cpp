@@ -17,9 +17,11 @@ namespace {
 
 /// Shares of the depth and of the size by which a face's direction may be worse than the least, and is taken all the
 /// same.
-constexpr double nearly_least = 1.0 / 128, close_to_least = 0x1p-24;
+constexpr double nearly_least = 1.0 / 128, close_to_least = 0x1p-26;
 /// Cosine of a milliradian. Directions that differ by less are one.
 constexpr double one_direction = 1 - 5e-7;
+/// Share of the shape's size: a decision may see a gap that is smaller as closed.
+constexpr double doubt = 0x1p-40;
 /// Share of the shape's size. Points less apart are one: neighbouring triangles have the same point.
 constexpr double one_place = 0x1p-12;
 /// Share of a triangle's size: points nearer to an edge lie on it.
@@ -56,7 +58,7 @@ struct RoundOnSurface::Setup {
 void RoundOnSurface::find_reached(const Setup& s)
 {
     triangles_.clear();
-    const double more = s.margin + s.error + 4 * s.job.rounding;
+    const double more = s.margin + s.error + doubt * s.size + 64 * s.job.rounding;
     Convex grown = s.shape.convex();
     grown.radius += more;
     Aabb box = bounds_of(*s.shape.shape());
@@ -79,7 +81,7 @@ void RoundOnSurface::find_reached(const Setup& s)
         Reached r{t, s.surface.points(t), Vector3d::Zero(), {}};
         r.face = unit_normal(r.corners[0], r.corners[1], r.corners[2]);
         const Convex flat = convex_of(r.corners);
-        r.least = least_translation(ConvexDifference(flat, s.shape.convex(), s.into, s.slack), s.margin + s.error);
+        r.least = least_translation(ConvexDifference(flat, s.shape.convex(), s.into, s.slack), more);
         r.least.lower -= s.error, r.least.upper += s.error;
         if (!r.least.beyond) reached_.push_back(r);
     }
@@ -181,9 +183,10 @@ void RoundOnSurface::add_to_group(const Setup& s, const Reached& r)
     else if (face.flat() && -face.normal.dot(m) >= ContactPoints::facing)
         group.points.add_over(face, flat, solid, false, 4 * s.job.rounding);
     if (group.points.points.count() == before && r.least.has_points) {
-        const Vector3d on_b = r.least.on_b - solid.radius * m;
+        const Vector3d axis = s.into.rotation.col(2);
+        const Vector3d on_b = surface_at(solid, axis, axis.dot(r.least.on_b - s.into.translation), r.least.on_b, -m);
         if (const double depth = m.dot(r.least.on_a - on_b); depth >= r.least.lower - s.error - 1e-3 * s.size)
-            group.points.add(r.least.on_a, on_b, s.error, flat.face, face.face);
+            group.points.add(r.least.on_a, on_b, s.error + r.least.off, flat.face, face.face);
     }
 }
 
@@ -228,10 +231,12 @@ void RoundOnSurface::add(PairWorker& worker, const PairTask& task, const Manifol
     const bool certain = std::ranges::any_of(reached_, [](const Reached& r) { return r.least.lower > 0; });
     // Where rounding hides all contacts, the decision counts.
     const bool apart = !certain && tests_for(task).decide(worker, task, {}, nullptr).verdict == Verdict::separate;
-    const auto counts = [&](const Reached& r) {
-        return r.least.upper >= 0 ? !apart || s.margin > 0 : -r.least.upper <= s.margin && s.margin > 0;
-    };
-    std::erase_if(reached_, [&](const Reached& r) { return !counts(r); });
+    if (apart && s.margin == 0) return;
+    double nearest = -unbounded;
+    for (const Reached& r : reached_) nearest = std::max(nearest, r.least.upper);
+    // If they are not apart, the nearest triangle has a region, even if all are apart by a rounding.
+    const double least = apart ? -s.margin : std::min(-s.margin, nearest);
+    std::erase_if(reached_, [&](const Reached& r) { return r.least.upper < least; });
     group_count_ = 0;
     std::size_t best = 0; // the triangle that stands for all if no direction leads out
     for (std::size_t i = 0; i < reached_.size(); ++i) {

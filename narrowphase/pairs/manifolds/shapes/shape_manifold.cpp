@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include <oncollide/narrowphase/pairs/manifolds/points/candidate.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/shapes/contact_points.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/shapes/shape_measures.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
@@ -17,9 +18,8 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Shares of the depth and of the sizes by which a face's normal may be worse than an edge's, and is taken all the
-/// same.
-constexpr double nearly = 1.0 / 128, close = 0x1p-24;
+/// Shares of the depth and of the smaller size by which a face's normal may be worse, and is taken all the same.
+constexpr double nearly = 1.0 / 300, close = 0x1p-26;
 /// Share of the sizes. Points less apart are one.
 constexpr double one_place = 0x1p-20;
 
@@ -40,6 +40,11 @@ private:
 
     double apart() const { return placed_.b_to_a.translation.norm(); }
     double size() const { return (plane_ ? 0 : a_.extent) + b_.extent + cores_.radius(); }
+    double smaller() const
+    {
+        const double of_b = b_.extent + b_.radius;
+        return plane_ ? of_b : std::min(a_.extent + a_.radius, of_b);
+    }
     LeastTranslation on_plane() const;
     bool set_kind(PairWorker& worker);
     void find_faces();
@@ -116,20 +121,25 @@ void ShapeRegion::prefer_face(const ContactFace& face, double sign)
     if (cosine < ContactPoints::facing || n == found_.normal) return;
     const double width = -n.dot(cores_.support(-n).w) + cores_.radius();
     const bool flat = cores_.flat_sided() && cores_.radius() == 0;
-    const double more = flat ? nearly * std::abs(found_.upper) + close * size() : 0x1p-20 * std::abs(found_.upper);
+    const double more = flat ? nearly * std::abs(found_.upper) + close * smaller() : 0x1p-20 * std::abs(found_.upper);
     if (width > found_.upper + more + 16 * rounding_) return;
-    found_.normal = n, found_.normal_error = 0x1p-48 + 8 * placed_.slack;
+    // Overlapping polytopes have the face's normal; for others the true direction stays where it was.
+    const double turned = angle_between(n, found_.normal) + found_.normal_error;
+    found_.normal = n, found_.normal_error = flat && found_.lower > 0 ? 0x1p-48 + 8 * placed_.slack : turned;
     found_.upper = width + rounding_, found_.lower = std::min(found_.lower, found_.upper);
 }
 
 void ShapeRegion::add_deepest()
 {
-    Vector3d on_a = found_.on_a, on_b = found_.on_b;
-    if (!found_.has_points) { // the support point of B, and the point above it, which is on A if that is wide enough
-        on_b = placed_.b_to_a(b_.support(cores_.into_b(-found_.normal)));
-        on_a = on_b + (found_.upper - cores_.radius()) * found_.normal;
+    if (!found_.has_points) { // a face's normal; the faces' common part does not reach the depth
+        found_ = deepest_translation(cores_);
+        points_.normal = found_.normal, points_.points.clear();
     }
-    points_.add(on_a + a_.radius * found_.normal, on_b - b_.radius * found_.normal, 0, face_a_.face, face_b_.face);
+    const Vector3d& n = found_.normal;
+    const Vector3d axis_b = placed_.b_to_a.rotation.col(2);
+    const Vector3d on_b = surface_at(b_, axis_b, cores_.into_b(found_.on_b - placed_.b_to_a.translation).z(), found_.on_b, -n);
+    const Vector3d on_a = plane_ ? found_.on_a : surface_at(a_, Vector3d::UnitZ(), found_.on_a.z(), found_.on_a, n);
+    points_.add(on_a, on_b, found_.off, face_a_.face, face_b_.face);
 }
 
 void ShapeRegion::add_points()
@@ -151,7 +161,7 @@ void ShapeRegion::add_points()
 bool ShapeRegion::reaches() const
 {
     return !points_.points.empty() &&
-           points_.points.deepest() >= found_.lower - nearly * std::abs(found_.lower) - 16 * rounding_ - close * size();
+           points_.points.deepest() >= found_.lower - nearly * std::abs(found_.lower) - 16 * rounding_ - close * smaller();
 }
 
 ManifoldPoint ShapeRegion::point(const FewPoints::Candidate& c) const
@@ -168,7 +178,7 @@ void ShapeRegion::find(PairWorker& worker, Manifold& manifold)
     if (found_.beyond || !set_kind(worker)) return;
     find_faces();
     const LeastTranslation found = found_;
-    if (!plane_) prefer_face(face_a_, 1), prefer_face(face_b_, -1);
+    if (!plane_ && !found_.of_axes) prefer_face(face_a_, 1), prefer_face(face_b_, -1);
     add_points();
     if (!reaches() && found.normal != found_.normal) found_ = found, points_.points.clear(), add_points();
     if (!reaches()) add_deepest();

@@ -20,7 +20,7 @@ namespace {
 bool holds_ball(const Model& outer, const Vector3d& p, double radius)
 {
     const Convex& c = outer.convex();
-    const double across = std::hypot(p.x(), p.y());
+    const double across = std::sqrt(p.x() * p.x() + p.y() * p.y());
     switch (c.core) {
     case Convex::Core::box:
         if (c.radius > 0) return (p - p.cwiseMax(c.low).cwiseMin(c.high)).norm() + radius <= c.radius;

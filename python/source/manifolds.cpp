@@ -1,0 +1,138 @@
+// The manifolds of a frame, and the tracker of their points.
+#include <fmt/format.h>
+
+#include <oncollide/pipeline/manifold_tracker.hpp>
+
+#include "held_world.hpp"
+
+namespace oncollide::python {
+
+namespace {
+
+/// A copy of the manifolds of a frame, which the World will overwrite.
+struct ManifoldsResult {
+    using InModule = void;
+    FrameManifolds found;
+};
+
+/// A view of an array of structures; it keeps the manifolds alive.
+template <auto member>
+py::array manifold_column(py::object self)
+{
+    const auto& items = self.cast<const ManifoldsResult&>().found.*member;
+    using Item = typename std::remove_cvref_t<decltype(items)>::value_type;
+    return py::array(result_type<Item>().type, {static_cast<py::ssize_t>(items.size())}, {}, items.data(), self);
+}
+
+std::unique_ptr<ManifoldsResult> manifolds(HeldWorld& held, py::handle margin, py::handle normal_spread,
+                                           py::handle points_per_region, py::handle regions_per_pair,
+                                           py::handle points_per_pair, py::handle points_in_all, bool measures)
+{
+    const char* const call = "World.manifolds";
+    const auto limit = [&](py::handle value, const char* name) {
+        return static_cast<std::uint32_t>(whole(value, {call, name}, 0xffffffffu));
+    };
+    const ManifoldOptions options{number(margin, {call, "margin"}),
+                                  number(normal_spread, {call, "normal_spread"}),
+                                  limit(points_per_region, "points_per_region"),
+                                  limit(regions_per_pair, "regions_per_pair"),
+                                  limit(points_per_pair, "points_per_pair"),
+                                  limit(points_in_all, "points_in_all"),
+                                  measures};
+    auto result = std::make_unique<ManifoldsResult>();
+    {
+        const Inside inside(held, call);
+        const Released released(&held.interrupts);
+        result->found = held.world.manifolds(options);
+        result_type<ManifoldRegion>().clear_gaps(result->found.regions.data(), result->found.regions.size());
+        result_type<ManifoldPoint>().clear_gaps(result->found.points.data(), result->found.points.size());
+    }
+    held.interrupts.rethrow();
+    return result;
+}
+
+/// The tracker in Python.
+struct TrackerHandle {
+    using InModule = void;
+    ManifoldTracker tracker;
+    explicit TrackerHandle(double match_distance) : tracker(match_distance) {}
+};
+
+/// @returns (previous, ids, ended)
+py::tuple update(TrackerHandle& handle, HeldWorld& held, const ManifoldsResult& manifolds)
+{
+    const ManifoldTracker::Update* update = nullptr;
+    {
+        const Looking looking(held, "ManifoldTracker.update");
+        update = &handle.tracker.update(held.world, manifolds.found.pairs, manifolds.found);
+    }
+    std::vector<std::int64_t> previous;
+    for (const std::uint32_t p : update->previous)
+        previous.push_back(p == ManifoldTracker::none ? -1 : static_cast<std::int64_t>(p));
+    return py::make_tuple(array_of(py::dtype("i8"), std::move(previous)), array_of(py::dtype("u8"), update->ids),
+                          array_of(py::dtype("u4"), update->ended));
+}
+
+} // namespace
+
+void bind_manifolds(py::module_& m, WorldClass& world)
+{
+    using namespace py::literals;
+    py::class_<ManifoldsResult> result(m, "Manifolds", R"(The manifolds of a frame, as World.manifolds() returns them.
+
+Later steps do not change its arrays. Regions offsets[i]:offsets[i + 1] belong to pair i, and name their points.)");
+    refuse_pickles(result, "Manifolds", "pickle its arrays");
+    result
+        .def_property_readonly("pairs", &manifold_column<&FrameManifolds::pairs>,
+                               "The pairs that have a region, or whose manifold is not complete: structured (N,), a, b "
+                               "(uint64), in the order of Frame.pairs.")
+        .def_property_readonly("regions", &manifold_column<&FrameManifolds::regions>,
+                               "Structured (R,), the fields of World.pairs.manifold().")
+        .def_property_readonly("points", &manifold_column<&FrameManifolds::points>,
+                               "Structured (P,), the fields of World.pairs.manifold().")
+        .def_property_readonly(
+            "offsets", [](const ManifoldsResult& r) { return offsets_of(r.found.offsets); }, "int64 (N + 1,).")
+        .def_property_readonly(
+            "complete",
+            [](const ManifoldsResult& r) {
+                return array_of(py::dtype("?"), std::vector<std::uint8_t>(r.found.complete));
+            },
+            "bool (N,): False if a limit left out a region or a point, or the pair has no manifold.")
+        .def("__repr__", [](const ManifoldsResult& r) {
+            return fmt::format("<oncollide.Manifolds: {} pairs, {} regions, {} points>", r.found.pairs.size(),
+                               r.found.regions.size(), r.found.points.size());
+        });
+
+    const ManifoldOptions usual;
+    define(world, "manifolds", &manifolds,
+           R"(The manifolds of the last step's pairs that meet, or are at most the margin apart: all that a solver needs.
+
+The arguments are those of World.pairs.manifold(). Pairs whose bodies did not change since the step before are copied.
+With a margin, the World needs a clearance of at least as much. Returns Manifolds. Raises Error before the first step,
+and if bodies or models changed since the last one.)",
+           "margin"_a = usual.margin, "normal_spread"_a = usual.normal_spread,
+           "points_per_region"_a = usual.points_per_region, "regions_per_pair"_a = usual.regions_per_pair,
+           "points_per_pair"_a = usual.points_per_pair, "points_in_all"_a = usual.points_in_all,
+           "measures"_a = usual.measures);
+
+    py::class_<TrackerHandle> tracker(m, "ManifoldTracker", R"(ManifoldTracker(match_distance=0.01)
+--
+
+Finds the points of the last frame's manifolds in the new ones, so that a solver can keep their impulses.
+
+Points of the same two bodies match if their features are equal, and otherwise if they are at most match_distance metres
+apart in the frame of one of the bodies.)");
+    refuse_pickles(tracker, "ManifoldTracker", "make a new one");
+    tracker.def(py::init([](py::handle distance) {
+                    return std::make_unique<TrackerHandle>(number(distance, {"ManifoldTracker", "match_distance"}));
+                }),
+                "match_distance"_a = 0.01);
+    define(tracker, "update", &update,
+           R"(Takes the manifolds of the next frame, from World.manifolds().
+
+Returns (previous, ids, ended): for each point its index in the last frame or -1 (int64), and its id, kept while it lasts
+(uint64); the indices of points of the last frame without a successor (uint32).)",
+           "world"_a, "manifolds"_a);
+}
+
+} // namespace oncollide::python
