@@ -173,6 +173,7 @@ LeastTranslation ExpandingPolytope::find(double cutoff)
         return found;
     }
     int face;
+    bool converged;
     for (;;) {
         face = nearest_face();
         const Vector3d n = normal(face);
@@ -184,7 +185,7 @@ LeastTranslation ExpandingPolytope::find(double cutoff)
                 ? 4 * rounding_
                 : std::max({4 * rounding_, close_in_depth * std::abs(found.upper), close_in_size * std::min(cores_.a().extent, cores_.b().extent)});
         const auto known = [&](int k) { return corner_[k].w == p.w; };
-        const bool converged = height - d_[face] <= enough;
+        converged = height - d_[face] <= enough;
         if (converged) found.normal = -n, found.upper = height + rounding_; // the points lie along this normal
         found.off = std::max(height - d_[face], 0.0);
         if (converged || std::ranges::any_of(of_[face], known) || corners_ == most_corners) break;
@@ -196,6 +197,10 @@ LeastTranslation ExpandingPolytope::find(double cutoff)
     for (int f = 0; f < faces_; ++f) least = std::min(least, d_[f] - error_[f]);
     if (least > 0) found.lower = least;
     set_points(found, face);
+    if (!converged) { // the best normal is that of another face
+        const ConvexDifference::Point p = cores_.support(-found.normal);
+        found.on_a = p.a, found.on_b = p.a + p.w, found.off = 0;
+    }
     if (!cores_.flat_sided()) polish(found);
     found.lower = std::min(found.lower, found.upper);
     found.normal_error =

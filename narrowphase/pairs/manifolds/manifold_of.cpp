@@ -93,6 +93,45 @@ void add_enclosed_region(PairWorker& worker, const ManifoldJob& job, bool inner_
     manifold.regions.push_back(region);
 }
 
+/// A region where none was found although the bodies are not certainly apart, or are within the margin: cells without
+/// an open side, gaps that rounding hides.
+void add_last_region(PairWorker& worker, const PairTask& task, const ManifoldJob& job)
+{
+    const PlacedSurface &a = job.a, &b = job.b;
+    const Eigen::Isometry3d into = task.pose_a->inverse(Eigen::Isometry);
+    const bool apart = tests_for(task).decide(worker, task, {}, nullptr).verdict == Verdict::separate;
+    if (apart && job.options.margin == 0) return;
+    const Distance found = tests_for(task).distance(worker, task, {.cutoff = job.options.margin}, true);
+    if (apart && !(found.upper <= job.options.margin)) return;
+    ManifoldRegion region{};
+    region.kind = apart ? RegionKind::near : RegionKind::touching;
+    Vector3d on_a = into * found.point_a, on_b = into * found.point_b;
+    region.normal = on_b - on_a, region.normal_error = std::numbers::pi;
+    if (apart && region.normal.norm() > 4 * job.rounding) {
+        region.normal_error = std::min(std::numbers::pi, 0x1p-10 + 2 * job.rounding / found.upper);
+    } else {
+        std::vector<Contact> contacts;
+        tests_for(task).contacts(worker, task, contacts);
+        region.normal.setZero();
+        if (!contacts.empty()) {
+            on_a = into * contacts[0].ends[0], on_b = into * contacts[0].ends[1];
+            region.normal = into.linear() * (contacts[0].normal_a - contacts[0].normal_b);
+        }
+    }
+    region.normal = region.normal.norm() > 0 ? Vector3d(region.normal.normalized()) : Vector3d::UnitZ();
+    const double width = region.normal.dot(a.farthest(region.normal) - b.farthest(-region.normal));
+    const double rounding = 4 * job.rounding + a.error() + b.error();
+    region.depth_lower = apart ? -found.upper - rounding : 0;
+    region.depth_upper = apart ? std::max(-found.lower, region.depth_lower) + rounding : std::max(width, 0.0) + rounding;
+    region.first = static_cast<std::uint32_t>(job.manifold.points.size()), region.count = region.found = 1;
+    region.centre = 0.5 * (on_a + on_b), region.lost = apart ? 0 : std::numeric_limits<double>::infinity();
+    const double depth = region.normal.dot(on_a - on_b);
+    constexpr FeatureBits whole = FeatureBits{3} << 62;
+    job.manifold.points.push_back(
+        {on_a, on_a - depth * region.normal, depth, (on_a - on_b).norm() + rounding, whole, whole, region.normal});
+    job.manifold.regions.push_back(region);
+}
+
 /// Drops a point that an earlier region has, too, with nearly the same normal: a solver would get the same equation
 /// twice. A region keeps at least one point.
 void drop_repeated(Manifold& manifold, const ManifoldOptions& options)
@@ -147,10 +186,10 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
     };
     const PlacedSurface a(*task.a, RelativePose(here, here), box_in(*task.b, *task.pose_b, *task.pose_a), joins);
     const PlacedSurface b(*task.b, b_to_a, box_in(*task.a, *task.pose_a, *task.pose_b), joins);
-    if (a.empty() || b.empty()) return;
     if (!worker.manifold_memory) worker.manifold_memory = std::make_shared<ManifoldMemory>();
     ManifoldMemory& memory = *worker.manifold_memory;
     const ManifoldJob job{a, b, options, manifold};
+    if (a.empty() || b.empty()) return add_last_region(worker, task, job);
     if (round) {
         memory.round.add(worker, task, job, b_to_a);
     } else {
@@ -182,9 +221,14 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
     }
     if (options.margin > 0 && !round) memory.near.add(job, !memory.meeting.empty(), memory.maker);
     // A joined face is flat; its original triangles, moved with rounding, may stick out of it by the rounding.
-    if (manifold.regions.empty() && (a.joined() || b.joined()))
-        if (const Finding found = tests_for(task).decide(worker, task, {}, nullptr); found.verdict != Verdict::separate)
+    if (!manifold.regions.empty()) return;
+    if (a.joined() || b.joined()) {
+        const Finding found = tests_for(task).decide(worker, task, {}, nullptr);
+        if (found.verdict != Verdict::separate || found.bound <= options.margin)
             find(worker, task, options, manifold, false);
+    } else {
+        add_last_region(worker, task, job);
+    }
 }
 
 void drop_measures(Manifold& manifold)

@@ -211,8 +211,8 @@ Eigen::Vector3d PlacedSurface::farthest(const Eigen::Vector3d& direction) const
 {
     const Eigen::Vector3d d = rotated_back(direction);
     if (round()) return into_(model_.convex().support(d) + model_.convex().radius * d.normalized());
-    if (terrain_) {
-        const Aabb box = model_.terrain()->bounds();
+    if (terrain_ || empty()) {
+        const Aabb box = bounds_of(model_.geometry().data);
         return into_((d.array() > 0).select(box.max, box.min));
     }
     return into_(*std::ranges::max_element(mesh_->vertices, {}, [&](const Eigen::Vector3d& v) { return d.dot(v); }));

@@ -71,7 +71,8 @@ public:
     Eigen::Vector3d placed_back(const Eigen::Vector3d& point) const { return rotated_back(point - into_.translation); }
     /// The magnitude of the body's coordinates in the frame of the pair, metres.
     double reach() const;
-    /// The support point along a direction (frame of the pair); for a terrain a corner of its AABB.
+    /// The support point along a direction (frame of the pair); for a terrain, and for a map without an open side
+    /// here, a corner of its AABB.
     Eigen::Vector3d farthest(const Eigen::Vector3d& direction) const;
     /// Points of each part of the body; one per part, or more.
     std::vector<Eigen::Vector3d> part_points() const;

@@ -50,7 +50,7 @@ void ClippedFace::clip_segment(const ContactFace& face, const ContactFace& flat)
     const auto add = [&](double t, int by, std::uint32_t end) {
         const auto k = static_cast<std::uint32_t>(std::max(by, 0));
         corner[count++] = {from + t * way, by < 0 ? face.vertex(end) : face.edge(0, face.count - 1),
-                           by < 0 ? flat.face : flat.edge(k, next(flat, k)), by < 0 ? (end ? 1 : -1) : 0};
+                           by < 0 ? flat.face : flat.edge(k, next(flat, k))};
     };
     add(low, low_side, 0);
     if (face.count > 1 && high > low) add(high, high_side, 1);
@@ -88,7 +88,7 @@ void ClippedFace::clip_polygon(const ContactFace& face, const ContactFace& flat)
     for (std::uint32_t i = 0; i < size; ++i) {
         const Draft& d = now[i];
         Corner& to = corner[count++];
-        to.at = d.at, to.end = 0;
+        to.at = d.at;
         const auto flat_side = [](int edge) { return static_cast<std::uint32_t>(-1 - edge); };
         if (d.before >= 0 && d.after >= 0) {
             to.of_face = face.vertex(static_cast<std::uint32_t>(d.after)), to.of_flat = flat.face;

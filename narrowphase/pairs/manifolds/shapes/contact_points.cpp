@@ -30,11 +30,23 @@ Vector3d surface_point(const Convex& c, const Vector3d& axis, const Vector3d& at
     return at + c.radius * (out - along * axis).normalized();
 }
 
+/// A face of a rounded core on the surface: a segment becomes a line of the cylinder around it.
+/// @param out  from the solid to the other body, unit
+void to_surface(ContactFace& face, const Convex& solid, const Vector3d& out)
+{
+    if (solid.radius == 0) return;
+    const Vector3d axis = axis_of(face);
+    Vector3d across = out - axis.dot(out) * axis;
+    across = across.norm() > 0 ? Vector3d(across.normalized()) : out;
+    for (std::uint32_t k = 0; k < face.count; ++k) face.corner[k] += solid.radius * across;
+}
+
 } // namespace
 
-Vector3d surface_at(const Convex& c, const Vector3d& axis, double height, const Vector3d& at, const Vector3d& out)
+Vector3d surface_at(const Convex& c, const Vector3d& axis, double height, const Vector3d& at, const Vector3d& out,
+                    double rounding)
 {
-    const double half = 0.5 * (c.high.z() - c.low.z()), near = half * (1 - 0x1p-40);
+    const double half = 0.5 * (c.high.z() - c.low.z()), near = half * (1 - 0x1p-30) - 16 * rounding;
     if (c.radius == 0 || c.low == c.high) return at + c.radius * out;
     return surface_point(c, axis, at, out, height >= near ? 1 : height <= -near ? -1 : 0);
 }
@@ -50,25 +62,35 @@ void ContactPoints::add_over(const ContactFace& flat, const ContactFace& face, c
                              double rounding)
 {
     const double slope = flat.normal.dot(normal);
-    const Vector3d out = flat_is_a ? Vector3d(-normal) : normal, axis = axis_of(face);
+    const Vector3d out = flat_is_a ? Vector3d(-normal) : normal;
     const Vector3d from = flat.count ? flat.corner[0] : Vector3d(Vector3d::Zero());
-    const auto take = [&](const Vector3d& at, FeatureBits of_face, FeatureBits of_flat, int end) {
-        const Vector3d q = surface_point(solid, axis, at, out, end);
+    const auto take = [&](const Vector3d& q, FeatureBits of_face, FeatureBits of_flat) {
         const Vector3d p = q + flat.normal.dot(from - q) / slope * normal;
         if (flat_is_a)
             add(p, q, flat.off + face.off, of_flat, of_face);
         else
             add(q, p, flat.off + face.off, of_face, of_flat);
     };
-    if (flat.count == 0) {
-        for (std::uint32_t i = 0; i < face.count; ++i) take(face.corner[i], face.vertex(i), flat.face, i ? 1 : -1);
-        return;
-    }
-    clipped_.find(face, flat, -out, rounding);
-    for (std::uint32_t i = 0; i < clipped_.count; ++i) {
-        const ClippedFace::Corner& c = clipped_.corner[i];
-        take(c.at, c.of_face, c.of_flat, c.end);
-    }
+    const auto take_all = [&](const ContactFace& on_surface) {
+        if (flat.count == 0) {
+            for (std::uint32_t i = 0; i < on_surface.count; ++i)
+                take(on_surface.corner[i], on_surface.vertex(i), flat.face);
+            return;
+        }
+        clipped_.find(on_surface, flat, -out, rounding);
+        for (std::uint32_t i = 0; i < clipped_.count; ++i)
+            take(clipped_.corner[i].at, clipped_.corner[i].of_face, clipped_.corner[i].of_flat);
+    };
+    if (solid.radius == 0) return take_all(face);
+    surface_ = face;
+    to_surface(surface_, solid, out);
+    take_all(surface_);
+    if (face.count < 2) return;
+    // The end that leads is a ball, which reaches farther than the line.
+    const unsigned leads = (face.corner[1] - face.corner[0]).dot(out) > 0;
+    surface_.count = 1, surface_.corner[0] = face.corner[leads] + solid.radius * out;
+    surface_.number[0] = face.number[leads];
+    take_all(surface_);
 }
 
 void ContactPoints::add_along(const ContactFace& face_a, const Convex& a, const ContactFace& face_b, const Convex& b)

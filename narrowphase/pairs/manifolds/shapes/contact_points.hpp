@@ -6,8 +6,9 @@ namespace oncollide {
 /// The point of a solid's surface at a point of its core. Around a segment the surface is a cylinder, and a ball at its
 /// ends. @param axis  of a segment, unit, @param height  of the point along the axis, from the segment's middle
 /// @param out  unit
+/// @param rounding  of the height, metres
 Eigen::Vector3d surface_at(const Convex& c, const Eigen::Vector3d& axis, double height, const Eigen::Vector3d& at,
-                           const Eigen::Vector3d& out);
+                           const Eigen::Vector3d& out, double rounding);
 
 /// The points of two solids A and B across a normal, from their faces along it. One frame.
 class ContactPoints {
@@ -31,6 +32,7 @@ public:
 
 private:
     ClippedFace clipped_;
+    ContactFace surface_;
 };
 
 } // namespace oncollide

@@ -137,8 +137,8 @@ void ShapeRegion::add_deepest()
     }
     const Vector3d& n = found_.normal;
     const Vector3d axis_b = placed_.b_to_a.rotation.col(2);
-    const Vector3d on_b = surface_at(b_, axis_b, cores_.into_b(found_.on_b - placed_.b_to_a.translation).z(), found_.on_b, -n);
-    const Vector3d on_a = plane_ ? found_.on_a : surface_at(a_, Vector3d::UnitZ(), found_.on_a.z(), found_.on_a, n);
+    const Vector3d on_b = surface_at(b_, axis_b, cores_.into_b(found_.on_b - placed_.b_to_a.translation).z(), found_.on_b, -n, rounding_);
+    const Vector3d on_a = plane_ ? found_.on_a : surface_at(a_, Vector3d::UnitZ(), found_.on_a.z(), found_.on_a, n, rounding_);
     points_.add(on_a, on_b, found_.off, face_a_.face, face_b_.face);
 }
 
