@@ -1,5 +1,8 @@
 // Manifolds of shapes against closed forms and extended precision, and the judge itself.
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -72,7 +75,7 @@ struct RightManifold {
             claims.push_back(fault.claim);
         return claims;
     }
-    /// The claim is among those that the change makes false.
+    /// Expects the claim among the faults that a change makes.
     void rejects(ShapeClaim claim, const std::function<void(Manifold&)>& change) const
     {
         const std::vector<ShapeClaim> found = faults(change);
@@ -180,7 +183,10 @@ TEST(ShapeManifolds, TheReferenceKnowsTheSurfacesOfAllKinds)
             const long double distance = solid.from_surface(at);
             const std::string where = fmt::format("{}, seed {}", tools::shape_kinds[kind], seed);
             if (distance > 0) {
-                EXPECT_NEAR(double((oracle::gap_to(solid, at).upper - distance) / size), 0, 1e-15) << where;
+                const oracle::SolidGap gap = oracle::gap_to(solid, at);
+                EXPECT_LE(double((gap.lower - distance) / size), 1e-15) << where;
+                EXPECT_LE(double((distance - gap.upper) / size), 1e-15) << where;
+                EXPECT_LE(double((gap.upper - gap.lower) / size), 1e-10) << where;
                 continue;
             }
             ++inside;
@@ -202,7 +208,7 @@ TEST(ShapeManifolds, TheReferenceKnowsTheSurfacesOfAllKinds)
 /// The distance of two solids against another implementation.
 TEST(ShapeManifolds, TheReferenceAgreesWithAnotherOnDistances)
 {
-    int apart = 0;
+    int apart = 0, wide = 0;
     for (std::uint64_t seed = 0; seed < 1000; ++seed) {
         const auto kind = [&](std::uint64_t k) { return tools::ShapeKind(k % 7); };
         const tools::ShapePair pair = tools::draw_shape_pair(kind(seed), kind(seed / 7), seed);
@@ -218,10 +224,12 @@ TEST(ShapeManifolds, TheReferenceAgreesWithAnotherOnDistances)
         const double scale = double(a.size() + b.size() + (b.centre() - a.centre()).norm());
         EXPECT_LE(double(gap.lower - other.upper), 1e-15 * scale) << seed;
         EXPECT_LE(double(other.lower - gap.upper), 1e-15 * scale) << seed;
-        EXPECT_LE(double(gap.upper - gap.lower), 1e-13 * scale) << seed;
+        EXPECT_LE(double(gap.upper - gap.lower), 1e-9 * scale) << seed;
+        wide += gap.upper - gap.lower > 1e-13 * scale;
         apart += gap.lower > 1e-12 * scale;
     }
     EXPECT_GT(apart, 200);
+    EXPECT_LT(wide, 10);
 }
 
 TEST(ShapeManifolds, OfOneSeedIsTheSameCaseAmongAllKindsAndAlone)

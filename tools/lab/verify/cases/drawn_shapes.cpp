@@ -138,7 +138,7 @@ double extent_of(const Shape& shape)
     return double(SolidTruth(shape, Isometry3d::Identity(), Vector3d::Zero()).size());
 }
 
-/// The two rotations, and what they are called.
+/// Draws two rotations. Returns the name of their style.
 const char* draw_turns(Matrix3d& a, Matrix3d& b, ShapeNumbers& draw)
 {
     a = draw.number(0, 1) ? Matrix3d::Identity() : draw.quarter_turns();

@@ -184,7 +184,10 @@ private:
                 faults_.expect(after <= doubt_, ShapeClaim::depth_lower, "{:.17g}: the two are then {:.17g} apart",
                                r.depth_lower, shown(after));
             }
-            least = std::max(0.0L, least_width(a_, b_, gap_, n).width);
+            const LeastWidth shortest = least_width(a_, b_, gap_, n);
+            least = std::max(0.0L, shortest.width);
+            faults_.expect(lower <= least + doubt_, ShapeClaim::depth_lower, "{:.17g}, but {:.17g} along {} parts them",
+                           r.depth_lower, shown(least), shown(Vector3d(shortest.along.cast<double>())));
         }
         faults_.expect(upper <= least + 0.01L * std::abs(least) + 1e-6L * smaller_ + doubt_, ShapeClaim::least,
                        "{:.17g} along {}, but {:.17g} is enough", r.depth_upper, shown(r.normal), shown(least));

@@ -12,7 +12,7 @@
 
 namespace oncollide::oracle {
 
-/// What a manifold of two convex solids claims.
+/// A claim of the manifold of two convex solids.
 enum class ShapeClaim : std::uint8_t {
     presence,     ///< a region exists where the two meet or are within the margin, and only there
     one_region,   ///< exactly one, with at least one and at most points_per_region points
@@ -21,7 +21,7 @@ enum class ShapeClaim : std::uint8_t {
     normal_error, ///< bounds the angle to a half-space's normal; of solids that are apart, to the way across the gap
     depth_upper,  ///< after this way along the normal a plane separates the two
     tight_upper,  ///< ... and not after a much shorter one
-    depth_lower,  ///< until this way along the normal they meet
+    depth_lower,  ///< until this way along the normal they meet, and no shorter way parts them in any direction
     least,        ///< no other direction separates them much sooner
     surface,      ///< points lie on the true surfaces, within depth_error
     offset,       ///< point_a - point_b = depth * normal
@@ -40,7 +40,7 @@ struct ShapeFault {
     std::string what;
 };
 
-/// The manifold of a pair, and what else the library says of the pair.
+/// All that the library says of a pair.
 struct ShapeAnswer {
     Verdict verdict;
     const Manifold& manifold;

@@ -73,13 +73,13 @@ bool GapSimplex::add(const LongVector& newest)
     for (int i = 0; i < last; ++i)
         for (int k = i + 1; k < last; ++k) {
             const LongVector n = (p[i] - newest).cross(p[k] - newest);
-            const Real length2 = n.squaredNorm();
-            if (length2 == 0 || n.dot(newest.cross(p[i])) < 0 || n.dot(p[i].cross(p[k])) < 0 ||
-                n.dot(p[k].cross(newest)) < 0)
-                continue;
-            const Real length = std::sqrt(length2), height = n.dot(newest) / length;
-            if (std::abs(height) < best.distance)
-                best.set(std::abs(height), LongVector(n * (height > 0 ? -1 : 1) / length), {i, k, last});
+            const Real length2 = n.squaredNorm(), of_k = n.dot(newest.cross(p[i])), of_newest = n.dot(p[i].cross(p[k])),
+                       of_i = n.dot(p[k].cross(newest));
+            if (length2 == 0 || of_k < 0 || of_newest < 0 || of_i < 0) continue;
+            // A point of the triangle, even where the triangle is a sliver; but the way is across the triangle.
+            const LongVector at = (of_i * p[i] + of_k * p[k] + of_newest * newest) / (of_i + of_k + of_newest);
+            if (const Real length = at.norm(); length < best.distance)
+                best.set(length, LongVector(n * ((n.dot(newest) > 0 ? -1 : 1) / std::sqrt(length2))), {i, k, last});
         }
     if (distance >= 0 && best.distance >= distance) return false;
     std::array<LongVector, 3> kept;
@@ -89,22 +89,36 @@ bool GapSimplex::add(const LongVector& newest)
     return true;
 }
 
+/// Narrows the bounds of the cores' distance, from a first direction on.
 /// @param support  extreme point of a - b along a direction
 template <class Support>
-SolidGap core_gap(const Support& support, const LongVector& between, Real scale)
+void narrow_gap(const Support& support, LongVector way, Real scale, SolidGap& gap)
 {
-    SolidGap gap;
-    LongVector way = between.norm() > 0 ? LongVector(between.normalized()) : LongVector::UnitX();
     GapSimplex simplex;
     simplex.add(support(way));
-    gap.core_upper = simplex.distance, way = simplex.toward_origin;
-    for (int step = 0; step < 200 && simplex.distance > 0; ++step) {
+    for (int step = 0; step < 200; ++step) {
+        gap.core_upper = std::min(gap.core_upper, simplex.distance), way = simplex.toward_origin;
+        if (simplex.distance == 0) return;
         const LongVector w = support(way);
         if (const Real lower = -way.dot(w); lower > gap.core_lower) gap.core_lower = lower, gap.toward = way;
         if (gap.core_upper - gap.core_lower <= 1e-16L * std::max(1e-2L * scale, gap.core_upper) || simplex.has(w) ||
             !simplex.add(w))
-            break;
-        gap.core_upper = std::min(gap.core_upper, simplex.distance), way = simplex.toward_origin;
+            return;
+    }
+}
+
+template <class Support>
+SolidGap core_gap(const Support& support, const LongVector& between, Real scale)
+{
+    SolidGap gap;
+    gap.core_upper = std::numeric_limits<Real>::infinity();
+    LongVector way = between.norm() > 0 ? LongVector(between.normalized()) : LongVector::UnitX();
+    // Slivers may end a search early; another one then begins elsewhere.
+    for (int start = 0; start < 5; ++start) {
+        narrow_gap(support, way, scale, gap);
+        if (gap.core_upper - gap.core_lower <= 1e-15L * scale) break;
+        const LongVector aside(std::cos(Real(start)), std::sin(Real(start)), 0.4L);
+        way = (way + aside).normalized();
     }
     gap.core_lower = std::min(gap.core_lower, gap.core_upper);
     return gap;
@@ -146,7 +160,7 @@ public:
 
     void try_along(const LongVector& unit) { tried_.push_back({width_along(a_, b_, unit), unit}); }
     void try_both(const LongVector& unit) { try_along(unit), try_along(-unit); }
-    /// The normals of faces, and those of the parallelograms of two edges.
+    /// Tries the normals of faces, and the normals of the parallelograms of two edges.
     void try_features()
     {
         for (const SolidTruth* solid : {&a_, &b_}) {

@@ -10,7 +10,8 @@ struct SolidGap {
     LongVector toward = LongVector::Zero();     ///< unit, from a to b, where the cores are apart: across the gap
 };
 
-/// Of a, and of b moved by `shift`. GJK: nearest points of growing simplices, each solved by trying all of its faces.
+/// Finds the distance of a, and of b moved by `shift`. GJK: nearest points of growing simplices, each solved by trying
+/// all of its faces.
 SolidGap gap_of(const SolidTruth& a, const SolidTruth& b, const LongVector& shift = LongVector::Zero());
 SolidGap gap_to(const SolidTruth& a, const LongVector& point);
 

@@ -10,7 +10,7 @@ namespace {
 
 using Real = long double;
 
-/// Of a box of two half-extents, at a point whose coordinates are >= 0.
+/// Distance from a rectangle, negative inside; x and y are the distances beyond two of its sides.
 Real from_rectangle(Real x, Real y)
 {
     return std::hypot(std::max(x, 0.0L), std::max(y, 0.0L)) + std::min(std::max(x, y), 0.0L);
@@ -237,10 +237,10 @@ void SolidTruth::find_hull_faces()
 
 long double SolidTruth::from_hull(const LongVector& point) const
 {
-    Real most = faces_.empty() ? 1 : -1 - size_;
+    Real most = -1 - size_;
     for (std::size_t f = 0; f < faces_.size(); ++f) most = std::max(most, faces_[f].dot(point) - heights_[f]);
     if (most <= 0) return most;
-    return gap_to(*this, point).upper;
+    return std::max(most, gap_to(*this, point).lower); // near edges and corners the planes are nearer
 }
 
 } // namespace oncollide::oracle

@@ -24,9 +24,9 @@ public:
     long double radius() const { return radius_; }
     /// The point of the core that is extreme along a direction. Not for half-spaces.
     LongVector core_support(const LongVector& direction) const;
-    /// The largest coordinate of the solid along a unit vector. Of a half-space: of its plane's point `centre()`.
+    /// The largest coordinate of the solid along a unit vector. A half-space has it along its outward normal only.
     long double height(const LongVector& unit) const;
-    /// Distance of a point from the surface, negative inside.
+    /// Distance of a point from the surface, negative inside. Not for the hull of points without faces.
     long double from_surface(const LongVector& point) const;
 
     bool is_half_space() const { return std::holds_alternative<HalfSpace>(shape_); }
@@ -36,8 +36,7 @@ public:
     const LongVector& centre() const { return centre_; }
     long double size() const { return size_; } ///< its diameter, or a bound of it; half-space: 0
     const Eigen::Vector3d& origin() const { return origin_; }
-    /// Unit normals of the core's faces, and the directions of its edges; of round solids those of flat parts, and the
-    /// axis.
+    /// Unit normals of the core's faces, and the directions of its edges. Round solids have their axes here.
     const std::vector<LongVector>& faces() const { return faces_; }
     const std::vector<LongVector>& edges() const { return edges_; }
 

@@ -34,8 +34,8 @@ struct ShapeManifoldTally {
 /// "sphere box", for a key of by_kinds.
 std::string name_of_kinds(const std::pair<int, int>& kinds);
 
-/// Of two names of shape_kinds and ground_kinds, in any order, separated by a comma. Throws Error{usage}, also for two
-/// half-spaces and for a ground with a polytope.
+/// Reads two names of shape_kinds and ground_kinds, in any order, separated by a comma. Throws Error{usage}, also for
+/// two half-spaces and for a ground with a polytope.
 std::pair<int, int> kinds_of(const std::string& names);
 
 /// The pairs of `count` seeds from `first` on. Kinds take turns, or are those given; either way a seed is the same case
