@@ -74,6 +74,19 @@ TEST_F(Laboratory, SaysThatItsTextIsLost)
     }
 }
 
+TEST_F(Laboratory, JudgesManifoldsOfTwoKindsOfShapes)
+{
+    const Outcome one = run({"manifolds", "--shapes", "--pairs", "40", "--kinds", "sphere,sphere"}),
+                  two = run({"manifolds", "--shapes", "--pairs", "40", "--kinds", "sphere,sphere", "--threads", "2"});
+    EXPECT_EQ(one.code, 0) << one.out;
+    EXPECT_EQ(one.out, two.out);
+    EXPECT_TRUE(one.out.starts_with("sphere sphere: 40 pairs, ")) << one.out;
+    EXPECT_TRUE(one.out.ends_with("0 faulty pairs\n")) << one.out;
+    expect_error(64, {"manifolds", "--shapes", "--kinds", "sphere,ball"}, {"no kind 'ball'", "half-space", "terrain"});
+    expect_error(64, {"manifolds", "--shapes", "--kinds", "half-space,half-space"}, {"this pair is not judged"});
+    expect_error(64, {"manifolds", "--kinds", "sphere,box"}, {"--shapes"});
+}
+
 TEST_F(Laboratory, ReadsLengthsWithUnits)
 {
     EXPECT_EQ(run({"bench", "shapes", "--pairs", "5", "--least-gap", "1mm"}).code, 0);
