@@ -275,7 +275,7 @@ ShapeOnGround draw_shape_on_ground(ShapeKind kind, GroundKind ground_kind, std::
     if (draw.number(0, 1)) foot = 0.25 * Vector3d(draw.number(-6, 6), draw.number(-6, 6), 0);
     std::vector<std::array<Vector3d, 3>> triangles;
     std::vector<std::pair<Vector3d, Vector3d>> blocks; // half-extents and centres
-    drawn.has_inside = ground_kind != GroundKind::terrain;
+    drawn.may_be_below = ground_kind == GroundKind::terrain && style.gap < 0;
     if (ground_kind == GroundKind::mesh) {
         drawn.ground = make_box_mesh({3, 3, 1}), blocks = {{Vector3d(3, 3, 1), Vector3d::Zero()}};
         foot.z() = 1;

@@ -36,7 +36,7 @@ constexpr std::string_view ground_kinds[] = {"mesh", "terrain", "map"};
 struct ShapeOnGround {
     GeometryData ground;
     std::vector<oracle::SolidTruth> parts; ///< whose union the ground is; relative to the shape's position
-    bool has_inside;                       ///< false: the parts are triangles of a surface
+    bool may_be_below;                     ///< the ground is a surface, and all of the shape may be below it
     Shape shape;
     Eigen::Isometry3d pose_ground, pose_shape;
     double margin;

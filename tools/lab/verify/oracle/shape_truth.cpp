@@ -247,7 +247,7 @@ ShapeVerdict judge_shapes(const SolidTruth& a, const SolidTruth& b, const ShapeA
     return ShapeJudge(a, b, answer).run();
 }
 
-ShapeVerdict judge_on_ground(std::span<const SolidTruth> parts, bool has_inside, const SolidTruth& solid,
+ShapeVerdict judge_on_ground(std::span<const SolidTruth> parts, bool may_be_below, const SolidTruth& solid,
                              bool solid_is_a, const ShapeAnswer& answer)
 {
     ShapeFaults faults;
@@ -262,7 +262,7 @@ ShapeVerdict judge_on_ground(std::span<const SolidTruth> parts, bool has_inside,
         gap.lower = std::min(gap.lower, to.lower), gap.upper = std::min(gap.upper, to.upper);
     }
     const Real doubt = 1e-12L * (extent + solid.size());
-    if (!has_inside && answer.verdict != Verdict::separate) gap.lower = 0; // it may lie below the surface
+    if (may_be_below) gap.lower = 0;
     judge_presence(gap, doubt, answer, faults);
     judge_swapped(answer.manifold, answer.swapped, faults);
     for (const ManifoldPoint& p : answer.manifold.points) {

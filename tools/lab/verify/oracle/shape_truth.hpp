@@ -61,8 +61,8 @@ ShapeVerdict judge_shapes(const SolidTruth& a, const SolidTruth& b, const ShapeA
 
 /// Judges presence, the points on the round solid, and the swapped manifold, for a solid on ground: the union of
 /// `parts`.
-/// @param has_inside  the parts are surfaces below which nothing is known: false; otherwise true
-ShapeVerdict judge_on_ground(std::span<const SolidTruth> parts, bool has_inside, const SolidTruth& solid,
+/// @param may_be_below  the parts are a surface behind which a region may be at any distance
+ShapeVerdict judge_on_ground(std::span<const SolidTruth> parts, bool may_be_below, const SolidTruth& solid,
                              bool solid_is_a, const ShapeAnswer& answer);
 
 } // namespace oncollide::oracle

@@ -83,7 +83,7 @@ private:
         else
             query(drawn.ground, drawn.pose_ground, drawn.shape, drawn.pose_shape, drawn.margin);
         const oracle::SolidTruth solid(drawn.shape, drawn.pose_shape, drawn.pose_shape.translation());
-        take(oracle::judge_on_ground(drawn.parts, drawn.has_inside, solid, shape_first, answer()), drawn.what);
+        take(oracle::judge_on_ground(drawn.parts, drawn.may_be_below, solid, shape_first, answer()), drawn.what);
     }
 
     void query(const GeometryData& a, const Eigen::Isometry3d& pose_a, const GeometryData& b,
