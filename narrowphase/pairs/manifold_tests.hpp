@@ -10,6 +10,10 @@ void manifold_of(PairWorker& worker, const PairTask& task, const ManifoldOptions
 /// True if manifold_of() needs the trees of the models that have triangles.
 bool needs_trees(const PairTask& task);
 
+/// True if one of two bodies whose surfaces do not meet may be inside the other, a closed mesh, or below it, a terrain:
+/// then they have a region although they are apart in surface mode. Cost: some 0.1 microseconds.
+bool may_be_enclosed(const PairTask& task);
+
 /// Keeps at most this many points: regions share them in turn, the deepest first, and lose their last points.
 void limit_points(Manifold& manifold, std::size_t most);
 /// The same for the points of all manifolds: pairs share them in turn, the deepest first.

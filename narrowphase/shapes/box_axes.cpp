@@ -54,6 +54,9 @@ LeastTranslation translation_of_boxes(const ConvexDifference& cores, double roun
         found.beyond = true, found.upper = overlap + rounding;
         return found;
     };
+    const auto width = [&](const Vector3d& n) { // rounded up
+        return ha.dot(n.cwiseAbs()) + hb.dot((r.transpose() * n).cwiseAbs()) - n.dot(t) + rounding;
+    };
     // A face of B must be better by a margin, so that equal faces do not take turns.
     const Vector3d of_a = ha + abs * hb - t.cwiseAbs(), of_b = hb + abs.transpose() * ha - u.cwiseAbs();
     for (int i = 0; i < 3; ++i) {
@@ -97,8 +100,7 @@ LeastTranslation translation_of_boxes(const ConvexDifference& cores, double roun
         const Vector3d across = Vector3d::Unit(edge.i).cross(r.col(edge.j));
         const double length = across.norm();
         found.normal = across / (across.dot(t) < 0 ? -length : length);
-        found.upper = ha.dot(found.normal.cwiseAbs()) + hb.dot((r.transpose() * found.normal).cwiseAbs()) -
-                      found.normal.dot(t) + rounding;
+        found.upper = width(found.normal);
         found.normal_error = std::min(std::numbers::pi, 0x1p-48 / length + 8 * cores.slack());
         // The nearest points of the two edges' lines.
         const Vector3d n = found.normal, p = edge_along(ha, n, edge.i), d = Vector3d::Unit(edge.i), e = r.col(edge.j);
@@ -117,7 +119,8 @@ LeastTranslation translation_of_boxes(const ConvexDifference& cores, double roun
     } else { // points and parallel segments, which meet: they part across any of them
         const Vector3d line = ha.z() > 0 ? Vector3d(Vector3d::UnitZ()) : Vector3d(r.col(2));
         found.normal = line.unitOrthogonal();
-        found.upper = std::abs(found.normal.dot(t)) + rounding, least = -rounding;
+        if (found.normal.dot(t) < 0) found.normal = -found.normal;
+        found.upper = width(found.normal), least = -rounding;
     }
     if (!of_edges) found.normal_error = 0x1p-48 + 8 * cores.slack();
     found.lower = std::min(least, found.upper), found.of_axes = true;

@@ -38,7 +38,7 @@ private:
     }
     bool start();
     void add_face(int u, int v, int w);
-    void replace_visible(int corner);
+    bool replace_visible(int corner, int face);
     int nearest_face() const
     {
         return static_cast<int>(std::min_element(d_.begin(), d_.begin() + faces_) - d_.begin());
@@ -54,7 +54,8 @@ private:
     std::array<double, most_faces> x_, y_, z_, d_; ///< unit normals; heights of the planes over 0
     std::array<double, most_faces> error_;         ///< error bounds of the heights
     std::array<std::array<int, 3>, most_faces> of_;
-    std::array<std::pair<int, int>, most_faces> border_;
+    std::array<bool, most_faces> sees_;
+    std::array<std::pair<int, int>, 3 * most_faces> border_;
 };
 
 /// A tetrahedron; false: the difference is flat within rounding, with the normal in x_, y_, z_.
@@ -105,29 +106,39 @@ void ExpandingPolytope::add_face(int u, int v, int w)
     error_[f] = rounding_ * (2 + 4 * (p.norm() + edge) * edge / length);
 }
 
-void ExpandingPolytope::replace_visible(int corner)
+/// Exchanges the faces that see a corner, and `face`. False, and nothing has changed: there is no room for as many
+/// faces.
+bool ExpandingPolytope::replace_visible(int corner, int face)
 {
     const Vector3d& p = corner_[corner].w;
-    int border = 0;
-    for (int f = 0; f < faces_;) {
-        if (!(x_[f] * p.x() + y_[f] * p.y() + z_[f] * p.z() - d_[f] > rounding_)) {
-            ++f;
-            continue;
-        }
+    int border = 0, visible = 0;
+    for (int f = 0; f < faces_; ++f) {
+        // A sliver's plane errs by more than a rounding.
+        sees_[f] = f == face || x_[f] * p.x() + y_[f] * p.y() + z_[f] * p.z() - d_[f] > error_[f];
+        if (!sees_[f]) continue;
+        ++visible;
         for (int k = 0; k < 3; ++k) {
             const std::pair edge(of_[f][k], of_[f][(k + 1) % 3]);
             int i = 0;
             while (i < border && border_[i] != std::pair(edge.second, edge.first)) ++i;
             if (i < border)
                 border_[i] = border_[--border];
-            else if (border < most_faces)
+            else
                 border_[border++] = edge;
+        }
+    }
+    if (faces_ - visible + border > most_faces) return false;
+    for (int f = 0; f < faces_;) {
+        if (!sees_[f]) {
+            ++f;
+            continue;
         }
         --faces_;
         x_[f] = x_[faces_], y_[f] = y_[faces_], z_[f] = z_[faces_], d_[f] = d_[faces_], error_[f] = error_[faces_];
-        of_[f] = of_[faces_];
+        of_[f] = of_[faces_], sees_[f] = sees_[faces_];
     }
     for (int i = 0; i < border; ++i) add_face(border_[i].first, border_[i].second, corner);
+    return true;
 }
 
 /// The point of the face nearest to 0, as points of the cores. May lower the bound of cores that may be apart.
@@ -180,18 +191,16 @@ LeastTranslation ExpandingPolytope::find(double cutoff)
         const ConvexDifference::Point& p = look(n);
         const double height = n.dot(p.w);
         if (take(n, height)) return found;
-        const double enough =
-            cores_.flat_sided()
-                ? 4 * rounding_
-                : std::max({4 * rounding_, close_in_depth * std::abs(found.upper), close_in_size * std::min(cores_.a().extent, cores_.b().extent)});
+        const double enough = cores_.flat_sided()
+                                  ? 4 * rounding_
+                                  : std::max({4 * rounding_, close_in_depth * std::abs(found.upper),
+                                              close_in_size * std::min(cores_.a().extent, cores_.b().extent)});
         const auto known = [&](int k) { return corner_[k].w == p.w; };
         converged = height - d_[face] <= enough;
         if (converged) found.normal = -n, found.upper = height + rounding_; // the points lie along this normal
         found.off = std::max(height - d_[face], 0.0);
         if (converged || std::ranges::any_of(of_[face], known) || corners_ == most_corners) break;
-        // Each new corner adds two faces, in the mean.
-        if (faces_ > most_faces - 24) break;
-        replace_visible(corners_++);
+        if (!replace_visible(corners_++, face)) break;
     }
     double least = endless;
     for (int f = 0; f < faces_; ++f) least = std::min(least, d_[f] - error_[f]);

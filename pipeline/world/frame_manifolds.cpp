@@ -56,7 +56,9 @@ void FrameManifoldCache::choose_pairs(WorldImpl& world, const ManifoldOptions& o
             while (sweep < frame.sweeps.size() && frame.sweeps[sweep].pair < next) ++sweep;
             const bool swept = sweep < frame.sweeps.size() && frame.sweeps[sweep].pair == next;
             const PairResult& result = frame.results[next];
-            if (swept || result.verdict != Verdict::separate || (options.margin > 0 && result.bound <= options.margin))
+            if (swept || result.verdict != Verdict::separate ||
+                (options.margin > 0 && result.bound <= options.margin) ||
+                may_be_enclosed(world.task_of(result.a, result.b)))
                 open_.push_back(static_cast<std::uint32_t>(next));
         }
     };

@@ -5,11 +5,12 @@
 #include <numbers>
 
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
+#include <oncollide/narrowphase/pairs/depth/depth_steps.hpp>
 #include <oncollide/narrowphase/pairs/manifold_tests.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/crossing_regions.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/near_regions.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/points/point_hull.hpp>
-#include <oncollide/narrowphase/pairs/manifolds/shapes/round_on_surface.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/round_on_surface.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/shapes/shape_manifold.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/touching_regions.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
@@ -122,7 +123,8 @@ void add_last_region(PairWorker& worker, const PairTask& task, const ManifoldJob
     const double width = region.normal.dot(a.farthest(region.normal) - b.farthest(-region.normal));
     const double rounding = 4 * job.rounding + a.error() + b.error();
     region.depth_lower = apart ? -found.upper - rounding : 0;
-    region.depth_upper = apart ? std::max(-found.lower, region.depth_lower) + rounding : std::max(width, 0.0) + rounding;
+    region.depth_upper =
+        apart ? std::max(-found.lower, region.depth_lower) + rounding : std::max(width, 0.0) + rounding;
     region.first = static_cast<std::uint32_t>(job.manifold.points.size()), region.count = region.found = 1;
     region.centre = 0.5 * (on_a + on_b), region.lost = apart ? 0 : std::numeric_limits<double>::infinity();
     const double depth = region.normal.dot(on_a - on_b);
@@ -242,6 +244,26 @@ void drop_measures(Manifold& manifold)
 bool needs_trees(const PairTask& task)
 {
     return !are_shapes(takes_b_first(task) ? task.swapped() : task);
+}
+
+bool may_be_enclosed(const PairTask& task)
+{
+    const auto holds = [](Model& outer, const Eigen::Isometry3d& pose, Model& inner,
+                          const Eigen::Isometry3d& of_inner) {
+        if (outer.kind() == Kind::mesh) {
+            const Aabb around = outer.bounds().box(pose), box = inner.bounds().box(of_inner);
+            return (box.min.array() >= around.min.array()).all() && (box.max.array() <= around.max.array()).all() &&
+                   outer.closed();
+        }
+        if (outer.kind() != Kind::terrain || inner.kind() == Kind::half_space) return false;
+        const RelativePose into(pose, of_inner);
+        const auto below = [&](const Vector3d& p) {
+            return depth_bounds::is_below(*outer.terrain(), outer.heights(), into(p), 0);
+        };
+        if (inner.map() || inner.cooked()) return true; // their points are not at hand
+        return std::ranges::any_of(inner.parts(), [&](const PartPoints& p) { return std::ranges::any_of(p, below); });
+    };
+    return holds(*task.a, *task.pose_a, *task.b, *task.pose_b) || holds(*task.b, *task.pose_b, *task.a, *task.pose_a);
 }
 
 void manifold_of(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold)

@@ -20,10 +20,7 @@ using Eigen::Vector3d;
 
 struct Solid {
     Model model;
-    explicit Solid(Shape shape)
-        : model(std::make_shared<const Geometry>(Geometry{"shape", std::move(shape), {}}))
-    {
-    }
+    explicit Solid(Shape shape) : model(std::make_shared<const Geometry>(Geometry{"shape", std::move(shape), {}})) {}
 };
 
 LeastTranslation least(Model& a, const Isometry3d& pose_a, Model& b, const Isometry3d& pose_b, double cutoff = 1e9)
@@ -49,10 +46,7 @@ double width(Model& a, const Isometry3d& pose_a, Model& b, const Isometry3d& pos
 struct Drawing {
     std::mt19937_64 random;
     double draw(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); }
-    Vector3d direction()
-    {
-        return Vector3d(draw(-1, 1), draw(-1, 1), draw(-1, 1)).normalized();
-    }
+    Vector3d direction() { return Vector3d(draw(-1, 1), draw(-1, 1), draw(-1, 1)).normalized(); }
     Shape shape(int kind, double size)
     {
         const auto length = [&] { return size * draw(0.2, 0.5); };
@@ -163,6 +157,11 @@ TEST(LeastTranslation, TakesHullsOfEveryForm)
             if (form == 3) p.x() *= 1e-6, p.y() *= 1e-3;
             hull.points.push_back(p + Vector3d::Constant(far));
         }
+        if (form < 3)
+            hull.points.push_back(Vector3d::Constant(far) + Vector3d(0, 0, 1)),
+                hull.points.push_back(-Vector3d::UnitZ());
+        for (const Vector3d& axis : {Vector3d(0.1, 0, 0), Vector3d(0, 0.1, 0)})
+            hull.points.push_back(hull.points.front() + (form == 3 ? 1e-6 : 1) * axis);
         Solid a{Shape(hull)}, b(d.shape(2, 1));
         const HullFaces& faces = a.model.hull_faces();
         const Mesh& surface = *a.model.surface_mesh();

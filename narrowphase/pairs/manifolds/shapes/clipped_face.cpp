@@ -39,7 +39,7 @@ void ClippedFace::clip_segment(const ContactFace& face, const ContactFace& flat)
     int low_side = -1, high_side = -1;
     for (std::uint32_t k = 0; k < flat.count; ++k) {
         const auto [out, height] = side(flat, k, along_);
-        const double at_low = out.dot(from) - height, rise = out.dot(way), slack = off_ * out.norm();
+        const double at_low = out.dot(from) - height, rise = out.dot(way), slack = off_ * out.cwiseAbs().sum();
         if (at_low <= slack && at_low + rise <= slack) continue;
         if (at_low > slack && at_low + rise > slack) return;
         const double cut = -at_low / rise;
@@ -65,7 +65,7 @@ void ClippedFace::clip_polygon(const ContactFace& face, const ContactFace& flat)
     std::array<double, most> height;
     for (std::uint32_t k = 0; k < flat.count && size > 0; ++k) {
         const auto [out, level] = side(flat, k, along_);
-        const double slack = off_ * out.norm();
+        const double slack = off_ * out.cwiseAbs().sum();
         bool any = false;
         for (std::uint32_t i = 0; i < size; ++i) height[i] = out.dot(now[i].at) - level, any |= height[i] > slack;
         if (!any) continue;

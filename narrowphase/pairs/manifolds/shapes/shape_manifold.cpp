@@ -22,6 +22,8 @@ namespace {
 constexpr double nearly = 1.0 / 300, close = 0x1p-26;
 /// Share of the sizes. Points less apart are one.
 constexpr double one_place = 0x1p-20;
+/// Share of the sizes. The decision may leave a gap open that is smaller.
+constexpr double unsure = 0x1p-36;
 
 /// Makes the region of two shapes, in a's frame.
 class ShapeRegion {
@@ -64,6 +66,7 @@ private:
     const double rounding_;
     LeastTranslation found_{};
     RegionKind kind_{};
+    bool meet_ = false; ///< certainly
     ContactFace face_a_, face_b_;
     ContactPoints points_;
 };
@@ -80,7 +83,7 @@ LeastTranslation ShapeRegion::on_plane() const
     found.on_a = {found.on_b.x(), found.on_b.y(), 0};
     const double depth = b_.radius - found.on_b.z();
     found.lower = depth - rounding_, found.upper = depth + rounding_;
-    found.beyond = found.upper < -options_.margin;
+    found.beyond = found.upper < -options_.margin - unsure * size();
     return found;
 }
 
@@ -88,16 +91,18 @@ LeastTranslation ShapeRegion::on_plane() const
 bool ShapeRegion::set_kind(PairWorker& worker)
 {
     if (found_.lower > 0) {
-        kind_ = RegionKind::crossing;
-    } else if (found_.upper < 0) {
-        kind_ = RegionKind::near;
-        return -found_.upper <= options_.margin && options_.margin > 0;
-    } else { // rounding hides it
-        const bool apart = tests_for(task_).decide(worker, task_, {}, nullptr).verdict == Verdict::separate;
-        kind_ = apart ? RegionKind::near : RegionKind::touching;
-        return !apart || options_.margin > 0;
+        kind_ = RegionKind::crossing, meet_ = true;
+        return true;
     }
-    return true;
+    kind_ = RegionKind::near;
+    const double gap = -found_.upper; // a lower bound
+    if (gap > 0 && gap <= options_.margin) return true;
+    if (gap > unsure * size()) return false;
+    // Rounding hides it: the decision counts, whose own bounds may be wider.
+    const Verdict verdict = tests_for(task_).decide(worker, task_, {}, nullptr).verdict;
+    meet_ = verdict == Verdict::colliding;
+    if (verdict != Verdict::separate && gap <= 0) kind_ = RegionKind::touching;
+    return verdict != Verdict::separate || (gap <= 0 && options_.margin > 0);
 }
 
 void ShapeRegion::find_faces()
@@ -137,8 +142,10 @@ void ShapeRegion::add_deepest()
     }
     const Vector3d& n = found_.normal;
     const Vector3d axis_b = placed_.b_to_a.rotation.col(2);
-    const Vector3d on_b = surface_at(b_, axis_b, cores_.into_b(found_.on_b - placed_.b_to_a.translation).z(), found_.on_b, -n, rounding_);
-    const Vector3d on_a = plane_ ? found_.on_a : surface_at(a_, Vector3d::UnitZ(), found_.on_a.z(), found_.on_a, n, rounding_);
+    const Vector3d on_b =
+        surface_at(b_, axis_b, cores_.into_b(found_.on_b - placed_.b_to_a.translation).z(), found_.on_b, -n, rounding_);
+    const Vector3d on_a =
+        plane_ ? found_.on_a : surface_at(a_, Vector3d::UnitZ(), found_.on_a.z(), found_.on_a, n, rounding_);
     points_.add(on_a, on_b, found_.off, face_a_.face, face_b_.face);
 }
 
@@ -160,8 +167,8 @@ void ShapeRegion::add_points()
 /// True if the points reach the depth that is certain.
 bool ShapeRegion::reaches() const
 {
-    return !points_.points.empty() &&
-           points_.points.deepest() >= found_.lower - nearly * std::abs(found_.lower) - 16 * rounding_ - close * smaller();
+    return !points_.points.empty() && points_.points.deepest() >= found_.lower - nearly * std::abs(found_.lower) -
+                                                                      16 * rounding_ - close * smaller();
 }
 
 ManifoldPoint ShapeRegion::point(const FewPoints::Candidate& c) const
@@ -173,8 +180,8 @@ ManifoldPoint ShapeRegion::point(const FewPoints::Candidate& c) const
 
 void ShapeRegion::find(PairWorker& worker, Manifold& manifold)
 {
-    if (!plane_ && cores_.least() - cores_.radius() > options_.margin + rounding_) return;
-    found_ = plane_ ? on_plane() : least_translation(cores_, options_.margin);
+    if (!plane_ && cores_.least() - cores_.radius() > options_.margin + unsure * size()) return;
+    found_ = plane_ ? on_plane() : least_translation(cores_, options_.margin + unsure * size());
     if (found_.beyond || !set_kind(worker)) return;
     find_faces();
     const LeastTranslation found = found_;
@@ -190,7 +197,7 @@ void ShapeRegion::find(PairWorker& worker, Manifold& manifold)
     points_.points.choose(found_.normal, one_place * size(),
                           std::min(options_.points_per_region, options_.points_per_pair));
     region.normal = task_.pose_a->linear() * found_.normal, region.normal_error = found_.normal_error;
-    region.depth_lower = kind_ == RegionKind::near ? found_.lower : std::max(found_.lower, 0.0);
+    region.depth_lower = meet_ ? std::max(found_.lower, 0.0) : found_.lower;
     region.depth_upper = std::max(found_.upper, region.depth_lower);
     region.first = static_cast<std::uint32_t>(manifold.points.size()), region.count = points_.points.count();
     for (const FewPoints::Candidate& c : points_.points.chosen()) {

@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/pairs/manifolds/shapes/round_on_surface.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/round_on_surface.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -184,7 +184,8 @@ void RoundOnSurface::add_to_group(const Setup& s, const Reached& r)
         group.points.add_over(face, flat, solid, false, 4 * s.job.rounding);
     if (group.points.points.count() == before && r.least.has_points) {
         const Vector3d axis = s.into.rotation.col(2);
-        const Vector3d on_b = surface_at(solid, axis, axis.dot(r.least.on_b - s.into.translation), r.least.on_b, -m, s.job.rounding);
+        const Vector3d on_b =
+            surface_at(solid, axis, axis.dot(r.least.on_b - s.into.translation), r.least.on_b, -m, s.job.rounding);
         if (const double depth = m.dot(r.least.on_a - on_b); depth >= r.least.lower - s.error - 1e-3 * s.size)
             group.points.add(r.least.on_a, on_b, s.error + r.least.off, flat.face, face.face);
     }
