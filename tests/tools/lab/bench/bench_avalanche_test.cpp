@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "tools/command_fixture.hpp"
 #include "tools/csv_rows.hpp"
 
@@ -15,7 +17,9 @@ TEST_F(CommandLine, BenchAvalancheComesToRestAboveTheHill)
         if (!row["who"].starts_with("oncollide")) continue;
         EXPECT_EQ(row["lost"], "0") << row["s"];
         most_contacts = std::max(most_contacts, std::stod(row["contacts"]));
-        if (row["who"] == "oncollide, at rest") rests = true, EXPECT_EQ(row["awake"], "0");
+        if (row["who"] != "oncollide, at rest") continue;
+        rests = true;
+        EXPECT_EQ(row["awake"], "0");
     }
     EXPECT_TRUE(rests);
     EXPECT_GE(most_contacts, 32) << "each body lies on something";

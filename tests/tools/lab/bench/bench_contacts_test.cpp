@@ -100,11 +100,14 @@ TEST_F(ShapeContacts, OfSinglePairsAreThoseOfEachPair)
     for (const auto& [key, row] : rows("pair-sphere-sphere,pair-box-box,pair-box-sphere,pair-hull20-hull20")) {
         EXPECT_EQ(key[1], "fresh");
         const double contacts = number(row, "contacts");
-        if (key[0].ends_with("-sphere")) {
-            EXPECT_EQ(contacts, 1) << key[0] << " " << key[2];
-        } else {
-            EXPECT_GE(contacts, 1) << key[0] << " " << key[2];
+        if (key[2] != "oncollide") {
+            EXPECT_GE(contacts, 0.8) << key[0] << " " << key[2] << ": other libraries miss some";
             EXPECT_LE(contacts, 8) << key[0] << " " << key[2];
+        } else if (key[0].ends_with("-sphere")) {
+            EXPECT_EQ(contacts, 1) << key[0];
+        } else {
+            EXPECT_GE(contacts, 1) << key[0];
+            EXPECT_LE(contacts, 4) << key[0];
         }
     }
 }

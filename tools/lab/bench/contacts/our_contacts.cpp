@@ -7,7 +7,8 @@
 namespace oncollide::tools {
 
 OurContacts::OurContacts(const ContactScene& scene, int threads)
-    : world_({.clearance = scene.margin, .threads = threads}), margin_(scene.margin)
+    : world_({.clearance = scene.margin, .mode = Mode::solid, .open_as_surface = true, .threads = threads}),
+      margin_(scene.margin)
 {
     std::map<const Geometry*, ModelId> models;
     for (const ContactBody& body : scene.bodies) {

@@ -18,7 +18,9 @@ constexpr double waking_speed = 0.15;                   ///< of a body that wake
 class OurPhysics final : public PhysicsPeer {
 public:
     OurPhysics(std::span<const PhysicsBody> bodies, const PhysicsSettings& settings, int threads)
-        : settings_(settings), world_({.clearance = margin, .threads = threads}), solver_(world_)
+        : settings_(settings),
+          world_({.clearance = margin, .mode = Mode::solid, .open_as_surface = true, .threads = threads}),
+          solver_(world_)
     {
         solver_.dt = settings.dt, solver_.friction = settings.friction, solver_.margin = margin;
         solver_.slop = 2e-3, solver_.iterations = 10, solver_.relaxations = 4;
