@@ -48,7 +48,7 @@ public:
         impulses_.clear();
         for (const Row& row : rows_) impulses_.push_back(row.impulse);
     }
-    /// Of the last detect(); step() moves the bodies after it.
+    /// The contacts that the last detect() found; step() moves the bodies after it.
     const FrameManifolds& manifolds() const { return *manifolds_; }
     std::size_t contacts() const { return rows_.size(); }
     double deepest() const ///< metres

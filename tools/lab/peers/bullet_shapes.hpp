@@ -21,7 +21,7 @@ public:
         btCollisionShape* shape;
         Eigen::Vector3d origin; ///< of Bullet's shape in the geometry's frame
     };
-    /// Shapes are what they are in Bullet, still meshes trees of triangles, terrains height fields.
+    /// Shapes become primitives of Bullet, static meshes become trees of triangles, terrains become height fields.
     Shape of(const Geometry& geometry, bool is_static);
 
 private:

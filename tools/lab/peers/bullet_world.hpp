@@ -1,4 +1,4 @@
-// What all files about Bullet share.
+// Code that all files about Bullet share.
 #pragma once
 #include "peers/peers.hpp"
 

@@ -71,7 +71,7 @@ AvalancheEnd play(ResultTable& table, const std::string& who, const AvalancheSce
         }
     }
     end.lost = lost_bodies(scene, peer);
-    AvalancheSecond rest; // what a step costs when nothing moves any more
+    AvalancheSecond rest; // the cost of a step when nothing moves any more
     for (int k = 0; end.rests && k < 20; ++k) rest.add(peer.step());
     if (end.rests) table.row(rest.figures_of(who + ", at rest", i * settings.dt, end.lost));
     return end;
@@ -131,8 +131,9 @@ void add_avalanche(Arguments bench)
     b.whole("--seconds N", b->most_seconds, "longest simulated time", {1, 3600});
     b.only(), b.threads("of oncollide"), b.seed("the bodies and the hill"), b.csv("library and simulated second");
     b.footer(
-        "Rows are means over the steps of a simulated second, of 4 ms each; 'awake', 'contacts' and 'fastest' (m/s) "
-        "are those of its last step. Exit code 70: a body of oncollide is lost, or still moves at the end.");
+        "Times are means over the steps of a simulated second, of 4 ms each; the last step of the second gives 'awake' "
+        "(bodies), 'contacts', 'fastest' (m/s) and 'lost' (bodies below the hill or beside it). Exit code 70: a body "
+        "of oncollide is lost, or still moves at the end.");
 }
 
 } // namespace oncollide::tools

@@ -86,7 +86,7 @@ private:
         body.inverse_mass = states_[i].inverse_mass, body.inverse_inertia = states_[i].inverse_inertia;
         states_[i].still = 0;
     }
-    /// A body that moves wakes those that it touches.
+    /// Moving bodies wake the bodies that they touch.
     void wake_neighbours()
     {
         for (const PairOfBodies& pair : solver_.manifolds().pairs) {
