@@ -37,7 +37,7 @@ struct AvalancheSecond {
     }
 };
 
-/// Bodies whose middle is below the hill, or beside it.
+/// Bodies whose middle is below the hill by more than a concave body's hole may let it be, or beside the hill.
 std::size_t lost_bodies(const AvalancheScene& scene, const PhysicsPeer& peer)
 {
     std::vector<Eigen::Isometry3d> poses;
@@ -45,7 +45,8 @@ std::size_t lost_bodies(const AvalancheScene& scene, const PhysicsPeer& peer)
     const Terrain& hill = std::get<Terrain>(scene.hill->data);
     return static_cast<std::size_t>(std::count_if(poses.begin() + 1, poses.end(), [&](const auto& pose) {
         const Eigen::Vector3d p = pose.translation();
-        return !(p.z() > height_at(hill, p.x(), p.y()));
+        constexpr double deep = 0.1;
+        return !(p.z() > height_at(hill, p.x(), p.y()) - deep);
     }));
 }
 
