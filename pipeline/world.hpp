@@ -97,9 +97,9 @@ public:
     /// Reports all pairs as the bodies are now. Throws Error{no_gpu} if a GPU backend that was requested by name was
     /// lost in the frame before. That frame is complete: the CPU finished it. The CPU takes over with backend `auto`.
     FrameView step();
-    /// The manifolds of the last frame's pairs that meet, or are at most the margin apart: all that a solver needs
-    /// after step(). Valid until the next step() or manifolds(). Pairs whose bodies did not change since the frame
-    /// before are copied; if nothing changed, this costs nothing. The results are those of Pairs::manifold(). A warm
+    /// Returns the manifolds of the last frame's pairs that meet or are at most the margin apart. A solver needs no
+    /// other call after step(). Valid until the next step() or manifolds(). Pairs whose bodies did not change since the frame
+    /// before are copied; if nothing changed, this costs nothing. Pairs::manifold() gives the same results. A warm
     /// call allocates nothing for shapes. With a margin, set Settings::clearance to at least as much: only candidates
     /// of the frame are looked at. Throws Error{usage} before the first step, if bodies or models changed since the
     /// last one, and for options out of range.

@@ -12,6 +12,9 @@ namespace oncollide {
 /// each in the other.
 Penetration depth_of_bounded(PairWorker& worker, const PairTask& task);
 
+/// Sets Penetration::parting_lower and the following of two bounded shapes.
+void set_parting(const PairTask& task, Penetration& found);
+
 /// An upper bound on the depth of two bounded bodies: the shortest translation found that parts them. A terrain is
 /// solid without end below its surface, so only translations upward count.
 /// @param normals  directions in the world frame to try besides the axes of the bodies and of the world; unit vectors

@@ -41,6 +41,10 @@ Penetration half_space_depth(PairWorker&, const PairTask& task)
     const double slack = test.placed.slack;
     Penetration found;
     found.depth = lower * (1 - slack), found.depth_upper = upper * (1 + slack);
+    if constexpr (std::same_as<Body, operand::Solid>) {
+        found.parting_lower = found.depth, found.parting_upper = found.depth_upper;
+        found.parting_along = (swapped ? -1 : 1) * test.pose_a.linear().col(2);
+    }
     if (lower > 0) found.deepest = test.pose_a * lowest, found.of_a = swapped;
     return found;
 }

@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include <oncollide/narrowphase/pairs/depth_bounds.hpp>
 #include <oncollide/narrowphase/pairs/direct_tests.hpp>
 #include <oncollide/narrowphase/pairs/triangle_pairs.hpp>
 #include <oncollide/narrowphase/pairs/walk_tests.hpp>
@@ -138,8 +139,10 @@ inline Penetration penetration(PairWorker& worker, const PairTask& task)
 {
     worker.meetings.clear();
     contacts<operand::Triangles, operand::Triangles>(worker, task, worker.meetings);
-    return worker.penetration.measure(task, worker.meetings, worker.locator,
-                                      worker.traversal(*task.a->obb_tree(), *task.b->obb_tree()));
+    Penetration found = worker.penetration.measure(task, worker.meetings, worker.locator,
+                                                   worker.traversal(*task.a->obb_tree(), *task.b->obb_tree()));
+    if (task.a->kind() == Kind::polytope && task.b->kind() == Kind::polytope) set_parting(task, found);
+    return found;
 }
 
 } // namespace oncollide::surface_tests

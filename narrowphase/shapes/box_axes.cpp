@@ -26,7 +26,7 @@ bool has_face(const Vector3d& half, int axis)
     return half[(axis + 1) % 3] > 0 && half[(axis + 2) % 3] > 0;
 }
 
-/// The middle of the edge of a box along `axis` that is farthest along d; corners along the other axes.
+/// The middle of the edge of a box along `axis` that reaches farthest in the direction d.
 Vector3d edge_along(const Vector3d& half, const Vector3d& d, int axis)
 {
     Vector3d p;

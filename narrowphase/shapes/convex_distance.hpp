@@ -16,7 +16,8 @@ struct DistanceGoal {
 struct ConvexDistance {
     double lower, upper;        ///< 0 <= lower <= upper; if the cores meet, upper is about the rounding error
     Eigen::Vector3d on_a, on_b; ///< points of the cores, in A's frame; within rounding they are `upper` apart
-    Eigen::Vector3d toward = Eigen::Vector3d::Zero(); ///< from A to B, any length: the direction that gave `lower`; 0: none
+    Eigen::Vector3d toward =
+        Eigen::Vector3d::Zero(); ///< from A to B, any length: the direction that gave `lower`; 0: none
 };
 
 /// Stops at the first bounds that are enough, or where doubles allow no closer ones. Bounds that are then farther apart

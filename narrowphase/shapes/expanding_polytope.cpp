@@ -206,7 +206,7 @@ LeastTranslation ExpandingPolytope::find(double cutoff)
     for (int f = 0; f < faces_; ++f) least = std::min(least, d_[f] - error_[f]);
     if (least > 0) found.lower = least;
     set_points(found, face);
-    if (!converged) { // the best normal is that of another face
+    if (!converged) { // another face has the best normal
         const ConvexDifference::Point p = cores_.support(-found.normal);
         found.on_a = p.a, found.on_b = p.a + p.w, found.off = 0;
     }

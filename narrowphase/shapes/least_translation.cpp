@@ -20,19 +20,13 @@ using Eigen::Vector3d;
 /// A gap between cores below this many roundings has no certain direction.
 constexpr double least_gap = 0x1p12;
 constexpr int most_polish_steps = 6;
+/// Share of the depth. An interval that is wider is improved.
+constexpr double loose = 0x1p-8;
 
 /// A core that is a point or a segment along z.
 bool is_thin(const Convex& c)
 {
     return c.core == Convex::Core::box && c.low.x() == c.high.x() && c.low.y() == c.high.y();
-}
-
-/// The angle of a direction to the shortest way: along the direction the gap is `along`, and the way is at most `way`.
-double angle_of(double along, double way)
-{
-    const double cosine = along / way;
-    return cosine > 0 ? std::min(std::numbers::pi, std::sqrt(2 * std::max(1 - cosine, 0.0)) * 1.6 + 0x1p-50)
-                      : std::numbers::pi;
 }
 
 struct Ends {
@@ -80,7 +74,7 @@ bool set_apart(const ConvexDifference& cores, const Ends& ends, double rounding,
         }
     if (!(along > 0)) return false;
     found.normal = n, found.upper = rounding - along, found.lower = -gap - rounding;
-    found.normal_error = angle_of(along - rounding, gap + rounding);
+    found.normal_error = angle_to_shortest(along - rounding, gap + rounding);
     found.on_a = on_a, found.on_b = on_a + v, found.off = std::max(gap - along, 0.0), found.has_points = true;
     return true;
 }
@@ -97,7 +91,26 @@ bool by_distance(const ConvexDifference& cores, double rounding, double cutoff, 
     return set_apart(cores, {d.on_a, d.on_b, d.toward}, rounding, found);
 }
 
-LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double cutoff)
+/// Improves the normal of curved cores that overlap little. The shortest way between the cores, after B has moved out a
+/// little, has nearly this direction.
+void improve_shallow(const ConvexDifference& cores, double rounding, LeastTranslation& found)
+{
+    const double smaller = std::min(cores.a().extent, cores.b().extent);
+    for (double way = 0x1p-4 * smaller; way > 0x1p-16 * smaller; way *= 0x1p-4) {
+        RelativePose moved = cores.b_to_a();
+        moved.translation += (std::max(found.upper, 0.0) + way) * found.normal;
+        const ConvexDifference parted(cores.a(), cores.b(), moved, cores.slack());
+        LeastTranslation apart{};
+        if (!by_distance(parted, rounding, std::numeric_limits<double>::infinity(), apart)) return;
+        const ConvexDifference::Point p = cores.support(-apart.normal);
+        const double width = -apart.normal.dot(p.w) + rounding;
+        if (!(width < found.upper)) continue;
+        found.normal = apart.normal, found.upper = width, found.lower = std::min(found.lower, width);
+        found.on_a = p.a, found.on_b = p.a + p.w, found.off = 0;
+    }
+}
+
+LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double cutoff, bool gap_of_boxes)
 {
     const Convex &a = cores.a(), &b = cores.b();
     LeastTranslation found{};
@@ -129,14 +142,20 @@ LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double
     if (cores.radius() > 0 && by_distance(cores, rounding, cutoff, found)) return found;
     found = boxes ? translation_of_boxes(cores, rounding, cutoff)
                   : translation_by_polytope(cores, rounding, cutoff + cores.radius());
+    if (!found.beyond && !cores.flat_sided() && found.upper - found.lower > loose * std::abs(found.upper))
+        improve_shallow(cores, rounding, found);
     if (found.beyond || !(found.upper < 0) || cores.radius() > 0) return found;
+    if (boxes && !gap_of_boxes) {
+        found.lower = -std::numeric_limits<double>::infinity();
+        return found;
+    }
     // Apart by a plane: the distance may be larger than the gap at the plane.
     LeastTranslation apart{};
     if (!by_distance(cores, rounding, cutoff, apart)) return found;
     if (apart.beyond) return apart;
     if (found.upper <= apart.upper + 8 * rounding) { // the plane's normal has less rounding in it
         apart.normal = found.normal, apart.upper = found.upper, apart.lower = std::min(apart.lower, apart.upper);
-        apart.normal_error = angle_of(-apart.upper, -apart.lower);
+        apart.normal_error = angle_to_shortest(-apart.upper, -apart.lower);
     }
     return apart;
 }
@@ -144,8 +163,7 @@ LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double
 /// A pose may stretch lengths by the slack.
 double rounding_of(const ConvexDifference& cores)
 {
-    return cores.rounding() +
-           cores.slack() * (cores.size() + cores.radius() + cores.b_to_a().translation.norm());
+    return cores.rounding() + cores.slack() * (cores.size() + cores.radius() + cores.b_to_a().translation.norm());
 }
 
 LeastTranslation with_radius(LeastTranslation found, double radius, double cutoff)
@@ -153,16 +171,24 @@ LeastTranslation with_radius(LeastTranslation found, double radius, double cutof
     const double off = 0x1p-50 * radius;
     found.lower += radius - off, found.upper += radius + off;
     found.beyond |= found.upper < -cutoff;
-    if (!found.beyond && found.upper < 0)
-        found.normal_error = std::max(found.normal_error, angle_of(radius - found.upper, radius - found.lower));
+    if (!found.beyond && found.upper < 0 && found.lower > -std::numeric_limits<double>::infinity())
+        found.normal_error =
+            std::max(found.normal_error, angle_to_shortest(radius - found.upper, radius - found.lower));
     return found;
 }
 
 } // namespace
 
-LeastTranslation least_translation(const ConvexDifference& cores, double cutoff)
+double angle_to_shortest(double along, double way)
 {
-    return with_radius(of_cores(cores, rounding_of(cores), cutoff), cores.radius(), cutoff);
+    const double cosine = along / way;
+    return cosine > 0 ? std::min(std::numbers::pi, std::sqrt(2 * std::max(1 - cosine, 0.0)) * 1.6 + 0x1p-50)
+                      : std::numbers::pi;
+}
+
+LeastTranslation least_translation(const ConvexDifference& cores, double cutoff, bool gap_of_boxes)
+{
+    return with_radius(of_cores(cores, rounding_of(cores), cutoff, gap_of_boxes), cores.radius(), cutoff);
 }
 
 LeastTranslation deepest_translation(const ConvexDifference& cores)

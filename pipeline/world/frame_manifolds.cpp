@@ -101,7 +101,7 @@ void FrameManifoldCache::measure(WorldImpl& world, const ManifoldOptions& option
     });
 }
 
-/// Joins what was copied and what was measured, in the order of the pairs. Pairs without regions are left out.
+/// Joins the copied and the measured manifolds in the order of the pairs. Pairs without regions are left out.
 /// @param take_open  take_open(i) appends the manifold of the i-th open pair unless it is left out, and returns whether
 void FrameManifoldCache::join(WorldImpl& world, auto take_open)
 {
@@ -119,7 +119,7 @@ void FrameManifoldCache::join(WorldImpl& world, auto take_open)
     }
 }
 
-/// With the limit of the points of all pairs.
+/// Limits the points of all pairs together.
 const FrameManifolds& FrameManifoldCache::limited(const ManifoldOptions& options)
 {
     if (options.points_in_all == 0 || now_.manifolds.points.size() <= options.points_in_all) return now_.manifolds;

@@ -46,7 +46,7 @@ private:
     FrameManifolds limited_;                 ///< with at most ManifoldOptions::points_in_all points
     std::vector<std::uint32_t> kept_from_;   ///< by pair: its place in last_; none: it is measured or has none
     std::vector<std::uint32_t> open_;        ///< pairs to measure, ascending
-    std::vector<PairTask> tasks_, of_trees_; ///< tasks of the open pairs; those that need trees
+    std::vector<PairTask> tasks_, of_trees_; ///< tasks of the open pairs, and the tasks among them that need trees
     std::vector<Part> parts_;
 };
 

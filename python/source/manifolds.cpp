@@ -105,10 +105,10 @@ Later steps do not change its arrays. Regions offsets[i]:offsets[i + 1] belong t
 
     const ManifoldOptions usual;
     define(world, "manifolds", &manifolds,
-           R"(The manifolds of the last step's pairs that meet, or are at most the margin apart: all that a solver needs.
+           R"(Returns the Manifolds of the last step's pairs that meet or are at most the margin apart, for a solver.
 
-The arguments are those of World.pairs.manifold(). Pairs whose bodies did not change since the step before are copied.
-With a margin, the World needs a clearance of at least as much. Returns Manifolds. Raises Error before the first step,
+It takes the arguments of World.pairs.manifold(). Pairs whose bodies did not change since the step before are copied.
+With a margin, the World needs a clearance of at least as much. Raises Error before the first step,
 and if bodies or models changed since the last one.)",
            "margin"_a = usual.margin, "normal_spread"_a = usual.normal_spread,
            "points_per_region"_a = usual.points_per_region, "regions_per_pair"_a = usual.regions_per_pair,

@@ -151,7 +151,9 @@ meshes read on demand), depth and depth_upper (float64, metres: certified bounds
 (float64 (3,), a point that is depth deep), of_a (bool, it is a point of a). For two sides with triangles (meshes, boxes,
 hulls) depth is the depth of a vertex, and these are set: contact, overlap (float64 (2, 3): corners of a box around the
 contact curve, and around the overlap), vertex (uint32, the index of the deepest), thickness (float64, metres: the overlap
-lies between two planes this far apart), thin_along (float64 (3,), unit normal of these planes).)",
+lies between two planes this far apart), thin_along (float64 (3,), unit normal of these planes),
+parting_lower, parting_upper, parting_along (two shapes: certified bounds of the least translation that parts them, and
+its direction from a to b; others: 0, infinite, 0).)",
         "a"_a, "b"_a);
     define(pairs, "sweep", &sweep,
            R"(When two sides first meet, of which one moves or both, over the time from 0 to 1.

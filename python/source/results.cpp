@@ -175,7 +175,10 @@ void make_result_types()
                             {"overlap", "(2,3)f8", offsetof(Penetration, overlap)},
                             {"vertex", "u4", offsetof(Penetration, vertex)},
                             {"thickness", "f8", offsetof(Penetration, thickness)},
-                            {"thin_along", "3f8", offsetof(Penetration, thin_along)}});
+                            {"thin_along", "3f8", offsetof(Penetration, thin_along)},
+                            {"parting_lower", "f8", offsetof(Penetration, parting_lower)},
+                            {"parting_upper", "f8", offsetof(Penetration, parting_upper)},
+                            {"parting_along", "3f8", offsetof(Penetration, parting_along)}});
     make_type<SweepResult>(sweep_fields<SweepResult>());
     make_type<SweepHit>({{"body", "u8", offsetof(SweepHit, body)}}, sweep_fields<SweepHit>());
     make_type<PairSweep>({{"pair", "u4", offsetof(PairSweep, pair)}}, sweep_fields<PairSweep>());

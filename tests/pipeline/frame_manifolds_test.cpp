@@ -1,4 +1,4 @@
-// World::manifolds(): what is kept between frames changes no result.
+// World::manifolds() keeps manifolds between frames, which changes no result.
 #include <random>
 
 #include "pipeline/manifold_scenes.hpp"

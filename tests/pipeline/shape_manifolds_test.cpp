@@ -29,7 +29,7 @@ Isometry3d moved(double x, double y, double z)
 }
 
 /// Many pairs of all kinds, at poses that are hard for contacts.
-TEST(ShapeManifolds, DISABLED_KeepTheirPromises)
+TEST(ShapeManifolds, KeepTheirPromises)
 {
     const tools::ShapeManifoldTally tally = tools::try_shape_manifolds(1, 5000, 2, [] {});
     const tools::ShapeManifoldTally::Counts all = tally.all();

@@ -83,25 +83,27 @@ Penetration depth_of_bounded(PairWorker& worker, const PairTask& task)
     using namespace depth_bounds;
     if (decides_b_first(task)) { // both orders have the same bounds
         Penetration found = depth_of_bounded(worker, task.swapped());
-        found.of_a = !found.of_a;
+        found.of_a = !found.of_a, found.parting_along = -found.parting_along;
         return found;
     }
+    const auto convex = [](const Model& m) { return m.kind() == Kind::polytope || m.kind() == Kind::round; };
     Penetration found;
     const bool ground = task.a->kind() == Kind::terrain || task.b->kind() == Kind::terrain;
     const auto around = [](const Model& model) {
         return model.is_mesh() && model.closed() ? model.obb_tree() : nullptr;
     };
     if (!ground && tests_for(task).decide(worker, task, {}, nullptr).verdict == Verdict::separate &&
-        !one_holds_the_other(task, worker.locator, around))
+        !one_holds_the_other(task, worker.locator, around)) {
+        if (convex(*task.a) && convex(*task.b)) found.parting_upper = 0;
         return found;
+    }
     const Side a{*task.a, *task.pose_a}, b{*task.b, *task.pose_b};
     found.depth_upper = parting_translation(task);
     Vector3d towards = (b.pose * bounds_of(b.model.geometry()).centre()) -
                        (a.pose * bounds_of(a.model.geometry()).centre()); // from a to b
-    const auto convex = [](const Model& m) { return m.kind() == Kind::polytope || m.kind() == Kind::round; };
     if (convex(a.model) && convex(b.model)) {
-        const auto [upper, direction] = part_convex(a, b);
-        found.depth_upper = std::min(found.depth_upper, upper), towards = direction;
+        set_parting(task, found);
+        found.depth_upper = std::min(found.depth_upper, found.parting_upper), towards = found.parting_along;
     }
     if (a.model.kind() == Kind::terrain) towards = a.pose.linear().col(2);
     if (b.model.kind() == Kind::terrain) towards = -b.pose.linear().col(2);

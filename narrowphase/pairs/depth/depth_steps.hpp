@@ -33,7 +33,4 @@ bool is_ball_or_capsule(const Model& model);
 /// @returns whether the depth is known
 bool by_core(PairWorker& worker, const Side& round, const Side& other, bool round_is_a, Penetration& found);
 
-/// The shortest translation found that parts two convex solids: along directions from which a search descends.
-std::pair<double, Eigen::Vector3d> part_convex(const Side& a, const Side& b);
-
 } // namespace oncollide::depth_bounds

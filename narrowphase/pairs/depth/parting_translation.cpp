@@ -5,43 +5,13 @@
 #include <oncollide/narrowphase/pairs/depth/depth_steps.hpp>
 #include <oncollide/narrowphase/pairs/depth_bounds.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
+#include <oncollide/narrowphase/shapes/least_translation.hpp>
 
 namespace oncollide {
 
 namespace depth_bounds {
 
 using Eigen::Isometry3d, Eigen::Vector3d;
-
-std::pair<double, Vector3d> part_convex(const Side& a, const Side& b)
-{
-    const Convex &of_a = a.model.convex(), &of_b = b.model.convex();
-    const PlacedPair placed(a.pose, b.pose);
-    const Eigen::Matrix3d& turn = placed.b_to_a.rotation;
-    const double size = of_a.extent + of_a.radius + of_b.extent + of_b.radius + placed.b_to_a.translation.norm();
-    // b moves along n, in a's frame, beyond a.
-    const auto width = [&](const Vector3d& n) {
-        const double low_b = placed.b_to_a.translation.dot(n) - of_b.most_along(turn.transpose() * -n);
-        return of_a.most_along(n) - low_b;
-    };
-    std::pair<double, Vector3d> best{infinity, Vector3d::UnitX()};
-    const auto look = [&](const Vector3d& n) {
-        const double w = width(n);
-        if (w < best.first) best = {w, n};
-        return best.second == n;
-    };
-    for (int axis = 0; axis < 3; ++axis)
-        for (const double sign : {-1.0, 1.0})
-            look(sign * Vector3d::Unit(axis)), look(sign * turn.col(axis).normalized());
-    if (const Vector3d middle = placed.b_to_a(of_b.centre) - of_a.centre; middle.norm() > 0) look(middle.normalized());
-    for (double step = 0.5; step > 0x1p-16; step /= 2) {
-        const Vector3d n = best.second, e = n.unitOrthogonal(), f = n.cross(e);
-        for (const Vector3d& side : {e, f, Vector3d(-e), Vector3d(-f)}) look((n + step * side).normalized());
-        if (best.second != n) step *= 2;
-        if (best.first < 0x1p-50 * size) break;
-    }
-    const double upper = (std::max(best.first, 0.0) + 0x1p-46 * size) * (1 + 2 * placed.slack + 0x1p-40);
-    return {upper, a.pose.linear() * best.second};
-}
 
 namespace {
 
@@ -71,6 +41,20 @@ double highest_over(const Terrain& terrain, const Aabb& box)
 } // namespace
 
 } // namespace depth_bounds
+
+void set_parting(const PairTask& task, Penetration& found)
+{
+    if (decides_b_first(task)) { // both orders have the same bounds
+        set_parting(task.swapped(), found), found.parting_along = -found.parting_along;
+        return;
+    }
+    const PlacedPair placed(*task.pose_a, *task.pose_b);
+    const LeastTranslation least = least_translation(
+        ConvexDifference(task.a->convex(), task.b->convex(), placed.b_to_a, placed.slack), depth_bounds::infinity);
+    found.parting_lower = std::max(least.lower, 0.0) * (1 - placed.slack);
+    found.parting_upper = std::max(least.upper, 0.0) * (1 + placed.slack);
+    found.parting_along = task.pose_a->linear() * least.normal;
+}
 
 double parting_translation(const PairTask& task, std::span<const Eigen::Vector3d> normals)
 {

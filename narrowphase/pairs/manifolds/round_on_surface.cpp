@@ -15,8 +15,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Shares of the depth and of the size by which a face's direction may be worse than the least, and is taken all the
-/// same.
+/// Shares of the depth and of the size. A face's direction is taken if it is worse than the least by less.
 constexpr double nearly_least = 1.0 / 128, close_to_least = 0x1p-26;
 /// Cosine of a milliradian. Directions that differ by less are one.
 constexpr double one_direction = 1 - 5e-7;

@@ -1,5 +1,6 @@
 // Penetration depths, compared with bodies whose depth is known.
 #include <functional>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -301,6 +302,32 @@ TEST(Penetration, OfBodiesSunkIntoATerrainIsMeasuredBelowItsSurface)
         EXPECT_EQ(between(hills, at(0), body.data, at(0.3, 0.4, 2.5)).depth, 0);
         EXPECT_EQ(between(hills, at(0), body.data, at(30, 0, -3)).depth_upper, 0) << "beside it";
     }
+}
+
+/// The least translation that parts two shapes is within 1 %.
+TEST(Penetration, OfTwoShapesHasTheirLeastTranslation)
+{
+    const auto expect = [](const Shape& a, const Isometry3d& pose_a, const Shape& b, const Isometry3d& pose_b,
+                           double length, const Vector3d& along) {
+        const Penetration p = between(a, pose_a, b, pose_b), q = between(b, pose_b, a, pose_a);
+        EXPECT_LE(p.parting_lower, length * (1 + 1e-12));
+        EXPECT_GE(p.parting_upper, length * (1 - 1e-12));
+        EXPECT_LE(p.parting_upper, 1.01 * p.parting_lower + 1e-12);
+        EXPECT_LT((p.parting_along - along).norm(), 1e-6) << p.parting_along.transpose();
+        EXPECT_EQ(p.parting_along, -q.parting_along);
+        EXPECT_EQ(p.parting_upper, q.parting_upper);
+        EXPECT_LE(p.depth, p.parting_upper);
+    };
+    // Flat cylinders that slide over each other, 5 cm deep.
+    expect(Cylinder{1, 0.1}, at(0), Cylinder{1, 0.1}, at(0.7, 0, 0.05), 0.05, {0, 0, 1});
+    expect(Sphere{0.5}, at(0), Box{{1, 1, 1}}, at(1.4, 0.2, 0.1), 0.1, {1, 0, 0});
+    expect(Capsule{0.25, 1}, at(0), Ellipsoid{{0.5, 0.4, 0.3}}, at(0.7), 0.05, {1, 0, 0});
+    expect(Cone{0.5, 1}, at(0), Box{{2, 2, 0.5}}, at(0, 0, -0.9), 0.1, {0, 0, -1});
+    expect(HalfSpace{}, at(0), Cylinder{0.5, 1}, at(0, 0, 0.3), 0.2, {0, 0, 1});
+    const Penetration apart = between(Shape(Sphere{1}), at(0), Shape(Cone{1, 1}), at(9));
+    EXPECT_EQ(apart.parting_lower, 0);
+    EXPECT_EQ(apart.parting_upper, 0);
+    EXPECT_EQ(between(cube, at(0), Shape(Sphere{1}), at(1)).parting_upper, std::numeric_limits<double>::infinity());
 }
 
 TEST(Penetration, HalfSpacesThatFaceEachOtherOverlapInALayer)

@@ -1,6 +1,7 @@
 #include <oncollide/narrowphase/pairs/manifolds/shapes/clipped_face.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -94,8 +95,12 @@ void ClippedFace::clip_polygon(const ContactFace& face, const ContactFace& flat)
             to.of_face = face.vertex(static_cast<std::uint32_t>(d.after)), to.of_flat = flat.face;
         } else if (d.before < 0 && d.after < 0) {
             const std::uint32_t p = flat_side(d.before), q = flat_side(d.after);
-            to.of_face = face.face;
-            to.of_flat = next(flat, p) == q ? flat.vertex(q) : next(flat, q) == p ? flat.vertex(p) : flat.edge(p, q);
+            const bool adjacent = next(flat, p) == q || next(flat, q) == p;
+            const std::uint32_t v = next(flat, p) == q ? q : p; // the corner between both sides
+            to.of_face = face.face, to.of_flat = adjacent ? flat.vertex(v) : flat.edge(p, q);
+            // Over the corner itself: the cuts of a needle's sides meet in a badly defined point.
+            if (const double slope = face.normal.dot(along_); adjacent && std::abs(slope) > 0.5)
+                to.at = flat.corner[v] + face.normal.dot(face.corner[0] - flat.corner[v]) / slope * along_;
         } else {
             const std::uint32_t k = flat_side(std::min(d.before, d.after));
             const auto e = static_cast<std::uint32_t>(std::max(d.before, d.after));

@@ -65,7 +65,7 @@ void find_face_of_hull(const Model& model, const Vector3d& along, ContactFace& f
     for (std::size_t i = 0; i < corners.size(); i += stride) add(face, c.points[corners[i]], corners[i]);
 }
 
-/// Eight points of a circle around z, counter-clockwise seen from +z; the first is farthest along a direction.
+/// Eight points of a circle around z, counter-clockwise seen from +z; the first is the support point along a direction.
 void add_rim(ContactFace& face, double radius, double z, const Vector3d& along, bool up)
 {
     const double across = std::hypot(along.x(), along.y());

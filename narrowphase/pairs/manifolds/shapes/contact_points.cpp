@@ -13,10 +13,19 @@ namespace {
 /// Sine. Segments that differ by more have one point.
 constexpr double along_each_other = 0.05;
 
-/// Of a segment, unit; 0 for other faces.
+/// The direction of a segment, unit; 0 for other faces.
 Vector3d axis_of(const ContactFace& face)
 {
     return face.count == 2 ? Vector3d((face.corner[1] - face.corner[0]).normalized()) : Vector3d(Vector3d::Zero());
+}
+
+/// The part of a direction across an axis, unit; 0 if the direction lies along the axis.
+Vector3d across_axis(const Vector3d& out, const Vector3d& axis)
+{
+    Vector3d across = out - axis.dot(out) * axis;
+    if (!(across.norm() > 0x1p-40)) return Vector3d::Zero();
+    across.normalize(), across -= axis.dot(across) * axis; // again: a short vector has its rounding along the axis
+    return across.normalized();
 }
 
 /// The point of the surface at a point of the core. A segment's surface is a cylinder around it, and a ball at its
@@ -27,7 +36,7 @@ Vector3d surface_point(const Convex& c, const Vector3d& axis, const Vector3d& at
     if (c.radius == 0) return at;
     const double along = axis.dot(out);
     if (axis.isZero(0) || end * along > 0) return at + c.radius * out;
-    return at + c.radius * (out - along * axis).normalized();
+    return at + c.radius * across_axis(out, axis);
 }
 
 /// A face of a rounded core on the surface: a segment becomes a line of the cylinder around it.
@@ -35,10 +44,9 @@ Vector3d surface_point(const Convex& c, const Vector3d& axis, const Vector3d& at
 void to_surface(ContactFace& face, const Convex& solid, const Vector3d& out)
 {
     if (solid.radius == 0) return;
-    const Vector3d axis = axis_of(face);
-    Vector3d across = out - axis.dot(out) * axis;
-    across = across.norm() > 0 ? Vector3d(across.normalized()) : out;
+    const Vector3d across = face.count < 2 ? out : across_axis(out, axis_of(face));
     for (std::uint32_t k = 0; k < face.count; ++k) face.corner[k] += solid.radius * across;
+    if (across.isZero(0)) face.count = 0; // the segment stands: only its end meets the other body
 }
 
 } // namespace
@@ -77,6 +85,7 @@ void ContactPoints::add_over(const ContactFace& flat, const ContactFace& face, c
                 take(on_surface.corner[i], on_surface.vertex(i), flat.face);
             return;
         }
+        if (on_surface.count == 0) return;
         clipped_.find(on_surface, flat, -out, rounding);
         for (std::uint32_t i = 0; i < clipped_.count; ++i)
             take(clipped_.corner[i].at, clipped_.corner[i].of_face, clipped_.corner[i].of_flat);

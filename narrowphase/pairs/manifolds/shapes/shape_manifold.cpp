@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Shares of the depth and of the smaller size by which a face's normal may be worse, and is taken all the same.
+/// Shares of the depth and of the smaller size. A face's normal is taken if it is worse than the best by less.
 constexpr double nearly = 1.0 / 300, close = 0x1p-26;
 /// Share of the sizes. Points less apart are one.
 constexpr double one_place = 0x1p-20;
@@ -53,6 +53,7 @@ private:
     void prefer_face(const ContactFace& face, double sign);
     void add_points();
     bool reaches() const;
+    bool faces_are_nearest();
     void add_deepest();
     ManifoldPoint point(const FewPoints::Candidate& c) const;
 
@@ -178,12 +179,29 @@ ManifoldPoint ShapeRegion::point(const FewPoints::Candidate& c) const
         pose * c.on_a, pose * c.on_b, c.depth, c.off + 8 * rounding_, c.of_a, c.of_b, pose.linear() * found_.normal};
 }
 
+/// True if a point of the faces proves that the gap of two boxes along the normal is their distance.
+bool ShapeRegion::faces_are_nearest()
+{
+    add_points();
+    if (points_.points.empty()) return false;
+    const double deepest = points_.points.deepest() - 8 * rounding_;
+    if (deepest < found_.upper - 64 * rounding_) return false;
+    found_.lower = deepest, found_.normal_error = angle_to_shortest(-found_.upper, -found_.lower);
+    return true;
+}
+
 void ShapeRegion::find(PairWorker& worker, Manifold& manifold)
 {
     if (!plane_ && cores_.least() - cores_.radius() > options_.margin + unsure * size()) return;
-    found_ = plane_ ? on_plane() : least_translation(cores_, options_.margin + unsure * size());
+    found_ = plane_ ? on_plane() : least_translation(cores_, options_.margin + unsure * size(), false);
     if (found_.beyond || !set_kind(worker)) return;
     find_faces();
+    if (found_.lower == -unbounded && !faces_are_nearest()) {
+        found_ = least_translation(cores_, options_.margin + unsure * size());
+        if (found_.beyond || !set_kind(worker)) return;
+        find_faces();
+    }
+    points_.points.clear();
     const LeastTranslation found = found_;
     if (!plane_ && !found_.of_axes) prefer_face(face_a_, 1), prefer_face(face_b_, -1);
     add_points();

@@ -10,8 +10,8 @@ class PairWorker;
 bool are_shapes(const PairTask& task);
 
 /// The manifold of two shapes, in the order of the task (a half-space is first); world frame. One region or none. The
-/// normal is that of the least translation that parts them; the points are the corners of the common part of the two
-/// faces along it. Cost: 0.05 to 0.5 microseconds for spheres, capsules and boxes, 0.5 to 3 for other shapes.
+/// normal has the direction of the least translation that parts them; the points are the corners of the common part of
+/// the two faces along it. Cost: 0.05 to 0.5 microseconds for spheres, capsules and boxes, 0.5 to 3 for other shapes.
 void manifold_of_shapes(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold);
 
 } // namespace oncollide

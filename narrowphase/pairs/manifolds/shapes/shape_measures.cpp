@@ -182,7 +182,7 @@ void measure_region(const PairTask& task, const RelativePose& b_to_a, std::span<
     region.centre = *task.pose_a * centre;
     region.area = region.volume = 0;
     if (task.b->kind() == Kind::round || task.a->kind() == Kind::round) return;
-    // The area of the points' polygon, which is that of faces that touch or are near.
+    // Faces that touch or are near have the area of the points' polygon.
     Vector3d area = Vector3d::Zero();
     for (std::size_t i = 2; i < points.size(); ++i)
         area += 0.5 * (points[i - 1].on_a - points[0].on_a).cross(points[i].on_a - points[0].on_a);

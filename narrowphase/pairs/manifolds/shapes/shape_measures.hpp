@@ -9,8 +9,10 @@ namespace oncollide {
 /// True if one of two shapes, of which a may be a half-space, is inside the other. Rims and ellipsoids are sampled.
 bool holds_other(const PairTask& task, const RelativePose& b_to_a);
 
-/// Sets area, volume and centre of a region, in the world frame. Area and volume are those of two polytopes, or of one
-/// in a half-space; 0 for round shapes. @param points  all points of the region, @param normal  in a's frame
+/// Sets area, volume and centre of a region, in the world frame. Area and volume are known for two
+/// polytopes and for a polytope in a half-space; they are 0 for round shapes.
+/// @param points  all points of the region
+/// @param normal  in a's frame
 void measure_region(const PairTask& task, const RelativePose& b_to_a, std::span<const FewPoints::Candidate> points,
                     const Eigen::Vector3d& normal, ManifoldRegion& region);
 
