@@ -23,8 +23,11 @@ PLOTS = {
     "shapes": ("Close pairs of shapes", "close-pairs-of-shapes"),
     "gpu": ("Grey cells on a GPU", "grey-cells-on-a-gpu"),
     "reading": ("Reading files", "reading-files"),
+    "contacts": ("Contacts of shapes", "contacts.md#piles-of-shapes-and-single-pairs"),
+    "avalanche": ("An avalanche", "contacts.md#an-avalanche"),
 }
-DATA = {"study": "study/many.csv", "gpu": "gpu/h200.json"}  # of plots that several files are behind: the first
+DATA = {"study": "study/many.csv", "gpu": "gpu/h200.json", "contacts": "contacts/shapes.csv",
+        "avalanche": "contacts/avalanche.csv"}  # of plots that several files are behind: the first
 DOXYFILE = """
 PROJECT_NAME = oncollide
 INPUT = {inputs}
@@ -84,7 +87,7 @@ def write_plots(pages, complete):
         for name, (title, place) in PLOTS.items():
             data = DATA.get(name, name + ".csv")
             text += f"\n## {title}\n\n![{title}](plots/{name}.svg)\n\n"
-            text += f"[Figures](data/{data}), [how they were measured](benchmarks.md#{place})\n"
+            text += f"[Figures](data/{data}), [how they were measured]({place if '#' in place else 'benchmarks.md#' + place})\n"
     (pages / "plots.md").write_text(text, encoding="utf-8")
 
 

@@ -136,12 +136,42 @@ def shapes():
     return figure
 
 
+def contacts():
+    figure, axes = plt.subplots(figsize=(8, 4.2))
+    by = pivot(rows_of("contacts/shapes"), lambda r: (r["scene"], r["mode"]), "who")
+    scenes, modes = distinct(rows_of("contacts/shapes"), "scene"), ("moving", "slow", "rest")
+    for k, mode in enumerate(modes):
+        ratio = [float(by[scene, mode]["bullet"]["ms"]) / float(by[scene, mode]["oncollide"]["ms"]) for scene in scenes]
+        axes.barh([i + 0.27 * (k - 1) for i in range(len(scenes))], [r - 1 for r in ratio], 0.25, left=1, color=COLOURS[k],
+                  label={"moving": "2 mm a step", "slow": "0.1 mm a step", "rest": "at rest"}[mode])
+    axes.axvline(1, color="#555555", linewidth=1)
+    axes.set_xscale("log")
+    axes.set_yticks(range(len(scenes)), scenes)
+    axes.invert_yaxis()
+    axes.set_xlabel("Bullet's time over oncollide's"), axes.set_title("Contacts of shapes")
+    axes.legend(frameon=False)
+    return figure
+
+
+def avalanche():
+    figure, axes = plt.subplots(figsize=(8, 3.4))
+    for k, (who, title) in enumerate({"oncollide": "oncollide", "bullet": "Bullet"}.items()):
+        rows = [r for r in rows_of("contacts/avalanche") if r["who"].partition(",")[0] == who]
+        line(axes, [float(r["s"]) for r in rows], [float(r["detection_ms"]) for r in rows], k, label=f"{title}: detection")
+        line(axes, [float(r["s"]) for r in rows], [float(r["solver_ms"]) for r in rows], k, linestyle=":",
+             label=f"{title}: solver")
+    axes.set_yscale("log")
+    label(axes, "simulated seconds", "ms per step", "An avalanche, from its start to its rest", logarithmic=False)
+    legend_outside(axes)
+    return figure
+
+
 def main():
     folder = pathlib.Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
     plt.rcParams.update({"svg.hashsalt": "oncollide", "font.size": 10, "axes.grid": True, "grid.alpha": 0.3,
                          "axes.spines.top": False, "axes.spines.right": False})
-    for plot in (environments, distances, shape_distances, study, broad, gpu, reading, shapes):
+    for plot in (environments, distances, shape_distances, study, broad, gpu, reading, shapes, contacts, avalanche):
         figure = plot()
         figure.tight_layout()
         figure.savefig(folder / f"{plot.__name__}.svg", metadata={"Date": None})

@@ -39,6 +39,43 @@ def contacts_played():
     })
 
 
+def contacts_of_shapes():
+    two = pivot(rows_of("contacts/shapes_two_threads"), lambda r: (r["scene"], r["mode"]), "who")
+    ms = lambda r: three(r["ms"]) if r else "-"
+    counts = lambda by: " / ".join(f"{float(by[who]['contacts']):,.0f}" for who in ("oncollide", "bullet", "ode"))
+    return table(["scene", "mode", "oncollide, ms", "`step()` + manifolds", "on two threads", "Bullet", "ODE", "FCL",
+                  "contacts: oncollide / Bullet / ODE"],
+                 [[f"`{scene}`", mode, ms(by["oncollide"]),
+                   f"{three(by['oncollide']['pairs_ms'])} + {three(by['oncollide']['manifolds_ms'])}",
+                   ms(two.get((scene, mode), {}).get("oncollide")), *(ms(by.get(who)) for who in ("bullet", "ode", "fcl")),
+                   counts(by)]
+                  for (scene, mode), by in pivot(rows_of("contacts/shapes"), lambda r: (r["scene"], r["mode"]), "who").items()])
+
+
+def contacts_of_pairs():
+    who = {"oncollide": "oncollide", "bullet": "Bullet", "ode": "ODE", "fcl": "FCL"}
+    cell = lambda r: f"{three(1e3 * float(r['ms']))} ({float(r['contacts']):.2g})" if r else "-"
+    return table(["pair", *(f"{title}, us (points)" for title in who.values())],
+                 [[scene.removeprefix("pair-").replace("-", ", "), *(cell(by.get(name)) for name in who)]
+                  for scene, by in pivot(rows_of("contacts/pairs"), "scene", "who").items()])
+
+
+def avalanche():
+    titles = {"oncollide": "manifolds and the reference solver", "bullet": "Bullet"}
+    rows = rows_of("contacts/avalanche")
+    made = []
+    for who, title in titles.items():
+        seconds = [r for r in rows if r["who"] == who]
+        rest = next((r for r in rows if r["who"] == f"{who}, at rest"), None)
+        ms = lambda column: [float(r[column]) for r in seconds]
+        most_and_mean = lambda column: f"{three(max(ms(column)))} ({three(sum(ms(column)) / len(seconds))})"
+        made.append([title, most_and_mean("detection_ms"), most_and_mean("solver_ms"),
+                     f"{float(rest['s']):.0f} s" if rest else f"not in {float(seconds[-1]['s']):.0f} s",
+                     three(rest["detection_ms"]) if rest else "-", f"{max(ms('lost')):.0f}"])
+    return table(["moved by", "detection, ms a step: the slowest second (mean)", "solver, ms a step", "all at rest after",
+                  "detection then, ms", "bodies below the hill"], made)
+
+
 def reading():
     styles = {
         "obj": "OBJ, six decimals, `f a b c`",
