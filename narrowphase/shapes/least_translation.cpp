@@ -139,7 +139,12 @@ LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double
         }
         return translation_of_boxes(cores, rounding, cutoff + cores.radius());
     }
-    if (cores.radius() > 0 && by_distance(cores, rounding, cutoff, found)) return found;
+    if (cores.radius() > 0 && by_distance(cores, rounding, cutoff, found)) {
+        if (found.beyond || found.upper - found.lower <= loose * std::abs(cores.radius() + found.upper)) return found;
+        // The distance of needles ends early; a plane may part the cores better.
+        const LeastTranslation plane = translation_by_polytope(cores, rounding, cutoff + cores.radius());
+        return plane.upper < found.upper && !plane.beyond ? plane : found;
+    }
     found = boxes ? translation_of_boxes(cores, rounding, cutoff)
                   : translation_by_polytope(cores, rounding, cutoff + cores.radius());
     if (!found.beyond && !cores.flat_sided() && found.upper - found.lower > loose * std::abs(found.upper))

@@ -162,7 +162,7 @@ def test_manifolds_are_regions_and_points():
     ground = world.bodies.add(world.models.add(oncollide.box([5, 5, 1])), at(0, 0, -1))
     box = world.models.add(oncollide.box([0.5, 0.25, 0.5]))
     ids = world.bodies.add(box, np.stack([at(0, 0, 0.499), at(2, 0, 0.51)]))
-    regions, points, complete = world.pairs.manifold(ids[0], ground)
+    regions, points, complete = world.pairs.manifold(ids[0], ground, measures=True)
     assert complete and len(regions) == 1 and len(points) == regions[0]["count"] == 4
     assert np.allclose(regions[0]["normal"], [0, 0, -1]) and abs(regions[0]["area"] - 0.5) < 1e-9
     assert regions[0]["depth_lower"] <= 0.001 <= regions[0]["depth_upper"] and not regions[0]["open"]

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/points/candidate.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
 #include <oncollide/narrowphase/walks/box_walk_queries.hpp>
