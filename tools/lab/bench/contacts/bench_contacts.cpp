@@ -33,6 +33,14 @@ void add_rows(ResultTable& table, const ContactScene& scene, const std::string& 
                           p.turns, "hash", Hex{p.hash}, "bodies", scene.bodies.size(), "what", scene.what));
 }
 
+/// The poses with the moving bodies a nanometre aside: a body that does not move would be found for nothing.
+Poses nudged(const ContactScene& scene, Poses poses)
+{
+    for (std::size_t i = 0; i < poses.size(); ++i)
+        if (!scene.bodies[i].half.isZero(0)) poses[i].translation().x() += 1e-9;
+    return poses;
+}
+
 void describe(const ContactScene& scene, const PlayedScene& p)
 {
     say("  {}; at most {} points a pair{}", scene.what, p.most_points, p.complete ? "" : ", a limit left some out");
@@ -78,7 +86,10 @@ int bench_contacts(const ContactsOptions& options)
         const bool all = options.steps == 0 || options.steps >= scene.steps;
         PlayedScene played = play(scene, all ? scene.steps : options.steps, threads);
         std::vector<ContactSteps> modes = scene.modes;
-        if (modes.empty()) modes = {{played_mode, played.poses.front(), std::move(played.poses)}};
+        if (modes.empty()) {
+            if (played.poses.size() == 1) played.poses.push_back(nudged(scene, played.poses.front()));
+            modes = {{played_mode, played.poses.front(), std::move(played.poses)}};
+        }
         for (ContactSteps& mode : modes) {
             if (options.steps > 0) mode.steps.resize(std::min(mode.steps.size(), std::size_t(options.steps)));
             add_rows(table, scene, mode.mode, played, race(scene, mode, contenders, threads, options.repeats));
