@@ -23,7 +23,7 @@ constexpr double one_direction = 1 - 5e-7;
 /// Share of the shape's size: a decision may see a gap that is smaller as closed.
 constexpr double doubt = 0x1p-40;
 /// Share of the shape's size. Points less apart are one: neighbouring triangles have the same point.
-constexpr double one_place = 0x1p-12;
+constexpr double one_point_share = 0x1p-12;
 /// Share of a triangle's size: points nearer to an edge lie on it.
 constexpr double on_edge = 0x1p-20;
 
@@ -205,7 +205,7 @@ void RoundOnSurface::add_region(const Setup& s, Group& group) const
     region.kind = group.lower > 0 ? RegionKind::crossing : group.upper < 0 ? RegionKind::near : RegionKind::touching;
     region.open = !s.surface.solid();
     region.found = points.count();
-    points.choose(group.points.normal, one_place * s.size,
+    points.choose(group.points.normal, one_point_share * s.size,
                   std::min(job.options.points_per_region, job.options.points_per_pair));
     region.normal = s.of_a ? Vector3d(-group.points.normal) : group.points.normal;
     region.normal_error = group.normal_error;

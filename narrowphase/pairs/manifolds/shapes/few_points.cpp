@@ -15,7 +15,7 @@ namespace {
 /// Share of the region's size, as FewPoints::choose's `place`; depths that differ by less are equal.
 constexpr double same_place = 1e-6;
 
-double turn(const Vector2d& u, const Vector2d& v)
+double turn_of(const Vector2d& u, const Vector2d& v)
 {
     return u.x() * v.y() - u.y() * v.x();
 }
@@ -75,12 +75,12 @@ void FewPoints::choose(const Vector3d& normal, double place, std::uint32_t most)
     if (most > 2 && size_kept == 2) {
         const Vector2d from = flat[kept[0]], way = flat[kept[1]] - from;
         const double least = same * way.norm();
-        take([&](std::uint32_t i) { return std::abs(turn(way, flat[i] - from)); }, least, least);
+        take([&](std::uint32_t i) { return std::abs(turn_of(way, flat[i] - from)); }, least, least);
     }
     // The polygon around the kept points, counter-clockwise.
     std::array<std::uint32_t, ClippedFace::most + 3> ring;
     std::copy(kept.begin(), kept.begin() + size_kept, ring.begin());
-    if (size_kept == 3 && turn(flat[ring[1]] - flat[ring[0]], flat[ring[2]] - flat[ring[0]]) < 0)
+    if (size_kept == 3 && turn_of(flat[ring[1]] - flat[ring[0]], flat[ring[2]] - flat[ring[0]]) < 0)
         std::swap(ring[1], ring[2]);
     while (size_kept > 2 && size_kept < most) { // the point that adds the largest triangle
         std::uint32_t side = 0;
@@ -88,7 +88,7 @@ void FewPoints::choose(const Vector3d& normal, double place, std::uint32_t most)
             double area = 0;
             for (std::uint32_t k = 0; k < size_kept; ++k) {
                 const Vector2d &from = flat[ring[k]], &to = flat[ring[k + 1 < size_kept ? k + 1 : 0]];
-                if (const double here = turn(flat[i] - from, to - from); here > area) area = here, side = k;
+                if (const double here = turn_of(flat[i] - from, to - from); here > area) area = here, side = k;
             }
             return area;
         };

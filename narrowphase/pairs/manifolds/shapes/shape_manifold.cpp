@@ -21,7 +21,7 @@ namespace {
 /// Shares of the depth and of the smaller size. A face's normal is taken if it is worse than the best by less.
 constexpr double nearly = 1.0 / 300, close = 0x1p-26;
 /// Share of the sizes. Points less apart are one.
-constexpr double one_place = 0x1p-20;
+constexpr double same_point_share = 0x1p-20;
 /// Share of the sizes. The decision may leave a gap open that is smaller.
 constexpr double unsure = 0x1p-36;
 
@@ -212,7 +212,7 @@ void ShapeRegion::find(PairWorker& worker, Manifold& manifold)
     region.kind = kind_ == RegionKind::crossing && holds_other(task_, placed_.b_to_a) ? RegionKind::enclosed : kind_;
     if (options_.measures) measure_region(task_, placed_.b_to_a, points_.points.chosen(), found_.normal, region);
     region.found = points_.points.count();
-    points_.points.choose(found_.normal, one_place * size(),
+    points_.points.choose(found_.normal, same_point_share * size(),
                           std::min(options_.points_per_region, options_.points_per_pair));
     region.normal = task_.pose_a->linear() * found_.normal, region.normal_error = found_.normal_error;
     region.depth_lower = meet_ ? std::max(found_.lower, 0.0) : found_.lower;
