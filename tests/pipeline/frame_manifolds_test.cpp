@@ -1,6 +1,7 @@
 // World::manifolds() keeps manifolds between frames, which changes no result.
 #include <random>
 
+#include "allocations.hpp"
 #include "pipeline/manifold_scenes.hpp"
 
 namespace oncollide::manifold_scenes {
@@ -110,6 +111,33 @@ TEST(FrameManifolds, AtRestAreTheSameLists)
     EXPECT_EQ(hash_of(crowd.world.manifolds()), hash);
     const FrameManifolds& few = crowd.world.manifolds({.points_in_all = 3});
     EXPECT_EQ(few.points.size(), 3u);
+}
+
+TEST(FrameManifolds, OfShapesAllocateNothingWhenWarm)
+{
+    World world({.clearance = 0.01, .threads = 1});
+    std::vector<BodyId> bodies;
+    for (const Shape& shape : {Shape(Box{{0.5, 0.5, 0.5}}), Shape(Sphere{0.5}), Shape(Capsule{0.4, 0.5}),
+                               Shape(Cylinder{0.5, 1}), Shape(Ellipsoid{{0.5, 0.4, 0.6}})})
+        for (int i = 0; i < 3; ++i)
+            bodies.push_back(
+                world.bodies().add({.model = world.models().add(shape),
+                                    .pose = at(0.9 * double(bodies.size() % 4), 0.9 * double(bodies.size() / 4), 0)}));
+    for (int frame = 0; frame < 40; ++frame) {
+        for (const BodyId body : bodies) {
+            Isometry3d pose = world.bodies().pose(body);
+            pose.translation().z() = 1e-3 * std::sin(frame + body.slot);
+            world.bodies().set_pose(body, pose);
+        }
+        world.step();
+        const std::size_t before = allocations;
+        const FrameManifolds& found = world.manifolds({.margin = 0.01});
+        const std::size_t after = allocations;
+        EXPECT_GT(found.points.size(), 10u);
+        if (frame >= 20) {
+            EXPECT_EQ(after, before) << frame;
+        }
+    }
 }
 
 TEST(FrameManifolds, NeedAFrameOfTheBodiesAsTheyAre)
