@@ -68,6 +68,7 @@ public:
     /// The chunks that this model holds of a map's or a terrain's file; null: none.
     HeldChunks* held_grid() const;
     bool is_mesh() const { return kind_ == Kind::mesh; }
+    bool is_bounded_shape() const { return kind_ == Kind::polytope || kind_ == Kind::round; } ///< convex() is there
     const Shape* shape() const { return as<Shape>(); }
     const OccupancyMap* map() const { return as<OccupancyMap>(); }
     const Terrain* terrain() const { return as<Terrain>(); }

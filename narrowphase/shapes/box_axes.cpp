@@ -12,8 +12,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double parallel = 1e-8;                     ///< sine
-constexpr double nearly = 1.0 / 300, close = 0x1p-26; ///< share of the depth; share of the smaller size
+constexpr double parallel = 1e-8; ///< sine
 
 /// An axis of least overlap.
 struct Axis {
@@ -64,7 +63,7 @@ LeastTranslation translation_of_boxes(const ConvexDifference& cores, double roun
         if (of_a[i] < beyond) return apart(of_a[i]);
         if (of_a[i] < face.overlap) face = {of_a[i], i, -1};
     }
-    const double preferred = face.overlap - nearly * std::abs(face.overlap) - close * smaller;
+    const double preferred = face.overlap - face_preference(face.overlap, smaller);
     least = face.overlap;
     for (int j = 0; j < 3; ++j) {
         if (!has_face(hb, j)) continue;
@@ -95,7 +94,7 @@ LeastTranslation translation_of_boxes(const ConvexDifference& cores, double roun
             if (overlap < edge.overlap) edge = {overlap, i, j};
         }
     }
-    const bool of_edges = edge.overlap + nearly * std::abs(edge.overlap) + close * smaller < face.overlap;
+    const bool of_edges = edge.overlap + face_preference(edge.overlap, smaller) < face.overlap;
     if (of_edges) {
         const Vector3d across = Vector3d::Unit(edge.i).cross(r.col(edge.j));
         const double length = across.norm();

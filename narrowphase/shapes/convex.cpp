@@ -112,6 +112,41 @@ bool Convex::holds(const Eigen::Vector3d& p, double ball) const
     __builtin_unreachable();
 }
 
+double Convex::depth(const Eigen::Vector3d& p) const
+{
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    const double rounding = 0x1p-46 * (extent + radius + p.norm());
+    const double across = std::hypot(p.x(), p.y());
+    switch (core) {
+    case Core::box: {
+        const double inside = std::min((p - low).minCoeff(), (high - p).minCoeff());
+        const double outside = (p - p.cwiseMax(low).cwiseMin(high)).norm();
+        return radius + (outside > 0 ? -outside : inside) - rounding;
+    }
+    case Core::points: {
+        double least = infinity;
+        for (const Triangle& t : faces) {
+            const Eigen::Vector3d &q = points[t[0]], u = points[t[1]] - q, v = points[t[2]] - q, n = u.cross(v);
+            const double length = n.norm();
+            // The normal of a sliver errs by about the product's rounding over its length.
+            const double off = rounding * (1 + u.norm() * v.norm() / length);
+            if (length > 0) least = std::min(least, n.dot(q - p) / length - off);
+        }
+        return least < infinity ? least : -infinity;
+    }
+    case Core::cylinder:
+        return std::min(high.x() - across, high.z() - std::abs(p.z())) - rounding;
+    case Core::cone: {
+        const double length = 2 * high.z(), slope = std::hypot(high.x(), length);
+        const double side = (high.x() * (high.z() - p.z()) - length * across) / slope;
+        return std::min(side, p.z() + high.z()) - rounding;
+    }
+    case Core::ellipsoid:
+        return (1 - p.cwiseQuotient(high).norm()) * high.minCoeff() - rounding;
+    }
+    __builtin_unreachable();
+}
+
 Convex convex_of(const Shape& shape)
 {
     return std::visit(OfShape{}, shape);

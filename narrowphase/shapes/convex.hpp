@@ -36,6 +36,8 @@ struct Convex {
     /// True if the solid certainly holds a sphere around p; always false for hulls. @param ball  the sphere's radius,
     /// at least 2^-47 of the solid's size, which is far above rounding
     bool holds(const Eigen::Vector3d& p, double ball) const;
+    /// A lower bound on the distance of p, a point of the solid, from its surface; negative if p may be outside.
+    double depth(const Eigen::Vector3d& p) const;
     /// The largest projection of the solid onto d, within rounding.
     double most_along(const Eigen::Vector3d& d) const { return d.dot(support(d)) + radius * d.norm(); }
 };

@@ -1,7 +1,16 @@
 #pragma once
+#include <cmath>
+
 #include <oncollide/narrowphase/shapes/convex_pair.hpp>
 
 namespace oncollide {
+
+/// How many metres deeper a face's normal may be than the best direction and still be chosen. The normal then stays
+/// the same while a box tilts.
+inline double face_preference(double depth, double size)
+{
+    return 1.0 / 300 * std::abs(depth) + 0x1p-26 * size;
+}
 
 /// The least translation of B that parts two convex solids; for solids apart, their gap as a negative depth. In A's
 /// frame, metres.

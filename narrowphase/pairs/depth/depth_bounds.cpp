@@ -37,7 +37,7 @@ void each_point(const Side& side, const Aabb& box, const Vector3d& towards, auto
             return true;
         });
     }
-    if (side.model.kind() != Kind::polytope && side.model.kind() != Kind::round) return;
+    if (!side.model.is_bounded_shape()) return;
     const Convex& c = side.model.convex();
     visit(c.centre);
     if (side.model.kind() == Kind::polytope) return;
@@ -65,7 +65,7 @@ void find_deep(PairWorker& worker, const Side& inner, const Side& outer, bool of
                                  [&](const Vector3d& p) { return towards.dot(p); });
         points.resize(most_points);
     }
-    if (const Kind kind = outer.model.kind(); kind == Kind::polytope || kind == Kind::round) {
+    if (outer.model.is_bounded_shape()) {
         const Vector3d centre = outer.pose * outer.model.convex().centre;
         if (depth_in(worker, inner, centre) > 0) points.push_back(centre); // a point of both
     }
@@ -86,7 +86,7 @@ Penetration depth_of_bounded(PairWorker& worker, const PairTask& task)
         found.of_a = !found.of_a, found.parting_along = -found.parting_along;
         return found;
     }
-    const auto convex = [](const Model& m) { return m.kind() == Kind::polytope || m.kind() == Kind::round; };
+    const bool shapes = task.a->is_bounded_shape() && task.b->is_bounded_shape();
     Penetration found;
     const bool ground = task.a->kind() == Kind::terrain || task.b->kind() == Kind::terrain;
     const auto around = [](const Model& model) {
@@ -94,14 +94,14 @@ Penetration depth_of_bounded(PairWorker& worker, const PairTask& task)
     };
     if (!ground && tests_for(task).decide(worker, task, {}, nullptr).verdict == Verdict::separate &&
         !one_holds_the_other(task, worker.locator, around)) {
-        if (convex(*task.a) && convex(*task.b)) found.parting_upper = 0;
+        if (shapes) found.parting_upper = 0;
         return found;
     }
     const Side a{*task.a, *task.pose_a}, b{*task.b, *task.pose_b};
     found.depth_upper = parting_translation(task);
     Vector3d towards = (b.pose * bounds_of(b.model.geometry()).centre()) -
                        (a.pose * bounds_of(a.model.geometry()).centre()); // from a to b
-    if (convex(a.model) && convex(b.model)) {
+    if (shapes) {
         set_parting(task, found);
         found.depth_upper = std::min(found.depth_upper, found.parting_upper), towards = found.parting_along;
     }

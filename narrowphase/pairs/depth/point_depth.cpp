@@ -11,41 +11,6 @@ using Eigen::Isometry3d, Eigen::Vector3d;
 
 namespace {
 
-/// A lower bound on the distance of p, a point of the solid, from its surface; negative if p may be outside.
-double depth_in(const Convex& c, const Vector3d& p)
-{
-    const double rounding = 0x1p-46 * (c.extent + c.radius + p.norm());
-    const double across = std::hypot(p.x(), p.y());
-    switch (c.core) {
-    case Convex::Core::box: {
-        const double inside = std::min((p - c.low).minCoeff(), (c.high - p).minCoeff());
-        const double outside = (p - p.cwiseMax(c.low).cwiseMin(c.high)).norm();
-        return c.radius + (outside > 0 ? -outside : inside) - rounding;
-    }
-    case Convex::Core::points: {
-        double least = infinity;
-        for (const Triangle& t : c.faces) {
-            const Vector3d &q = c.points[t[0]], u = c.points[t[1]] - q, v = c.points[t[2]] - q, n = u.cross(v);
-            const double length = n.norm();
-            // The normal of a sliver errs by about the product's rounding over its length.
-            const double off = rounding * (1 + u.norm() * v.norm() / length);
-            if (length > 0) least = std::min(least, n.dot(q - p) / length - off);
-        }
-        return least < infinity ? least : -infinity;
-    }
-    case Convex::Core::cylinder:
-        return std::min(c.high.x() - across, c.high.z() - std::abs(p.z())) - rounding;
-    case Convex::Core::cone: {
-        const double length = 2 * c.high.z(), slope = std::hypot(c.high.x(), length);
-        const double side = (c.high.x() * (c.high.z() - p.z()) - length * across) / slope;
-        return std::min(side, p.z() + c.high.z()) - rounding;
-    }
-    case Convex::Core::ellipsoid:
-        return (1 - p.cwiseQuotient(c.high).norm()) * c.high.minCoeff() - rounding;
-    }
-    __builtin_unreachable();
-}
-
 /// A lower bound on the distance of a point from the triangles of a mesh or a terrain.
 template <class Operand>
 double distance_from_surface(PairWorker& worker, const Side& outer, const Vector3d& point)
@@ -107,14 +72,14 @@ double depth_in(PairWorker& worker, const Side& outer, const Vector3d& point)
         Aabb at;
         at.add(p);
         MapAccess::each_cell(*outer.model.map(), at, [&](const MapCell& cell) {
-            most = std::max(most, depth_in(convex_of(MapAccess::box(*outer.model.map(), cell)), p));
+            most = std::max(most, convex_of(MapAccess::box(*outer.model.map(), cell)).depth(p));
             return true;
         });
         return most - off;
     }
     case Kind::polytope:
     case Kind::round:
-        return depth_in(outer.model.convex(), p) - off;
+        return outer.model.convex().depth(p) - off;
     case Kind::half_space:
         break;
     }

@@ -9,6 +9,7 @@
 #include <oncollide/narrowphase/pairs/manifold_tests.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/crossing_regions.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/near_regions.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/points/feature_bits.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/points/point_hull.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/round_on_surface.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/shapes/shape_manifold.hpp>
@@ -87,7 +88,7 @@ void add_enclosed_region(PairWorker& worker, const ManifoldJob& job, bool inner_
     region.first = static_cast<std::uint32_t>(manifold.points.size()), region.count = region.found = 1;
     region.centre = 0.5 * (last + wall_point);
     const double error = std::max(to_wall - region.depth_lower, region.depth_upper - to_wall);
-    constexpr FeatureBits whole = FeatureBits{3} << 62;
+    constexpr FeatureBits whole = face_feature(0);
     manifold.points.push_back(inner_is_a
                                   ? ManifoldPoint{last, wall_point, to_wall, error, whole, whole, region.normal}
                                   : ManifoldPoint{wall_point, last, to_wall, error, whole, whole, region.normal});
@@ -128,7 +129,7 @@ void add_last_region(PairWorker& worker, const PairTask& task, const ManifoldJob
     region.first = static_cast<std::uint32_t>(job.manifold.points.size()), region.count = region.found = 1;
     region.centre = 0.5 * (on_a + on_b), region.lost = apart ? 0 : std::numeric_limits<double>::infinity();
     const double depth = region.normal.dot(on_a - on_b);
-    constexpr FeatureBits whole = FeatureBits{3} << 62;
+    constexpr FeatureBits whole = face_feature(0);
     job.manifold.points.push_back(
         {on_a, on_a - depth * region.normal, depth, (on_a - on_b).norm() + rounding, whole, whole, region.normal});
     job.manifold.regions.push_back(region);

@@ -6,14 +6,13 @@
 #include <tuple>
 
 #include <oncollide/base/numbers/random.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/points/feature_bits.hpp>
 #include <oncollide/scenes/model/terrain/terrain_access.hpp>
 
 namespace oncollide {
 
 namespace {
 
-constexpr FeatureBits vertex_bits = FeatureBits{1} << 62, edge_bits = FeatureBits{2} << 62,
-                      face_bits = FeatureBits{3} << 62;
 constexpr std::uint32_t cell_faces = 12;
 
 std::uint64_t hash_of(const MapCell& cell, std::uint32_t part)
@@ -232,25 +231,25 @@ std::vector<Eigen::Vector3d> PlacedSurface::part_points() const
 
 FeatureBits PlacedSurface::vertex(std::uint32_t v) const
 {
-    if (round()) return face_bits;
-    return vertex_bits | (corners_.empty() ? (flat_ ? flat_->vertex[v] : v) : hash_of(corners_[v], 0) >> 2);
+    if (round()) return face_feature(0);
+    return vertex_feature(corners_.empty() ? (flat_ ? flat_->vertex[v] : v) : hash_of(corners_[v], 0) >> 2);
 }
 
 FeatureBits PlacedSurface::edge(std::uint32_t from, std::uint32_t to) const
 {
-    if (round()) return face_bits;
+    if (round()) return face_feature(0);
     if (flat_) from = flat_->vertex[from], to = flat_->vertex[to];
+    if (corners_.empty()) return edge_feature(from, to);
     if (from > to) std::swap(from, to);
-    if (!corners_.empty()) return edge_bits | splitmix(vertex(from) ^ splitmix(vertex(to))) >> 2;
-    return edge_bits | splitmix(std::uint64_t{from} << 32 | to) >> 2;
+    return edge_feature(splitmix(vertex(from) ^ splitmix(vertex(to))));
 }
 
 FeatureBits PlacedSurface::face(std::uint32_t triangle) const
 {
-    if (round()) return face_bits;
-    if (faces_.empty()) return face_bits | (flat_ ? flat_->face[triangle] : triangle);
+    if (round()) return face_feature(0);
+    if (faces_.empty()) return face_feature(flat_ ? flat_->face[triangle] : triangle);
     const auto& [cell, face] = faces_[triangle];
-    return face_bits | hash_of(cell, face + 1) >> 2;
+    return face_feature(hash_of(cell, face + 1) >> 2);
 }
 
 double rounding_of(const PlacedSurface& a, const PlacedSurface& b)

@@ -6,6 +6,7 @@
 
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/points/candidate.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/points/feature_bits.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
 #include <oncollide/narrowphase/walks/box_walk_queries.hpp>
@@ -198,7 +199,7 @@ void RoundOnSurface::add_region(const Setup& s, Group& group) const
     if (points.empty()) {
         const Vector3d& n = group.points.normal;
         const Vector3d q = s.lowest(n);
-        group.points.add(q + (group.height - n.dot(q)) * n, q, s.size, FeatureBits{3} << 62, FeatureBits{3} << 62);
+        group.points.add(q + (group.height - n.dot(q)) * n, q, s.size, face_feature(0), face_feature(0));
     }
     points.drop_shallow(-s.margin - 8 * job.rounding);
     ManifoldRegion region{};

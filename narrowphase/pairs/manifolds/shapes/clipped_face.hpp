@@ -11,7 +11,6 @@ struct ClippedFace {
     struct Corner {
         Eigen::Vector3d at;
         FeatureBits of_face, of_flat; ///< the features of both that meet here
-        int end;                      ///< of a clipped segment: 1 or -1 at its own ends, 0 elsewhere
     };
     std::uint32_t count;
     std::array<Corner, most> corner;

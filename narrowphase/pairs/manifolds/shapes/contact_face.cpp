@@ -1,19 +1,16 @@
 #include <oncollide/narrowphase/pairs/manifolds/shapes/contact_face.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
-#include <oncollide/base/numbers/random.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/points/feature_bits.hpp>
 
 namespace oncollide {
 
 using Eigen::Vector3d;
 
 namespace {
-
-constexpr FeatureBits shape_vertex_bits = FeatureBits{1} << 62, shape_edge_bits = FeatureBits{2} << 62,
-                      shape_face_bits = FeatureBits{3} << 62;
 
 void add(ContactFace& face, const Vector3d& corner, std::uint32_t number)
 {
@@ -28,7 +25,7 @@ void find_face_of_box(const Convex& c, const Vector3d& along, ContactFace& face)
     const bool high = along[axis] >= 0;
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     face.normal = Vector3d::Unit(axis) * (high ? 1.0 : -1.0);
-    face.face = shape_face_bits | static_cast<FeatureBits>(4 * (2 - axis) + 2 * int{high}); // its first triangle
+    face.face = face_feature(static_cast<std::uint64_t>(4 * (2 - axis) + 2 * int{high})); // its first triangle
     for (int k = 0; k < 4; ++k) {
         // (low, low), (high, low), (high, high), (low, high) in (u, v), which is counter-clockwise around +axis
         const int at = high ? k : 3 - k;
@@ -56,10 +53,10 @@ void find_face_of_hull(const Model& model, const Vector3d& along, ContactFace& f
             best_cosine = cosine, found = &candidate;
     }
     if (!found) { // a corner of slivers alone
-        face.face = shape_vertex_bits | best;
+        face.face = vertex_feature(best);
         return add(face, c.points[best], best);
     }
-    face.normal = found->normal, face.off = found->off, face.face = shape_face_bits | found->triangle;
+    face.normal = found->normal, face.off = found->off, face.face = face_feature(found->triangle);
     const auto corners = hull.corners(*found);
     const std::size_t stride = (corners.size() + ContactFace::most - 1) / ContactFace::most;
     for (std::size_t i = 0; i < corners.size(); i += stride) add(face, c.points[corners[i]], corners[i]);
@@ -108,15 +105,14 @@ void find_face_of_cone(const Convex& c, const Vector3d& along, ContactFace& face
 
 FeatureBits ContactFace::vertex(std::uint32_t i) const
 {
-    return rounded ? face | FeatureBits{number[i]} << 8 : shape_vertex_bits | number[i];
+    return rounded ? face | FeatureBits{number[i]} << 8 : vertex_feature(number[i]);
 }
 
 FeatureBits ContactFace::edge(std::uint32_t i, std::uint32_t k) const
 {
-    std::uint32_t from = number[i], to = number[k];
-    if (from > to) std::swap(from, to);
-    const FeatureBits bits = splitmix(std::uint64_t{from} << 32 | to) >> 2;
-    return rounded ? face | FeatureBits{from + 1} << 8 | FeatureBits{to + 1} << 16 : shape_edge_bits | bits;
+    if (!rounded) return edge_feature(number[i], number[k]);
+    const auto [from, to] = std::minmax(number[i], number[k]);
+    return face | FeatureBits{from + 1} << 8 | FeatureBits{to + 1} << 16;
 }
 
 void ContactFace::place(const RelativePose& b_to_a)
@@ -128,7 +124,7 @@ void ContactFace::place(const RelativePose& b_to_a)
 void find_face(const Model& model, const Vector3d& along, ContactFace& face)
 {
     const Convex& c = model.convex();
-    face.count = 0, face.off = 0, face.face = shape_face_bits, face.rounded = true, face.normal.setZero();
+    face.count = 0, face.off = 0, face.face = face_feature(0), face.rounded = true, face.normal.setZero();
     switch (c.core) {
     case Convex::Core::box:
         if (c.radius == 0) {

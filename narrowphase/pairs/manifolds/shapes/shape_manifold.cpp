@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include <oncollide/narrowphase/pairs/manifolds/points/candidate.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/points/feature_bits.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/shapes/contact_points.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/shapes/shape_measures.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
@@ -18,12 +19,17 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Shares of the depth and of the smaller size. A face's normal is taken if it is worse than the best by less.
-constexpr double nearly = 1.0 / 300, close = 0x1p-26;
 /// Share of the sizes. Points less apart are one.
 constexpr double same_point_share = 0x1p-20;
 /// Share of the sizes. The decision may leave a gap open that is smaller.
 constexpr double unsure = 0x1p-36;
+
+/// Stands for a half-space where cores are compared.
+const Convex& point_of_plane()
+{
+    static const Convex point = convex_of(Shape(Sphere{0}));
+    return point;
+}
 
 /// Makes the region of two shapes, in a's frame.
 class ShapeRegion {
@@ -31,15 +37,13 @@ public:
     ShapeRegion(const PairTask& task, const ManifoldOptions& options)
         : task_(task), options_(options), placed_(*task.pose_a, *task.pose_b),
           plane_(task.a->kind() == Kind::half_space), b_(task.b->convex()),
-          a_(plane_ ? point_of_plane : task.a->convex()), cores_(a_, b_, placed_.b_to_a, placed_.slack),
+          a_(plane_ ? point_of_plane() : task.a->convex()), cores_(a_, b_, placed_.b_to_a, placed_.slack),
           rounding_(cores_.rounding() + placed_.slack * (cores_.size() + cores_.radius() + apart()))
     {
     }
     void find(PairWorker& worker, Manifold& manifold);
 
 private:
-    static const Convex point_of_plane;
-
     double apart() const { return placed_.b_to_a.translation.norm(); }
     double size() const { return (plane_ ? 0 : a_.extent) + b_.extent + cores_.radius(); }
     double smaller() const
@@ -52,6 +56,7 @@ private:
     void find_faces();
     void prefer_face(const ContactFace& face, double sign);
     void add_points();
+    void find_points();
     bool reaches() const;
     bool faces_are_nearest();
     void add_deepest();
@@ -71,8 +76,6 @@ private:
     ContactFace face_a_, face_b_;
     ContactPoints points_;
 };
-
-const Convex ShapeRegion::point_of_plane = convex_of(Shape(Sphere{0}));
 
 /// The depth of a half-space: its plane is z = 0.
 LeastTranslation ShapeRegion::on_plane() const
@@ -110,7 +113,7 @@ void ShapeRegion::find_faces()
 {
     const Vector3d& n = found_.normal;
     if (plane_)
-        face_a_.count = 0, face_a_.off = 0, face_a_.face = FeatureBits{3} << 62, face_a_.normal = n;
+        face_a_.count = 0, face_a_.off = 0, face_a_.face = face_feature(0), face_a_.normal = n;
     else
         find_face(*task_.a, n, face_a_);
     find_face(*task_.b, cores_.into_b(-n), face_b_);
@@ -127,7 +130,7 @@ void ShapeRegion::prefer_face(const ContactFace& face, double sign)
     if (cosine < ContactPoints::facing || n == found_.normal) return;
     const double width = -n.dot(cores_.support(-n).w) + cores_.radius();
     const bool flat = cores_.flat_sided() && cores_.radius() == 0;
-    const double more = flat ? nearly * std::abs(found_.upper) + close * smaller() : 0x1p-20 * std::abs(found_.upper);
+    const double more = flat ? face_preference(found_.upper, smaller()) : 0x1p-20 * std::abs(found_.upper);
     if (width > found_.upper + more + 16 * rounding_) return;
     // Overlapping polytopes have the face's normal; for others the true direction stays where it was.
     const double turned = angle_between(n, found_.normal) + found_.normal_error;
@@ -168,8 +171,8 @@ void ShapeRegion::add_points()
 /// True if the points reach the depth that is certain.
 bool ShapeRegion::reaches() const
 {
-    return !points_.points.empty() && points_.points.deepest() >= found_.lower - nearly * std::abs(found_.lower) -
-                                                                      16 * rounding_ - close * smaller();
+    return !points_.points.empty() &&
+           points_.points.deepest() >= found_.lower - face_preference(found_.lower, smaller()) - 16 * rounding_;
 }
 
 ManifoldPoint ShapeRegion::point(const FewPoints::Candidate& c) const
@@ -179,10 +182,19 @@ ManifoldPoint ShapeRegion::point(const FewPoints::Candidate& c) const
         pose * c.on_a, pose * c.on_b, c.depth, c.off + 8 * rounding_, c.of_a, c.of_b, pose.linear() * found_.normal};
 }
 
-/// True if a point of the faces proves that the gap of two boxes along the normal is their distance.
+/// Finds the points along the normal, or along a face's.
+void ShapeRegion::find_points()
+{
+    points_.points.clear();
+    const LeastTranslation found = found_;
+    if (!plane_ && !found_.of_axes) prefer_face(face_a_, 1), prefer_face(face_b_, -1);
+    add_points();
+    if (!reaches() && found.normal != found_.normal) found_ = found, points_.points.clear(), add_points();
+}
+
+/// True if a point proves that the gap of two boxes along the normal is their distance.
 bool ShapeRegion::faces_are_nearest()
 {
-    add_points();
     if (points_.points.empty()) return false;
     const double deepest = points_.points.deepest() - 8 * rounding_;
     if (deepest < found_.upper - 64 * rounding_) return false;
@@ -195,17 +207,12 @@ void ShapeRegion::find(PairWorker& worker, Manifold& manifold)
     if (!plane_ && cores_.least() - cores_.radius() > options_.margin + unsure * size()) return;
     found_ = plane_ ? on_plane() : least_translation(cores_, options_.margin + unsure * size(), false);
     if (found_.beyond || !set_kind(worker)) return;
-    find_faces();
+    find_faces(), find_points();
     if (found_.lower == -unbounded && !faces_are_nearest()) {
         found_ = least_translation(cores_, options_.margin + unsure * size());
         if (found_.beyond || !set_kind(worker)) return;
-        find_faces();
+        find_faces(), find_points();
     }
-    points_.points.clear();
-    const LeastTranslation found = found_;
-    if (!plane_ && !found_.of_axes) prefer_face(face_a_, 1), prefer_face(face_b_, -1);
-    add_points();
-    if (!reaches() && found.normal != found_.normal) found_ = found, points_.points.clear(), add_points();
     if (!reaches()) add_deepest();
     points_.points.drop_shallow(-options_.margin - 8 * rounding_);
     ManifoldRegion region{};
@@ -232,8 +239,7 @@ void ShapeRegion::find(PairWorker& worker, Manifold& manifold)
 
 bool are_shapes(const PairTask& task)
 {
-    const auto is_shape = [](const Model* m) { return m->kind() == Kind::polytope || m->kind() == Kind::round; };
-    return is_shape(task.b) && (is_shape(task.a) || task.a->kind() == Kind::half_space);
+    return task.b->is_bounded_shape() && (task.a->is_bounded_shape() || task.a->kind() == Kind::half_space);
 }
 
 void manifold_of_shapes(PairWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& manifold)

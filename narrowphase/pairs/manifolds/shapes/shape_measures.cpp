@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include <oncollide/narrowphase/model.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/points/clip_polygon.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/points/point_hull.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
 
@@ -15,32 +16,6 @@ namespace oncollide {
 using Eigen::Vector3d;
 
 namespace {
-
-/// True if a solid holds a ball.
-bool holds_ball(const Model& outer, const Vector3d& p, double radius)
-{
-    const Convex& c = outer.convex();
-    const double across = std::sqrt(p.x() * p.x() + p.y() * p.y());
-    switch (c.core) {
-    case Convex::Core::box:
-        if (c.radius > 0) return (p - p.cwiseMax(c.low).cwiseMin(c.high)).norm() + radius <= c.radius;
-        return (p - c.low).minCoeff() >= radius && (c.high - p).minCoeff() >= radius;
-    case Convex::Core::points:
-        return std::ranges::all_of(outer.hull_faces().faces(), [&](const HullFaces::Face& f) {
-            return f.normal.dot(p - c.points[outer.hull_faces().corners(f)[0]]) + radius <= 0;
-        });
-    case Convex::Core::cylinder:
-        return across + radius <= c.high.x() && std::abs(p.z()) + radius <= c.high.z();
-    case Convex::Core::cone: {
-        const double slope = std::hypot(c.high.x(), 2 * c.high.z());
-        const double side = (c.high.x() * (c.high.z() - p.z()) - 2 * c.high.z() * across) / slope;
-        return std::min(side, p.z() + c.high.z()) >= radius;
-    }
-    case Convex::Core::ellipsoid:
-        return p.cwiseQuotient(c.high).norm() + radius / c.high.minCoeff() <= 1;
-    }
-    __builtin_unreachable();
-}
 
 /// Points whose hull is the core, or nearly.
 std::vector<Vector3d> extreme_points(const Convex& c)
@@ -73,12 +48,10 @@ std::vector<Vector3d> extreme_points(const Convex& c)
     return points;
 }
 
-bool holds_all(const Model& outer, const Model& inner, auto into_outer)
+bool holds_all(const Convex& outer, const Convex& inner, auto into_outer)
 {
-    const Convex& c = inner.convex();
-    if (!holds_ball(outer, into_outer(c.centre), c.radius)) return false;
-    return std::ranges::all_of(extreme_points(c),
-                               [&](const Vector3d& p) { return holds_ball(outer, into_outer(p), c.radius); });
+    const auto holds = [&](const Vector3d& p) { return outer.depth(into_outer(p)) >= inner.radius; };
+    return holds(inner.centre) && std::ranges::all_of(extreme_points(inner), holds);
 }
 
 struct Plane {
@@ -118,25 +91,12 @@ Faces faces_of(const Model& model, auto place)
     return faces;
 }
 
-/// Leaves the part of a polygon behind a plane.
-void clip(std::vector<Vector3d>& polygon, const Plane& plane)
-{
-    std::vector<Vector3d> kept;
-    const auto height = [&](const Vector3d& p) { return plane.normal.dot(p - plane.at); };
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-        const Vector3d &u = polygon[i], &v = polygon[(i + 1) % polygon.size()];
-        const double at_u = height(u), at_v = height(v);
-        if (at_u <= 0) kept.push_back(u);
-        if ((at_u < 0 && at_v > 0) || (at_u > 0 && at_v < 0)) kept.push_back(u + at_u / (at_u - at_v) * (v - u));
-    }
-    polygon.swap(kept);
-}
-
 /// The area vector and the volume that the parts of one body's faces inside the other bound.
 std::pair<Vector3d, double> part_inside(const Faces& own, const Faces& other, const Vector3d& origin, bool first)
 {
     Vector3d area = Vector3d::Zero();
     double volume = 0;
+    std::vector<Vector3d> scratch;
     for (std::size_t f = 0; f < own.polygons.size(); ++f) {
         std::vector<Vector3d> polygon = own.polygons[f];
         const auto same_face = [&](const Plane& plane) { // faces in one plane that look the same way bound both
@@ -148,7 +108,7 @@ std::pair<Vector3d, double> part_inside(const Faces& own, const Faces& other, co
         for (const Plane& plane : other.planes) {
             if (polygon.empty()) break;
             if (!same_face(plane))
-                clip(polygon, plane);
+                clip_behind(polygon, plane.normal, plane.at, scratch);
             else if (!first)
                 polygon.clear();
         }
@@ -171,7 +131,8 @@ bool holds_other(const PairTask& task, const RelativePose& b_to_a)
         const Convex& c = task.b->convex();
         return b_to_a(c.support(b_to_a.rotation.row(2).transpose())).z() + c.radius <= 0;
     }
-    return holds_all(*task.a, *task.b, b_to_a) || holds_all(*task.b, *task.a, back);
+    const Convex &a = task.a->convex(), &b = task.b->convex();
+    return holds_all(a, b, b_to_a) || holds_all(b, a, back);
 }
 
 void measure_region(const PairTask& task, const RelativePose& b_to_a, std::span<const FewPoints::Candidate> points,

@@ -1,0 +1,31 @@
+// The bits of features: the two highest are 1, 2 or 3 for a vertex, an edge or a face.
+#pragma once
+#include <utility>
+
+#include <oncollide/base/numbers/random.hpp>
+#include <oncollide/narrowphase/finding.hpp>
+
+namespace oncollide {
+
+/// @param number  below 2^62
+constexpr FeatureBits vertex_feature(std::uint64_t number)
+{
+    return FeatureBits{1} << 62 | number;
+}
+/// @param hash  of the edge; its two lowest bits are dropped
+constexpr FeatureBits edge_feature(std::uint64_t hash)
+{
+    return FeatureBits{2} << 62 | hash >> 2;
+}
+/// The edge between two vertices, in any order.
+inline FeatureBits edge_feature(std::uint32_t from, std::uint32_t to)
+{
+    if (from > to) std::swap(from, to);
+    return edge_feature(splitmix(std::uint64_t{from} << 32 | to));
+}
+constexpr FeatureBits face_feature(std::uint64_t number)
+{
+    return FeatureBits{3} << 62 | number;
+}
+
+} // namespace oncollide
