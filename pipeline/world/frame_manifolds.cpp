@@ -9,39 +9,29 @@
 
 namespace oncollide {
 
-namespace {
-
-constexpr std::size_t pairs_of_a_part = 64;
-
-} // namespace
-
 void clear(ManifoldLists& lists)
 {
     lists.regions.clear(), lists.points.clear(), lists.complete.clear(), lists.offsets.assign(1, 0);
 }
 
-void append(ManifoldLists& lists, const Manifold& found)
+StoredManifold::StoredManifold(const ManifoldLists& lists, std::size_t pair)
+    : regions(std::span(lists.regions).subspan(lists.offsets[pair], lists.offsets[pair + 1] - lists.offsets[pair])),
+      complete(lists.complete[pair])
 {
-    const auto before = static_cast<std::uint32_t>(lists.points.size());
-    for (const ManifoldRegion& region : found.regions)
-        lists.regions.push_back(region), lists.regions.back().first += before;
-    lists.points.insert(lists.points.end(), found.points.begin(), found.points.end());
-    lists.offsets.push_back(lists.regions.size()), lists.complete.push_back(found.complete);
+    if (regions.empty()) return;
+    const std::uint32_t first = regions.front().first;
+    points = std::span(lists.points).subspan(first, regions.back().first + regions.back().count - first);
 }
 
-void append(ManifoldLists& lists, const ManifoldLists& from, std::size_t i)
+void append(ManifoldLists& lists, const StoredManifold& found)
 {
     const auto before = static_cast<std::uint32_t>(lists.points.size());
-    const std::size_t begin = from.offsets[i], end = from.offsets[i + 1];
-    if (begin < end) {
-        const std::uint32_t first = from.regions[begin].first;
-        const ManifoldRegion& last = from.regions[end - 1];
-        for (std::size_t k = begin; k < end; ++k)
-            lists.regions.push_back(from.regions[k]), lists.regions.back().first += before - first;
-        lists.points.insert(lists.points.end(), from.points.begin() + first,
-                            from.points.begin() + last.first + last.count);
+    for (const ManifoldRegion& region : found.regions) {
+        lists.regions.push_back(region);
+        lists.regions.back().first += before - found.regions.front().first;
     }
-    lists.offsets.push_back(lists.regions.size()), lists.complete.push_back(from.complete[i]);
+    lists.points.insert(lists.points.end(), found.points.begin(), found.points.end());
+    lists.offsets.push_back(lists.regions.size()), lists.complete.push_back(found.complete);
 }
 
 /// Sets which pairs are copied, and which are measured.
@@ -82,41 +72,27 @@ void FrameManifoldCache::make_tasks(WorldImpl& world)
     if (!of_trees_.empty()) world.need_trees(of_trees_);
 }
 
-/// Measures the open pairs on the World's threads, in parts.
+/// Measures the open pairs, and joins them with the copied ones in the order of the pairs.
 void FrameManifoldCache::measure(WorldImpl& world, const ManifoldOptions& options)
-{
-    parts_.resize((open_.size() + pairs_of_a_part - 1) / pairs_of_a_part);
-    const ExecutorScope scope(world.settings.executor);
-    parallel_chunks(parts_.size(), 1, world.frame.context.threads, [&](std::size_t begin, std::size_t end, int) {
-        WorldImpl::Lease worker(world);
-        for (std::size_t part = begin; part < end; ++part) {
-            ManifoldLists& lists = parts_[part].lists;
-            clear(lists);
-            for (std::size_t i = part * pairs_of_a_part; i < std::min(open_.size(), (part + 1) * pairs_of_a_part);
-                 ++i) {
-                world.manifold(*worker, tasks_[i], options, worker->manifold);
-                append(lists, worker->manifold);
-            }
-        }
-    });
-}
-
-/// Joins the copied and the measured manifolds in the order of the pairs. Pairs without regions are left out.
-/// @param take_open  take_open(i) appends the manifold of the i-th open pair unless it is left out, and returns whether
-void FrameManifoldCache::join(WorldImpl& world, auto take_open)
 {
     const std::size_t count = world.frame.results.size();
     clear(now_.manifolds), now_.manifolds.pairs.clear();
     now_.place.assign(count, none);
-    std::size_t measured = 0;
-    for (std::size_t pair = 0; pair < count; ++pair) {
-        if (kept_from_[pair] != none)
-            append(now_.manifolds, last_.manifolds, kept_from_[pair]);
-        else if (measured == open_.size() || open_[measured] != pair || !take_open(measured++))
-            continue;
+    const auto add = [&](std::size_t pair, const StoredManifold& found) {
         now_.place[pair] = static_cast<std::uint32_t>(now_.manifolds.pairs.size());
         now_.manifolds.pairs.push_back({world.frame.results[pair].a, world.frame.results[pair].b});
-    }
+        append(now_.manifolds, found);
+    };
+    std::size_t next = 0;
+    const auto copy_until = [&](std::size_t end) {
+        for (; next < end; ++next)
+            if (kept_from_[next] != none) add(next, {last_.manifolds, kept_from_[next]});
+    };
+    world.manifolds(tasks_, options, parts_, [&](std::size_t i, const StoredManifold& found) {
+        copy_until(open_[i]);
+        if (found.is_listed()) add(open_[i], found);
+    });
+    copy_until(count);
 }
 
 /// Limits the points of all pairs together.
@@ -143,25 +119,7 @@ const FrameManifolds& FrameManifoldCache::find(WorldImpl& world, const ManifoldO
     frame_.reset(); // unless all is found
     choose_pairs(world, options, reuse);
     make_tasks(world);
-    if (world.frame.context.threads == 1 || open_.size() <= pairs_of_a_part) {
-        const ExecutorScope scope(world.settings.executor);
-        WorldImpl::Lease worker(world);
-        join(world, [&](std::size_t i) {
-            world.manifold(*worker, tasks_[i], options, worker->manifold);
-            const bool counts = !worker->manifold.regions.empty() || !worker->manifold.complete;
-            if (counts) append(now_.manifolds, worker->manifold);
-            return counts;
-        });
-    } else {
-        measure(world, options);
-        join(world, [&](std::size_t i) {
-            const ManifoldLists& lists = parts_[i / pairs_of_a_part].lists;
-            const std::size_t k = i % pairs_of_a_part;
-            const bool counts = lists.offsets[k] < lists.offsets[k + 1] || !lists.complete[k];
-            if (counts) append(now_.manifolds, lists, k);
-            return counts;
-        });
-    }
+    measure(world, options);
     frame_ = frame, options_ = options;
     return limited(options);
 }
@@ -173,7 +131,7 @@ std::size_t FrameManifoldCache::bytes() const
     std::size_t sum = of(kept_from_, open_, tasks_, of_trees_, parts_);
     for (const Lists* lists : {&now_, &last_})
         sum += of_lists(lists->manifolds) + of(lists->manifolds.pairs, lists->place);
-    for (const Part& part : parts_) sum += of_lists(part.lists);
+    for (const ManifoldLists& part : parts_) sum += of_lists(part);
     return sum + of_lists(limited_) + of(limited_.pairs);
 }
 

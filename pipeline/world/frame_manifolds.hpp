@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <oncollide/narrowphase/pairs/pair_task.hpp>
@@ -30,14 +31,9 @@ private:
         FrameManifolds manifolds;
         std::vector<std::uint32_t> place; ///< by pair of the frame; none: it has no region
     };
-    /// A part of the pairs that one thread measures.
-    struct Part {
-        ManifoldLists lists;
-    };
     void choose_pairs(WorldImpl& world, const ManifoldOptions& options, bool reuse);
     void make_tasks(WorldImpl& world);
     void measure(WorldImpl& world, const ManifoldOptions& options);
-    void join(WorldImpl& world, auto take_open);
     const FrameManifolds& limited(const ManifoldOptions& options);
 
     std::optional<std::uint32_t> frame_; ///< of `now_`
@@ -47,13 +43,24 @@ private:
     std::vector<std::uint32_t> kept_from_;   ///< by pair: its place in last_; none: it is measured or has none
     std::vector<std::uint32_t> open_;        ///< pairs to measure, ascending
     std::vector<PairTask> tasks_, of_trees_; ///< tasks of the open pairs, and the tasks among them that need trees
-    std::vector<Part> parts_;
+    std::vector<ManifoldLists> parts_;       ///< memory of the threads
 };
 
-/// Appends the regions and points of a pair.
-void append(ManifoldLists& lists, const Manifold& found);
-/// Appends the manifold of entry i of other lists.
-void append(ManifoldLists& lists, const ManifoldLists& from, std::size_t i);
+/// The manifold of one pair, where it is stored.
+struct StoredManifold {
+    std::span<const ManifoldRegion> regions; ///< their points follow each other
+    std::span<const ManifoldPoint> points;
+    bool complete;
+
+    explicit StoredManifold(const Manifold& found)
+        : regions(found.regions), points(found.points), complete(found.complete)
+    {
+    }
+    StoredManifold(const ManifoldLists& lists, std::size_t pair);
+    bool is_listed() const { return !regions.empty() || !complete; } ///< in the manifolds of a frame
+};
+
+void append(ManifoldLists& lists, const StoredManifold& found);
 void clear(ManifoldLists& lists);
 /// Pairs share at most this many points in turn, the deepest pair first. Both lists may be the same.
 void limit_points(const ManifoldLists& lists, std::size_t most, ManifoldLists& limited);

@@ -131,4 +131,25 @@ void WorldImpl::gather(std::size_t items, std::size_t chunk, Lists<Found>& lists
     }
 }
 
+template <class Take>
+void WorldImpl::manifolds(std::span<const PairTask> tasks, const ManifoldOptions& options,
+                          std::vector<ManifoldLists>& parts, Take take)
+{
+    constexpr std::size_t chunk = 16;
+    if (frame.context.threads == 1 || tasks.size() <= chunk) { // without copies
+        const ExecutorScope scope(settings.executor);
+        Lease worker(*this);
+        for (std::size_t i = 0; i < tasks.size(); ++i)
+            manifold(*worker, tasks[i], options, worker->manifold), take(i, StoredManifold(worker->manifold));
+        return;
+    }
+    parts.resize((tasks.size() + chunk - 1) / chunk);
+    each(tasks.size(), chunk, [&](QueryWorker& worker, std::size_t i) {
+        ManifoldLists& part = parts[i / chunk];
+        if (i % chunk == 0) clear(part);
+        manifold(worker, tasks[i], options, worker.manifold), append(part, StoredManifold(worker.manifold));
+    });
+    for (std::size_t i = 0; i < tasks.size(); ++i) take(i, StoredManifold(parts[i / chunk], i % chunk));
+}
+
 } // namespace oncollide

@@ -57,24 +57,9 @@ void Pairs::manifold(PairSpan pairs, const ManifoldOptions& options, ManifoldLis
     check_options(options);
     WorldImpl& p = *world_;
     const PairTasks tasks = p.ready_tasks("manifold", pairs);
-    constexpr std::size_t chunk = 16;
-    if (p.frame.context.threads == 1 || tasks.size() <= chunk) { // without copies
-        const ExecutorScope scope(p.settings.executor);
-        WorldImpl::Lease worker(p);
-        clear(lists);
-        for (const PairTask& task : tasks.tasks)
-            p.manifold(*worker, task, options, worker->manifold), append(lists, worker->manifold);
-    } else {
-        std::vector<ManifoldLists> parts((tasks.size() + chunk - 1) / chunk);
-        p.each(tasks.size(), chunk, [&](auto& worker, std::size_t i) {
-            ManifoldLists& part = parts[i / chunk];
-            if (i % chunk == 0) clear(part);
-            p.manifold(worker, tasks[i], options, worker.manifold), append(part, worker.manifold);
-        });
-        clear(lists);
-        for (const ManifoldLists& part : parts)
-            for (std::size_t i = 0; i + 1 < part.offsets.size(); ++i) append(lists, part, i);
-    }
+    std::vector<ManifoldLists> parts;
+    clear(lists);
+    p.manifolds(tasks.tasks, options, parts, [&](std::size_t, const StoredManifold& found) { append(lists, found); });
     if (options.points_in_all > 0) limit_points(lists, options.points_in_all, lists);
 }
 
@@ -88,17 +73,13 @@ void limit_points(const ManifoldLists& lists, std::size_t most, ManifoldLists& l
 {
     std::vector<Manifold> all(lists.complete.size());
     for (std::size_t i = 0; i < all.size(); ++i) {
-        all[i].complete = lists.complete[i];
-        for (std::size_t k = lists.offsets[i]; k < lists.offsets[i + 1]; ++k) {
-            ManifoldRegion region = lists.regions[k];
-            const auto own = std::span(lists.points).subspan(region.first, region.count);
-            region.first = static_cast<std::uint32_t>(all[i].points.size());
-            all[i].regions.push_back(region), all[i].points.insert(all[i].points.end(), own.begin(), own.end());
-        }
+        const StoredManifold one(lists, i);
+        all[i] = {{one.regions.begin(), one.regions.end()}, {one.points.begin(), one.points.end()}, one.complete};
+        for (ManifoldRegion& region : all[i].regions) region.first -= one.regions.front().first;
     }
     limit_points(all, most);
     clear(limited);
-    for (const Manifold& m : all) append(limited, m);
+    for (const Manifold& m : all) append(limited, StoredManifold(m));
 }
 
 namespace {
