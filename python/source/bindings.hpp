@@ -128,6 +128,14 @@ py::array array_of(std::vector<Result> results)
     type.clear_gaps(results.data(), results.size());
     return array_of(type.type, std::move(results));
 }
+/// A view of a structured column of a result, `Held`; it keeps the result alive.
+template <class Held, auto member>
+py::array column(py::object self)
+{
+    const auto& items = self.cast<const Held&>().*member;
+    using Item = typename std::remove_cvref_t<decltype(items)>::value_type;
+    return py::array(result_type<Item>().type, {static_cast<py::ssize_t>(items.size())}, {}, items.data(), self);
+}
 /// A structured scalar.
 template <class Result>
 py::object scalar(const Result& result)

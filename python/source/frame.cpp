@@ -33,15 +33,6 @@ struct FrameResult {
     }
 };
 
-/// A view of an array of the frame; it keeps the frame alive.
-template <auto member>
-py::array column(py::object self)
-{
-    const auto& items = self.cast<const FrameResult&>().*member;
-    using Result = typename std::remove_cvref_t<decltype(items)>::value_type;
-    return py::array(result_type<Result>().type, {static_cast<py::ssize_t>(items.size())}, {}, items.data(), self);
-}
-
 py::dict stage_dict(const StageStats& s)
 {
     using namespace py::literals;
@@ -119,20 +110,20 @@ void bind_frames(py::module_& m, WorldClass& world)
         .def_readonly("ms", &FrameResult::ms, "Duration of the step, milliseconds (float).")
         .def_readonly("hash", &FrameResult::hash,
                       "Hash of the pairs that are not separate; equal input gives an equal hash (int).")
-        .def_property_readonly("pairs", &column<&FrameResult::pairs>,
+        .def_property_readonly("pairs", &column<FrameResult, &FrameResult::pairs>,
                                R"(Every pair whose AABBs overlap, including separate pairs, sorted by slots.
 
 Structured (N,): a, b (uint64, ids of bodies), verdict (uint8, a Verdict), stage (uint8, a Stage), kind
 (uint8, a ContactKind), bound (float64, metres; separate: certified lower bound on the distance; within and undecided:
 certified upper bound; colliding: 0).)")
         .def_property_readonly(
-            "began", &column<&FrameResult::began>,
+            "began", &column<FrameResult, &FrameResult::began>,
             "Pairs that are not separate now, but were separate or absent in the step before: structured (N,), a, b "
             "(uint64).")
-        .def_property_readonly("ended", &column<&FrameResult::ended>,
+        .def_property_readonly("ended", &column<FrameResult, &FrameResult::ended>,
                                "The reverse, including pairs of removed bodies: structured (N,), a, b (uint64).")
         .def_property_readonly(
-            "sweeps", &column<&FrameResult::sweeps>,
+            "sweeps", &column<FrameResult, &FrameResult::sweeps>,
             R"(When the pairs in which a body moved by bodies.set_motion() first met, ascending by pair.
 
 Structured (N,): pair (uint32, index into pairs), and the fields of World.pairs.sweep().)")

@@ -86,6 +86,9 @@ CollisionFilter filter_of(py::handle layer, py::handle mask, py::handle group, c
 MotionPath motion_path(py::handle value, const Place& place); ///< "linear" or "screw"
 SweepOptions sweep_options(py::handle time, py::handle gap, py::handle steps, py::handle stop, const char* call);
 DistanceOptions distance_options(py::handle tolerance, py::handle cutoff, const char* call);
+ManifoldOptions manifold_options(py::handle margin, py::handle normal_spread, py::handle points_per_region,
+                                 py::handle regions_per_pair, py::handle points_per_pair, py::handle points_in_all,
+                                 py::handle measures, const char* call);
 Aabb box_of(py::handle low, py::handle high, const char* call);
 py::list stage_list(std::span<const StageStats> stages);
 
@@ -105,6 +108,13 @@ struct SharedArguments {
     py::arg_v path{"path", "linear"}, time_tolerance{"time_tolerance", SweepOptions().time_tolerance},
         gap_tolerance{"gap_tolerance", SweepOptions().gap_tolerance},
         most_steps{"most_steps", SweepOptions().most_steps}, stop{"stop", "contact"};
+    py::arg_v margin{"margin", ManifoldOptions().margin},
+        normal_spread{"normal_spread", ManifoldOptions().normal_spread},
+        points_per_region{"points_per_region", ManifoldOptions().points_per_region},
+        regions_per_pair{"regions_per_pair", ManifoldOptions().regions_per_pair},
+        points_per_pair{"points_per_pair", ManifoldOptions().points_per_pair},
+        points_in_all{"points_in_all", ManifoldOptions().points_in_all},
+        measures{"measures", ManifoldOptions().measures};
 };
 
 using WorldClass = py::class_<HeldWorld, std::shared_ptr<HeldWorld>>;

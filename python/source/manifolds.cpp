@@ -10,42 +10,24 @@ namespace oncollide::python {
 namespace {
 
 /// A copy of the manifolds of a frame, which the World will overwrite.
-struct ManifoldsResult {
+struct ManifoldsResult : FrameManifolds {
     using InModule = void;
-    FrameManifolds found;
 };
-
-/// A view of an array of structures; it keeps the manifolds alive.
-template <auto member>
-py::array manifold_column(py::object self)
-{
-    const auto& items = self.cast<const ManifoldsResult&>().found.*member;
-    using Item = typename std::remove_cvref_t<decltype(items)>::value_type;
-    return py::array(result_type<Item>().type, {static_cast<py::ssize_t>(items.size())}, {}, items.data(), self);
-}
 
 std::unique_ptr<ManifoldsResult> manifolds(HeldWorld& held, py::handle margin, py::handle normal_spread,
                                            py::handle points_per_region, py::handle regions_per_pair,
-                                           py::handle points_per_pair, py::handle points_in_all, bool measures)
+                                           py::handle points_per_pair, py::handle points_in_all, py::handle measures)
 {
     const char* const call = "World.manifolds";
-    const auto limit = [&](py::handle value, const char* name) {
-        return static_cast<std::uint32_t>(whole(value, {call, name}, 0xffffffffu));
-    };
-    const ManifoldOptions options{number(margin, {call, "margin"}),
-                                  number(normal_spread, {call, "normal_spread"}),
-                                  limit(points_per_region, "points_per_region"),
-                                  limit(regions_per_pair, "regions_per_pair"),
-                                  limit(points_per_pair, "points_per_pair"),
-                                  limit(points_in_all, "points_in_all"),
-                                  measures};
-    auto result = std::make_unique<ManifoldsResult>();
+    const ManifoldOptions options = manifold_options(margin, normal_spread, points_per_region, regions_per_pair,
+                                                     points_per_pair, points_in_all, measures, call);
+    std::unique_ptr<ManifoldsResult> result;
     {
         const Inside inside(held, call);
         const Released released(&held.interrupts);
-        result->found = held.world.manifolds(options);
-        result_type<ManifoldRegion>().clear_gaps(result->found.regions.data(), result->found.regions.size());
-        result_type<ManifoldPoint>().clear_gaps(result->found.points.data(), result->found.points.size());
+        result = std::make_unique<ManifoldsResult>(ManifoldsResult{held.world.manifolds(options)});
+        result_type<ManifoldRegion>().clear_gaps(result->regions.data(), result->regions.size());
+        result_type<ManifoldPoint>().clear_gaps(result->points.data(), result->points.size());
     }
     held.interrupts.rethrow();
     return result;
@@ -64,7 +46,7 @@ py::tuple update(TrackerHandle& handle, HeldWorld& held, const ManifoldsResult& 
     const ManifoldTracker::Update* update = nullptr;
     {
         const Looking looking(held, "ManifoldTracker.update");
-        update = &handle.tracker.update(held.world, manifolds.found.pairs, manifolds.found);
+        update = &handle.tracker.update(held.world, manifolds.pairs, manifolds);
     }
     std::vector<std::int64_t> previous;
     for (const std::uint32_t p : update->previous)
@@ -83,37 +65,33 @@ void bind_manifolds(py::module_& m, WorldClass& world)
 Later steps do not change its arrays. Regions offsets[i]:offsets[i + 1] belong to pair i, and name their points.)");
     refuse_pickles(result, "Manifolds", "pickle its arrays");
     result
-        .def_property_readonly("pairs", &manifold_column<&FrameManifolds::pairs>,
+        .def_property_readonly("pairs", &column<ManifoldsResult, &FrameManifolds::pairs>,
                                "The pairs that have a region, or whose manifold is not complete: structured (N,), a, b "
                                "(uint64), in the order of Frame.pairs.")
-        .def_property_readonly("regions", &manifold_column<&FrameManifolds::regions>,
+        .def_property_readonly("regions", &column<ManifoldsResult, &FrameManifolds::regions>,
                                "Structured (R,), the fields of World.pairs.manifold().")
-        .def_property_readonly("points", &manifold_column<&FrameManifolds::points>,
+        .def_property_readonly("points", &column<ManifoldsResult, &FrameManifolds::points>,
                                "Structured (P,), the fields of World.pairs.manifold().")
         .def_property_readonly(
-            "offsets", [](const ManifoldsResult& r) { return offsets_of(r.found.offsets); }, "int64 (N + 1,).")
+            "offsets", [](const ManifoldsResult& r) { return offsets_of(r.offsets); }, "int64 (N + 1,).")
         .def_property_readonly(
             "complete",
-            [](const ManifoldsResult& r) {
-                return array_of(py::dtype("?"), std::vector<std::uint8_t>(r.found.complete));
-            },
+            [](const ManifoldsResult& r) { return array_of(py::dtype("?"), std::vector<std::uint8_t>(r.complete)); },
             "bool (N,): False if a limit left out a region or a point, or the pair has no manifold.")
         .def("__repr__", [](const ManifoldsResult& r) {
-            return fmt::format("<oncollide.Manifolds: {} pairs, {} regions, {} points>", r.found.pairs.size(),
-                               r.found.regions.size(), r.found.points.size());
+            return fmt::format("<oncollide.Manifolds: {} pairs, {} regions, {} points>", r.pairs.size(),
+                               r.regions.size(), r.points.size());
         });
 
-    const ManifoldOptions usual;
+    const SharedArguments with;
     define(world, "manifolds", &manifolds,
            R"(Returns the Manifolds of the last step's pairs that meet or are at most the margin apart, for a solver.
 
 It takes the arguments of World.pairs.manifold(). Pairs whose bodies did not change since the step before are copied.
 With a margin, the World needs a clearance of at least as much. Raises Error before the first step,
 and if bodies or models changed since the last one.)",
-           "margin"_a = usual.margin, "normal_spread"_a = usual.normal_spread,
-           "points_per_region"_a = usual.points_per_region, "regions_per_pair"_a = usual.regions_per_pair,
-           "points_per_pair"_a = usual.points_per_pair, "points_in_all"_a = usual.points_in_all,
-           "measures"_a = usual.measures);
+           with.margin, with.normal_spread, with.points_per_region, with.regions_per_pair, with.points_per_pair,
+           with.points_in_all, with.measures);
 
     py::class_<TrackerHandle> tracker(m, "ManifoldTracker", R"(ManifoldTracker(match_distance=0.01)
 --

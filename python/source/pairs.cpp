@@ -57,15 +57,14 @@ py::object sweep(PairsView& view, py::handle a, py::handle b, py::handle path, p
     return array_of(std::move(found));
 }
 
-py::tuple manifold(PairsView& view, py::handle a, py::handle b, double margin, double normal_spread,
-                   std::uint32_t points_per_region, std::uint32_t regions_per_pair, std::uint32_t points_per_pair,
-                   std::uint32_t points_in_all, bool measures)
+py::tuple manifold(PairsView& view, py::handle a, py::handle b, py::handle margin, py::handle normal_spread,
+                   py::handle points_per_region, py::handle regions_per_pair, py::handle points_per_pair,
+                   py::handle points_in_all, py::handle measures)
 {
     const char* const call = "pairs.manifold";
     Sides sides(call, a, b);
-    const ManifoldOptions options{margin,           normal_spread,   points_per_region,
-                                  regions_per_pair, points_per_pair, points_in_all,
-                                  measures};
+    const ManifoldOptions options = manifold_options(margin, normal_spread, points_per_region, regions_per_pair,
+                                                     points_per_pair, points_in_all, measures, call);
     if (sides.one()) {
         Manifold found = computed(*view.held, call, false, [&](const World& w) {
             return w.pairs().manifold(sides.a().only(), sides.b().only(), options);
@@ -171,7 +170,6 @@ distance at clear_until), separating (bool: in contact at 0, apart soon after), 
 triangle_b, cell_b, ends (float64 (2, 3)): two parts that meet at contact_by, as in contacts(), normal (float64 (3,):
 separates a from b just before; 0: unknown).)",
            "a"_a, "b"_a, with.path, with.time_tolerance, with.gap_tolerance, with.most_steps, with.stop);
-    const ManifoldOptions usual;
     define(pairs, "manifold", &manifold,
            R"(Reduces the contacts to regions for a solver, with few points each.
 
@@ -187,10 +185,8 @@ volume, centre (3,), depth_lower, depth_upper (certified), lost (no common point
 the hull of the points), first, count (its points), found (candidates before the reduction). points: point_a, point_b (float64 (3,)),
 depth (> 0 inside), depth_error, feature_a, feature_b (uint64), normal (3,) (unit: across the faces at the point, or the
 region's). complete: False if a limit left out a region or a point, or the pair has no manifold. World frame, metres.)",
-           "a"_a, "b"_a, "margin"_a = usual.margin, "normal_spread"_a = usual.normal_spread,
-           "points_per_region"_a = usual.points_per_region, "regions_per_pair"_a = usual.regions_per_pair,
-           "points_per_pair"_a = usual.points_per_pair, "points_in_all"_a = usual.points_in_all,
-           "measures"_a = usual.measures);
+           "a"_a, "b"_a, with.margin, with.normal_spread, with.points_per_region, with.regions_per_pair,
+           with.points_per_pair, with.points_in_all, with.measures);
     define(
         pairs, "near_features",
         [](PairsView& view, py::handle a, py::handle b, py::handle dhat) {

@@ -85,6 +85,19 @@ DistanceOptions distance_options(py::handle tolerance, py::handle cutoff, const 
     return {.tolerance = number(tolerance, {call, "tolerance"}), .cutoff = limit_of(cutoff, {call, "cutoff"})};
 }
 
+ManifoldOptions manifold_options(py::handle margin, py::handle normal_spread, py::handle points_per_region,
+                                 py::handle regions_per_pair, py::handle points_per_pair, py::handle points_in_all,
+                                 py::handle measures, const char* call)
+{
+    return {.margin = number(margin, {call, "margin"}),
+            .normal_spread = number(normal_spread, {call, "normal_spread"}),
+            .points_per_region = bits(points_per_region, {call, "points_per_region"}),
+            .regions_per_pair = bits(regions_per_pair, {call, "regions_per_pair"}),
+            .points_per_pair = bits(points_per_pair, {call, "points_per_pair"}),
+            .points_in_all = bits(points_in_all, {call, "points_in_all"}),
+            .measures = truth(measures, {call, "measures"})};
+}
+
 Aabb box_of(py::handle low, py::handle high, const char* call)
 {
     return {vector3(low, {call, "low"}), vector3(high, {call, "high"})};
