@@ -97,7 +97,8 @@ struct TreeStats {
     std::uint64_t by_gap = 0;         ///< narrowed pairs that are apart by a gap of an earlier frame that was not used
                                       ///< up
     std::uint64_t by_hull = 0;        ///< narrowed pairs that are apart by convex solids around their meshes
-    std::uint64_t by_inner_spheres = 0; ///< narrowed pairs that meet by spheres inside their meshes
+    std::uint64_t by_inner_spheres = 0; ///< narrowed pairs that meet by spheres inside their meshes,
+                                        ///< or by a depth of an earlier frame that was not used up
     std::uint64_t by_witness = 0;       ///< narrowed pairs that were decided by the parts that met last
     std::uint64_t unsure_pairs = 0;     ///< pairs of triangles that the filter left to exact arithmetic
     std::uint64_t nodes = 0;            ///< cells and boxes' nodes stored at the end of the frame, roots included

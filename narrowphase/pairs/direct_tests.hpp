@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <oncollide/narrowphase/pairs/half_space.hpp>
+#include <oncollide/narrowphase/pairs/pair_memory.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/narrowphase/pairs/pair_worker.hpp>
 #include <oncollide/narrowphase/pairs/part_solid.hpp>
@@ -15,12 +16,14 @@ namespace oncollide::direct_tests {
 
 /// Two bounded shapes.
 struct TwoShapes : OrderedPair {
-    TwoShapes(const PairTask& task, bool swap) : OrderedPair(task, swap) {}
-    ConvexMeeting meeting() const { return pair().meeting(); }
-    ConvexDistance distance(const DistanceGoal& goal) const { return pair().distance(goal); }
+    const ConvexPair pair;
 
-private:
-    ConvexPair pair() const { return ConvexPair(a.convex(), b.convex(), placed.b_to_a, placed.slack); }
+    TwoShapes(const PairTask& task, bool swap)
+        : OrderedPair(task, swap), pair(a.convex(), b.convex(), placed.b_to_a, placed.slack)
+    {
+    }
+    ConvexMeeting meeting() const { return pair.meeting(); }
+    ConvexDistance distance(const DistanceGoal& goal) const { return pair.distance(goal); }
 };
 
 /// A half-space, a, and another body.
@@ -49,6 +52,18 @@ Penetration half_space_depth(PairWorker&, const PairTask& task)
     return found;
 }
 
+/// True if they overlap by a depth that is known; stores it.
+template <class Test>
+bool overlap(const Test& test, const PairTask& task, PairMemory* memory)
+{
+    if constexpr (std::same_as<Test, TwoShapes>) {
+        const double depth = test.placed.below(test.pair.depth());
+        if (memory && depth > 0) memory->meet(depth, task.travel);
+        return depth > 0;
+    }
+    return false;
+}
+
 template <class Test>
 Finding compare(const Test& test, double clearance, DistanceGoal goal, ContactKind kind)
 {
@@ -57,7 +72,7 @@ Finding compare(const Test& test, double clearance, DistanceGoal goal, ContactKi
     const ConvexDistance d = test.distance(goal);
     if (const double lower = placed.below(d.lower); lower > clearance)
         return {Verdict::separate, ContactKind::unknown, lower};
-    return {Verdict::within, kind, placed.above(d.upper) + 0x1p-1000};
+    return {Verdict::within, kind, placed.above(d.upper) + bodies_overlap.bound};
 }
 
 /// The result for bodies that do not meet: separate if they are farther apart than the clearance, else near.
@@ -73,8 +88,9 @@ Finding decide(const Test& test, double clearance)
     const ConvexMeeting m = test.meeting();
     if (m.sign < 0) return {Verdict::colliding, ContactKind::unknown, 0};
     if (m.sign == 0) return {Verdict::within, ContactKind::unknown, test.placed.above(m.bound)};
-    if (clearance > 0) return by_distance(test, clearance);
-    return {Verdict::separate, ContactKind::unknown, test.placed.below(m.bound)};
+    const double apart = test.placed.below(m.bound);
+    if (apart > clearance || clearance == 0) return {Verdict::separate, ContactKind::unknown, apart};
+    return by_distance(test, clearance);
 }
 
 template <class Test>

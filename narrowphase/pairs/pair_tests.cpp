@@ -129,12 +129,18 @@ template <class Test, bool swapped>
 constexpr PairTests direct(TreesNeeded trees)
 {
     return {.trees = trees,
-            .decide = [](PairWorker&, const PairTask& task, const PairOptions& options,
-                         PairMemory*) { return direct_tests::decide(test_of<Test, swapped>(task), options.clearance); },
+            .decide =
+                [](PairWorker&, const PairTask& task, const PairOptions& options, PairMemory* memory) {
+                    const Test test = test_of<Test, swapped>(task);
+                    if (direct_tests::overlap(test, task, memory)) return Finding{Verdict::colliding, {}, 0};
+                    return direct_tests::decide(test, options.clearance);
+                },
             .near =
-                [](PairWorker&, const PairTask& task, double clearance, double tolerance, PairMemory*) {
-                    return direct_tests::compare(test_of<Test, swapped>(task), clearance,
-                                                 {.below = clearance + tolerance}, ContactKind::unknown);
+                [](PairWorker&, const PairTask& task, double clearance, double tolerance, PairMemory* memory) {
+                    const Test test = test_of<Test, swapped>(task);
+                    if (direct_tests::overlap(test, task, memory)) return bodies_overlap;
+                    return direct_tests::compare(test, clearance, {.below = clearance + tolerance},
+                                                 ContactKind::unknown);
                 },
             .distance = [](PairWorker&, const PairTask& task, const DistanceOptions& options,
                            bool) { return direct_tests::distance(test_of<Test, swapped>(task), options); },

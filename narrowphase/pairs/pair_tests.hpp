@@ -52,6 +52,9 @@ struct PairTests {
     void (*near_features)(PairWorker&, const PairTask&, double dhat, std::vector<NearFeatures>&);
 };
 
+/// PairTests::near()'s result for bodies that certainly overlap.
+constexpr Finding bodies_overlap{Verdict::within, ContactKind::unknown, 0x1p-1000};
+
 /// The tests of models of these kinds, in this order.
 const PairTests& tests_for(Kind a, Kind b);
 inline const PairTests& tests_for(const PairTask& task)

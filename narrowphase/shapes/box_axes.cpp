@@ -1,9 +1,13 @@
 #include <oncollide/narrowphase/shapes/box_axes.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include <oncollide/base/simd/cpu_features.hpp>
+#include <oncollide/narrowphase/shapes/box_axes_kernel.hpp>
 
 namespace oncollide {
 
@@ -14,16 +18,13 @@ using Eigen::Vector3d;
 
 constexpr double parallel = 1e-8; ///< sine
 
+constexpr double unbounded_overlap = std::numeric_limits<double>::infinity();
+
 /// An axis of least overlap.
 struct Axis {
-    double overlap = std::numeric_limits<double>::infinity();
+    double overlap = unbounded_overlap;
     int i = -1, j = -1; ///< of A, of B; -1: none
 };
-
-bool has_face(const Vector3d& half, int axis)
-{
-    return half[(axis + 1) % 3] > 0 && half[(axis + 2) % 3] > 0;
-}
 
 /// The middle of the edge of a box along `axis` that reaches farthest in the direction d.
 Vector3d edge_along(const Vector3d& half, const Vector3d& d, int axis)
@@ -37,62 +38,54 @@ Vector3d edge_along(const Vector3d& half, const Vector3d& d, int axis)
 
 LeastTranslation translation_of_boxes(const ConvexDifference& cores, double rounding, double cutoff)
 {
+    static OverlapBoxes* const overlap = ONCOLLIDE_CHOOSE_TO_AVX2(overlap_boxes);
     const Convex &a = cores.a(), &b = cores.b();
     const Matrix3d& r = cores.b_to_a().rotation;
-    const Matrix3d abs = r.cwiseAbs();
     const Vector3d ha = 0.5 * (a.high - a.low), hb = 0.5 * (b.high - b.low);
     const Vector3d centre_a = 0.5 * (a.low + a.high);
     const Vector3d t = cores.b_to_a()(0.5 * (b.low + b.high)) - centre_a;
-    const Vector3d u = r.transpose() * t; // in B's frame
     const double size = cores.size(), smaller = std::min(a.extent + a.radius, b.extent + b.radius);
+    BoxOverlaps overlaps;
+    overlap({ha.data(), hb.data(), r.data(), t.data()}, rounding, overlaps);
+    const auto &of_a = overlaps.of_a, &of_b = overlaps.of_b;
     LeastTranslation found{};
-    const double beyond = -cutoff - rounding;
-    double least = std::numeric_limits<double>::infinity(); // lower bound of all overlaps
-    Axis face, edge;
-    const auto apart = [&](double overlap) {
-        found.beyond = true, found.upper = overlap + rounding;
+    const auto apart = [&](double most) {
+        found.beyond = true, found.upper = most + rounding;
         return found;
     };
     const auto width = [&](const Vector3d& n) { // rounded up
         return ha.dot(n.cwiseAbs()) + hb.dot((r.transpose() * n).cwiseAbs()) - n.dot(t) + rounding;
     };
     // A face of B must be better by a margin, so that equal faces do not take turns.
-    const Vector3d of_a = ha + abs * hb - t.cwiseAbs(), of_b = hb + abs.transpose() * ha - u.cwiseAbs();
-    for (int i = 0; i < 3; ++i) {
-        if (!has_face(ha, i)) continue;
-        if (of_a[i] < beyond) return apart(of_a[i]);
-        if (of_a[i] < face.overlap) face = {of_a[i], i, -1};
-    }
-    const double preferred = face.overlap - face_preference(face.overlap, smaller);
-    least = face.overlap;
-    for (int j = 0; j < 3; ++j) {
-        if (!has_face(hb, j)) continue;
-        if (of_b[j] < beyond) return apart(of_b[j]);
-        if (of_b[j] < least || face.i < 0) {
-            least = std::min(least, of_b[j]);
-            if (face.i < 0 ? of_b[j] < face.overlap : of_b[j] < preferred) face = {of_b[j], -1, j};
-        }
-    }
+    const auto least_of = [](const double(&overlap)[4]) { // without branches, which would often be mispredicted
+        int k = overlap[1] < overlap[0];
+        k = overlap[2] < overlap[k] ? 2 : k;
+        return k;
+    };
+    const int i_a = least_of(of_a), j_b = least_of(of_b);
+    const bool any_a = of_a[i_a] < unbounded_overlap, any_b = of_b[j_b] < unbounded_overlap;
+    const double preferred = any_a ? of_a[i_a] - face_preference(of_a[i_a], smaller) : unbounded_overlap;
+    Axis face, edge;
+    if (any_b && of_b[j_b] < preferred)
+        face = {of_b[j_b], -1, j_b};
+    else if (any_a)
+        face = {of_a[i_a], i_a, -1};
+    double least = std::min(of_a[i_a], of_b[j_b]); // lower bound of all overlaps
+    if (least < -cutoff - rounding) return apart(least);
     least -= rounding;
-    for (int i = 0; i < 3; ++i) {
-        if (!(ha[i] > 0)) continue;
-        const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
-        for (int j = 0; j < 3; ++j) {
-            if (!(hb[j] > 0)) continue;
-            const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-            const double length2 = r(i1, j) * r(i1, j) + r(i2, j) * r(i2, j);
-            if (length2 < parallel * parallel) {
-                least -= 2 * std::sqrt(length2) * size;
-                continue;
-            }
-            const double inverse = 1 / std::sqrt(length2);
-            const double raw = ha[i1] * abs(i2, j) + ha[i2] * abs(i1, j) + hb[j1] * abs(i, j2) + hb[j2] * abs(i, j1) -
-                               std::abs(t[i2] * r(i1, j) - t[i1] * r(i2, j));
-            const double overlap = raw * inverse, doubt = 2 * rounding * inverse;
-            if (overlap + doubt < -cutoff) return apart(overlap + doubt);
-            least = std::min(least, overlap - doubt);
-            if (overlap < edge.overlap) edge = {overlap, i, j};
+    for (unsigned open = overlaps.open; open; open &= open - 1) {
+        const int bit = std::countr_zero(open), i = bit % 4, j = bit / 4;
+        if (!(ha[i] > 0) || !(hb[j] > 0)) continue;
+        const double length2 = overlaps.length2[j][i];
+        if (length2 < parallel * parallel) {
+            least -= 2 * std::sqrt(length2) * size;
+            continue;
         }
+        const double inverse = 1 / std::sqrt(length2);
+        const double most = overlaps.of_edges[j][i] * inverse, doubt = 2 * rounding * inverse;
+        if (most + doubt < -cutoff) return apart(most + doubt);
+        least = std::min(least, most - doubt);
+        if (most < edge.overlap) edge = {most, i, j};
     }
     const bool of_edges = edge.overlap + face_preference(edge.overlap, smaller) < face.overlap;
     if (of_edges) {
@@ -113,7 +106,7 @@ LeastTranslation translation_of_boxes(const ConvexDifference& cores, double roun
         found.normal = Vector3d::Unit(face.i) * (t[face.i] < 0 ? -1 : 1);
         found.upper = face.overlap + rounding;
     } else if (face.j >= 0) {
-        found.normal = r.col(face.j).normalized() * (u[face.j] < 0 ? -1 : 1);
+        found.normal = r.col(face.j).normalized() * (r.col(face.j).dot(t) < 0 ? -1 : 1);
         found.upper = face.overlap + rounding;
     } else { // points and parallel segments, which meet: they part across any of them
         const Vector3d line = ha.z() > 0 ? Vector3d(Vector3d::UnitZ()) : Vector3d(r.col(2));

@@ -116,7 +116,7 @@ double Convex::depth(const Eigen::Vector3d& p) const
 {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     const double rounding = 0x1p-46 * (extent + radius + p.norm());
-    const double across = std::hypot(p.x(), p.y());
+    const auto across = [&] { return std::hypot(p.x(), p.y()); };
     switch (core) {
     case Core::box: {
         const double inside = std::min((p - low).minCoeff(), (high - p).minCoeff());
@@ -135,10 +135,10 @@ double Convex::depth(const Eigen::Vector3d& p) const
         return least < infinity ? least : -infinity;
     }
     case Core::cylinder:
-        return std::min(high.x() - across, high.z() - std::abs(p.z())) - rounding;
+        return std::min(high.x() - across(), high.z() - std::abs(p.z())) - rounding;
     case Core::cone: {
         const double length = 2 * high.z(), slope = std::hypot(high.x(), length);
-        const double side = (high.x() * (high.z() - p.z()) - length * across) / slope;
+        const double side = (high.x() * (high.z() - p.z()) - length * across()) / slope;
         return std::min(side, p.z() + high.z()) - rounding;
     }
     case Core::ellipsoid:

@@ -1,20 +1,36 @@
 #include <oncollide/narrowphase/shapes/convex_pair.hpp>
 
 #include <algorithm>
+#include <limits>
 
 #include <oncollide/narrowphase/shapes/exact_cores.hpp>
 #include <oncollide/narrowphase/shapes/newton_meeting.hpp>
 
 namespace oncollide {
 
+namespace {
+
+/// The axis of least overlap of two boxes.
+std::optional<LeastTranslation> axes_of(const ConvexDifference& cores)
+{
+    constexpr auto box = Convex::Core::box;
+    if (cores.a().core != box || cores.b().core != box || cores.radius() > 0) return {};
+    return least_translation(cores, std::numeric_limits<double>::infinity(), false);
+}
+
+} // namespace
+
 ConvexPair::ConvexPair(const Convex& a, const Convex& b, const RelativePose& b_to_a, double slack)
     : a_(a), b_(b), b_to_a_(b_to_a), radius_(a.radius + b.radius),
-      exact_(a.flat_sided && b.flat_sided && (radius_ == 0 || slack == 0)), cores_(a, b, b_to_a, slack)
+      exact_(a.flat_sided && b.flat_sided && (radius_ == 0 || slack == 0)), cores_(a, b, b_to_a, slack),
+      axes_(axes_of(cores_))
 {
 }
 
 ConvexMeeting ConvexPair::meeting() const
 {
+    if (axes_ && axes_->upper < 0) return {1, -axes_->upper};
+    if (axes_ && axes_->lower > 0) return {-1, 0};
     const ConvexMeeting found = radius_ > 0 ? meeting_of_balls() : meeting_of_cores();
     if (found.sign != 0 || !exact_) return found;
     const double gap = exact_gap(a_, b_, b_to_a_);
@@ -46,10 +62,34 @@ ConvexMeeting ConvexPair::meeting_of_cores() const
     return {0, std::min(found.bound, d.upper)};
 }
 
+/// The nearest points of two boxes, if they lie along the axis of the largest gap: then the gap is the distance. False:
+/// they do not, or the axis does not part the boxes.
+bool ConvexPair::nearest_of_boxes(const DistanceGoal& goal, ConvexDistance& found) const
+{
+    if (!axes_ || !(axes_->upper < 0)) return false;
+    const Eigen::Vector3d& n = axes_->normal;
+    const ConvexDifference::Point p = cores_.support(-n);
+    found.on_a = p.a, found.on_b = p.a + p.w;
+    if (axes_->has_points) { // of two edges
+        found.on_a = axes_->on_a, found.on_b = axes_->on_b;
+    } else if (n.cwiseAbs().maxCoeff() == 1) { // a face of A
+        found.on_a = found.on_b.cwiseMax(a_.low).cwiseMin(a_.high);
+    } else {
+        const Eigen::Vector3d in_b = cores_.into_b(found.on_a - b_to_a_.translation);
+        found.on_b = b_to_a_(in_b.cwiseMax(b_.low).cwiseMin(b_.high));
+    }
+    const double rounding = cores_.rounding();
+    found.lower = -axes_->upper, found.upper = (found.on_b - found.on_a).norm() + rounding, found.toward = n;
+    return found.lower > goal.cutoff || found.upper <= goal.below ||
+           found.upper - found.lower <= goal.tolerance + 16 * rounding;
+}
+
 ConvexDistance ConvexPair::distance(DistanceGoal goal) const
 {
     goal.cutoff += radius_, goal.below += radius_;
-    ConvexDistance d = convex_distance(cores_, goal);
+    ConvexDistance d;
+    if (!nearest_of_boxes(goal, d))
+        d = convex_distance(cores_, goal, axes_ && axes_->upper < 0 ? &axes_->normal : nullptr);
     // The direction between bodies that almost touch is lost in rounding. A portal's direction is not lost; and where
     // the meeting is certain, the distance must agree with it.
     if (radius_ == 0 ? d.lower < 0x1p-20 * d.upper : d.lower <= radius_ && d.upper > radius_) {

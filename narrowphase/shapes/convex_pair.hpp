@@ -1,6 +1,10 @@
 #pragma once
+#include <algorithm>
+#include <optional>
+
 #include <oncollide/narrowphase/shapes/convex_distance.hpp>
 #include <oncollide/narrowphase/shapes/convex_meeting.hpp>
+#include <oncollide/narrowphase/shapes/least_translation.hpp>
 
 namespace oncollide {
 
@@ -21,15 +25,20 @@ public:
     /// meet return their point of deepest overlap.
     ConvexDistance distance(DistanceGoal goal) const;
 
+    /// A lower bound of the length of a translation that parts them, metres. Known for two boxes; otherwise 0.
+    double depth() const { return axes_ ? std::max(axes_->lower, 0.0) : 0; }
+
 private:
     ConvexMeeting meeting_of_balls() const;
     ConvexMeeting meeting_of_cores() const;
+    bool nearest_of_boxes(const DistanceGoal& goal, ConvexDistance& found) const;
 
     const Convex &a_, &b_;
     const RelativePose& b_to_a_;
     const double radius_; ///< sum of both radii
     const bool exact_;    ///< true: exact tests can decide cases that rounding hides
     const ConvexDifference cores_;
+    const std::optional<LeastTranslation> axes_; ///< of two boxes: separating axes decide first
 };
 
 } // namespace oncollide

@@ -110,7 +110,7 @@ void improve_shallow(const ConvexDifference& cores, double rounding, LeastTransl
     }
 }
 
-LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double cutoff, bool gap_of_boxes)
+LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double cutoff)
 {
     const Convex &a = cores.a(), &b = cores.b();
     LeastTranslation found{};
@@ -150,10 +150,6 @@ LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double
     if (!found.beyond && !cores.flat_sided() && found.upper - found.lower > loose * std::abs(found.upper))
         improve_shallow(cores, rounding, found);
     if (found.beyond || !(found.upper < 0) || cores.radius() > 0) return found;
-    if (boxes && !gap_of_boxes) {
-        found.lower = -std::numeric_limits<double>::infinity();
-        return found;
-    }
     // Apart by a plane: the distance may be larger than the gap at the plane.
     LeastTranslation apart{};
     if (!by_distance(cores, rounding, cutoff, apart)) return found;
@@ -193,7 +189,12 @@ double angle_to_shortest(double along, double way)
 
 LeastTranslation least_translation(const ConvexDifference& cores, double cutoff, bool gap_of_boxes)
 {
-    return with_radius(of_cores(cores, rounding_of(cores), cutoff, gap_of_boxes), cores.radius(), cutoff);
+    const auto is_box = [](const Convex& c) { return c.core == Convex::Core::box && c.radius == 0; };
+    if (gap_of_boxes || !is_box(cores.a()) || !is_box(cores.b()))
+        return with_radius(of_cores(cores, rounding_of(cores), cutoff), cores.radius(), cutoff);
+    LeastTranslation found = translation_of_boxes(cores, rounding_of(cores), cutoff);
+    if (found.upper < 0 && !found.beyond) found.lower = -std::numeric_limits<double>::infinity();
+    return found;
 }
 
 LeastTranslation deepest_translation(const ConvexDifference& cores)

@@ -1,7 +1,7 @@
 #pragma once
 #include <cmath>
 
-#include <oncollide/narrowphase/shapes/convex_pair.hpp>
+#include <oncollide/narrowphase/shapes/convex_distance.hpp>
 
 namespace oncollide {
 

@@ -47,16 +47,26 @@ bool hulls_part(const PairTask& task, double beyond, PairMemory& memory, double&
     return true;
 }
 
+/// Two boxes are tested as fast as their hulls would be.
+bool are_boxes(const PairTask& task)
+{
+    const auto box = [](const Model& m) { return m.kind() == Kind::polytope && m.convex().core == Convex::Core::box; };
+    return box(*task.a) && box(*task.b);
+}
+
+bool is_certain(const PairTask& task, double depth)
+{
+    return depth > 0 && depth > rounding_of(task);
+}
+
 /// True if the inner spheres overlap so deeply that the surfaces certainly meet; stores how far the bodies must move to
 /// separate.
 bool inner_spheres_meet(const PairTask& task, PairMemory& memory)
 {
-    const auto holds = [&](double depth) { return depth > 0 && depth > rounding_of(task); };
-    if (holds(memory.depth(task.travel))) return true;
     const InnerSpheres *const a = task.a->inner_spheres(), *const b = task.b->inner_spheres();
     if (!a || !b || !memory.near || task.travel == memory.walked_at || rests(memory.inner_spheres)) return false;
     const double depth = meeting_depth(*a, *b, RelativePose(*task.pose_a, *task.pose_b));
-    if (!holds(depth)) return let_rest(memory.inner_spheres), false;
+    if (!is_certain(task, depth)) return let_rest(memory.inner_spheres), false;
     memory.inner_spheres.in_vain = 0;
     memory.meet(depth, task.travel);
     return true;
@@ -139,7 +149,7 @@ void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t 
 
 } // namespace
 
-/// Decides the pair by its remaining gap, inner spheres, outer hulls, or a traversal, in this order.
+/// Decides the pair by its remaining gap or depth, inner spheres, outer hulls, or a traversal, in this order.
 Finding ObbRefiner::refine(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const
 {
     const Settings& settings = context.settings;
@@ -158,14 +168,15 @@ Finding ObbRefiner::refine(const RefineContext& context, const PairTask& task, P
     const auto sure = [&] {
         return goal_ == Goal::exact || tolerance >= 2 * rounding_of(task) + 0x1p-16 * settings.clearance;
     };
-    if (!kept && task.a->inner_spheres() && task.b->inner_spheres() && !wants_kinds(settings) && sure() &&
-        inner_spheres_meet(task, *memory)) {
+    const bool shapes = task.a->is_bounded_shape() && task.b->is_bounded_shape();
+    const bool met = is_certain(task, memory->depth(task.travel));
+    if (!kept && !wants_kinds(settings) && (shapes ? met : sure() && (met || inner_spheres_meet(task, *memory)))) {
         ++worker.by_inner_spheres, memory->meets = true;
         if (!settings.coherence) return walk(nullptr);
         if (goal_ == Goal::exact) return {Verdict::colliding, ContactKind::unknown, 0};
-        return {Verdict::within, ContactKind::unknown, beyond};
+        return shapes ? bodies_overlap : Finding{Verdict::within, ContactKind::unknown, beyond};
     }
-    const bool parted = !kept && hulls_part(task, beyond, *memory, gap);
+    const bool parted = !kept && !are_boxes(task) && hulls_part(task, beyond, *memory, gap);
     if (kept || parted) {
         ++(kept ? worker.by_gap : worker.by_hull), memory->meets = false, memory->by_hulls = parted;
         // Without coherence, traverse anyway.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/simd/prefetch.hpp>
 #include <oncollide/narrowphase/pairs/manifold_tests.hpp>
 #include <oncollide/pipeline/world/query_worker.hpp>
 
@@ -32,6 +33,9 @@ void append(ManifoldLists& lists, const StoredManifold& found)
     }
     lists.points.insert(lists.points.end(), found.points.begin(), found.points.end());
     lists.offsets.push_back(lists.regions.size()), lists.complete.push_back(found.complete);
+    // The next pair's, while it is measured.
+    prefetch(lists.regions.data() + lists.regions.size(), sizeof(ManifoldRegion));
+    prefetch(lists.points.data() + lists.points.size(), 4 * sizeof(ManifoldPoint));
 }
 
 /// Sets which pairs are copied, and which are measured.
@@ -118,6 +122,8 @@ const FrameManifolds& FrameManifoldCache::find(WorldImpl& world, const ManifoldO
     std::swap(now_, last_);
     frame_.reset(); // unless all is found
     choose_pairs(world, options, reuse);
+    if (std::ranges::all_of(kept_from_, [](std::uint32_t place) { return place == none; }))
+        std::swap(now_, last_); // the memory that was written last is in the caches
     make_tasks(world);
     measure(world, options);
     frame_ = frame, options_ = options;

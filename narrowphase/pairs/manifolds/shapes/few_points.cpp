@@ -42,16 +42,19 @@ void FewPoints::choose(const Vector3d& normal, double place, std::uint32_t most)
     if (count_ < 2) return;
     const Vector3d u = normal.unitOrthogonal(), v = normal.cross(u);
     std::array<Vector2d, ClippedFace::most + 2> flat;
-    Vector2d low(1e300, 1e300), high(-1e300, -1e300);
+    double low_x = 1e300, high_x = -1e300, low_y = 1e300, high_y = -1e300;
     for (std::uint32_t i = 0; i < count_; ++i) {
-        flat[i] = {u.dot(all_[i].on_a), v.dot(all_[i].on_a)};
-        low = low.cwiseMin(flat[i]), high = high.cwiseMax(flat[i]);
+        const double x = u.dot(all_[i].on_a), y = v.dot(all_[i].on_a);
+        flat[i] = {x, y};
+        low_x = std::min(low_x, x), high_x = std::max(high_x, x);
+        low_y = std::min(low_y, y), high_y = std::max(high_y, y);
     }
+    const Vector2d low(low_x, low_y), high(high_x, high_y);
     const double size = (high - low).norm(), same = std::max(same_place * size, place);
     if (count_ <= most && count_ <= 4) { // all, unless two are at one place
         bool apart = true;
         for (std::uint32_t i = 0; i < count_; ++i)
-            for (std::uint32_t k = 0; k < i; ++k) apart &= (flat[i] - flat[k]).norm() > same;
+            for (std::uint32_t k = 0; k < i; ++k) apart &= (flat[i] - flat[k]).squaredNorm() > same * same;
         if (apart && size > 0) return;
     }
     std::array<std::uint32_t, ClippedFace::most + 2> kept;

@@ -7,6 +7,7 @@
 
 #include <oncollide/narrowphase/pairs/manifolds/points/candidate.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/points/feature_bits.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/shapes/box_points.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/shapes/contact_points.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/shapes/shape_measures.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
@@ -38,7 +39,8 @@ public:
         : task_(task), options_(options), placed_(*task.pose_a, *task.pose_b),
           plane_(task.a->kind() == Kind::half_space), b_(task.b->convex()),
           a_(plane_ ? point_of_plane() : task.a->convex()), cores_(a_, b_, placed_.b_to_a, placed_.slack),
-          rounding_(cores_.rounding() + placed_.slack * (cores_.size() + cores_.radius() + apart()))
+          rounding_(cores_.rounding() + placed_.slack * (cores_.size() + cores_.radius() + apart())),
+          boxes_(a_.core == Convex::Core::box && b_.core == a_.core && cores_.radius() == 0 && !plane_)
     {
     }
     void find(PairWorker& worker, Manifold& manifold);
@@ -57,6 +59,7 @@ private:
     void prefer_face(const ContactFace& face, double sign);
     void add_points();
     void find_points();
+    bool may_hold() const;
     bool reaches() const;
     bool faces_are_nearest();
     void add_deepest();
@@ -70,6 +73,7 @@ private:
     const Convex& a_;
     const ConvexDifference cores_;
     const double rounding_;
+    const bool boxes_;
     LeastTranslation found_{};
     RegionKind kind_{};
     bool meet_ = false; ///< certainly
@@ -140,6 +144,7 @@ void ShapeRegion::prefer_face(const ContactFace& face, double sign)
 
 void ShapeRegion::add_deepest()
 {
+    if (boxes_) find_faces();
     if (!found_.has_points) { // a face's normal; the faces' common part does not reach the depth
         found_ = deepest_translation(cores_);
         points_.normal = found_.normal, points_.points.clear();
@@ -186,6 +191,12 @@ ManifoldPoint ShapeRegion::point(const FewPoints::Candidate& c) const
 void ShapeRegion::find_points()
 {
     points_.points.clear();
+    if (boxes_ && found_.of_axes) {
+        points_.normal = found_.normal;
+        find_box_points(a_, b_, placed_.b_to_a, found_.normal, ContactPoints::facing, 4 * rounding_, points_.points);
+        return;
+    }
+    find_faces();
     const LeastTranslation found = found_;
     if (!plane_ && !found_.of_axes) prefer_face(face_a_, 1), prefer_face(face_b_, -1);
     add_points();
@@ -202,21 +213,28 @@ bool ShapeRegion::faces_are_nearest()
     return true;
 }
 
+/// False: neither is inside the other, which would have to move out by at least the width of a ball in it.
+bool ShapeRegion::may_hold() const
+{
+    const double of_b = b_.inner + b_.radius, least = plane_ ? of_b : std::min(a_.inner + a_.radius, of_b);
+    return kind_ == RegionKind::crossing && found_.upper >= 2 * least;
+}
+
 void ShapeRegion::find(PairWorker& worker, Manifold& manifold)
 {
     if (!plane_ && cores_.least() - cores_.radius() > options_.margin + unsure * size()) return;
     found_ = plane_ ? on_plane() : least_translation(cores_, options_.margin + unsure * size(), false);
     if (found_.beyond || !set_kind(worker)) return;
-    find_faces(), find_points();
+    find_points();
     if (found_.lower == -unbounded && !faces_are_nearest()) {
         found_ = least_translation(cores_, options_.margin + unsure * size());
         if (found_.beyond || !set_kind(worker)) return;
-        find_faces(), find_points();
+        find_points();
     }
     if (!reaches()) add_deepest();
     points_.points.drop_shallow(-options_.margin - 8 * rounding_);
     ManifoldRegion region{};
-    region.kind = kind_ == RegionKind::crossing && holds_other(task_, placed_.b_to_a) ? RegionKind::enclosed : kind_;
+    region.kind = may_hold() && holds_other(task_, placed_.b_to_a) ? RegionKind::enclosed : kind_;
     if (options_.measures) measure_region(task_, placed_.b_to_a, points_.points.chosen(), found_.normal, region);
     region.found = points_.points.count();
     points_.points.choose(found_.normal, same_point_share * size(),
