@@ -4,39 +4,11 @@
 #include <utility>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/simd/prefetch.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/narrowphase/pairs/manifold_tests.hpp>
 #include <oncollide/pipeline/world/query_worker.hpp>
 
 namespace oncollide {
-
-void clear(ManifoldLists& lists)
-{
-    lists.regions.clear(), lists.points.clear(), lists.complete.clear(), lists.offsets.assign(1, 0);
-}
-
-StoredManifold::StoredManifold(const ManifoldLists& lists, std::size_t pair)
-    : regions(std::span(lists.regions).subspan(lists.offsets[pair], lists.offsets[pair + 1] - lists.offsets[pair])),
-      complete(lists.complete[pair])
-{
-    if (regions.empty()) return;
-    const std::uint32_t first = regions.front().first;
-    points = std::span(lists.points).subspan(first, regions.back().first + regions.back().count - first);
-}
-
-void append(ManifoldLists& lists, const StoredManifold& found)
-{
-    const auto before = static_cast<std::uint32_t>(lists.points.size());
-    for (const ManifoldRegion& region : found.regions) {
-        lists.regions.push_back(region);
-        lists.regions.back().first += before - found.regions.front().first;
-    }
-    lists.points.insert(lists.points.end(), found.points.begin(), found.points.end());
-    lists.offsets.push_back(lists.regions.size()), lists.complete.push_back(found.complete);
-    // The next pair's, while it is measured.
-    prefetch(lists.regions.data() + lists.regions.size(), sizeof(ManifoldRegion));
-    prefetch(lists.points.data() + lists.points.size(), 4 * sizeof(ManifoldPoint));
-}
 
 /// Sets which pairs are copied, and which are measured.
 void FrameManifoldCache::choose_pairs(WorldImpl& world, const ManifoldOptions& options, bool reuse)
@@ -80,23 +52,25 @@ void FrameManifoldCache::make_tasks(WorldImpl& world)
 void FrameManifoldCache::measure(WorldImpl& world, const ManifoldOptions& options)
 {
     const std::size_t count = world.frame.results.size();
-    clear(now_.manifolds), now_.manifolds.pairs.clear();
-    now_.place.assign(count, none);
+    now_.manifolds.pairs.clear(), now_.place.assign(count, none);
+    const ExecutorScope scope(world.settings.executor);
+    join_.begin(now_.manifolds, world.frame.context.threads);
     const auto add = [&](std::size_t pair, const StoredManifold& found) {
         now_.place[pair] = static_cast<std::uint32_t>(now_.manifolds.pairs.size());
         now_.manifolds.pairs.push_back({world.frame.results[pair].a, world.frame.results[pair].b});
-        append(now_.manifolds, found);
+        join_.add(found);
     };
     std::size_t next = 0;
     const auto copy_until = [&](std::size_t end) {
         for (; next < end; ++next)
             if (kept_from_[next] != none) add(next, {last_.manifolds, kept_from_[next]});
     };
-    world.manifolds(tasks_, options, parts_, [&](std::size_t i, const StoredManifold& found) {
+    world.manifolds(tasks_, options, join_, [&](std::size_t i, const StoredManifold& found) {
         copy_until(open_[i]);
         if (found.is_listed()) add(open_[i], found);
     });
     copy_until(count);
+    join_.end();
 }
 
 /// Limits the points of all pairs together.
@@ -133,12 +107,10 @@ const FrameManifolds& FrameManifoldCache::find(WorldImpl& world, const ManifoldO
 std::size_t FrameManifoldCache::bytes() const
 {
     const auto of = [](const auto&... lists) { return (... + (lists.capacity() * sizeof(lists[0]))); };
-    const auto of_lists = [&](const ManifoldLists& l) { return of(l.regions, l.points, l.offsets, l.complete); };
-    std::size_t sum = of(kept_from_, open_, tasks_, of_trees_, parts_);
+    std::size_t sum = of(kept_from_, open_, tasks_, of_trees_) + join_.bytes();
     for (const Lists* lists : {&now_, &last_})
-        sum += of_lists(lists->manifolds) + of(lists->manifolds.pairs, lists->place);
-    for (const ManifoldLists& part : parts_) sum += of_lists(part);
-    return sum + of_lists(limited_) + of(limited_.pairs);
+        sum += bytes_of(lists->manifolds) + of(lists->manifolds.pairs, lists->place);
+    return sum + bytes_of(limited_) + of(limited_.pairs);
 }
 
 } // namespace oncollide

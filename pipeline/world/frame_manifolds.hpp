@@ -6,6 +6,7 @@
 
 #include <oncollide/narrowphase/pairs/pair_task.hpp>
 #include <oncollide/pipeline/results.hpp>
+#include <oncollide/pipeline/world/manifold_join.hpp>
 
 namespace oncollide {
 
@@ -43,25 +44,9 @@ private:
     std::vector<std::uint32_t> kept_from_;   ///< by pair: its place in last_; none: it is measured or has none
     std::vector<std::uint32_t> open_;        ///< pairs to measure, ascending
     std::vector<PairTask> tasks_, of_trees_; ///< tasks of the open pairs, and the tasks among them that need trees
-    std::vector<ManifoldLists> parts_;       ///< memory of the threads
+    ManifoldJoin join_;
 };
 
-/// The manifold of one pair, where it is stored.
-struct StoredManifold {
-    std::span<const ManifoldRegion> regions; ///< their points follow each other
-    std::span<const ManifoldPoint> points;
-    bool complete;
-
-    explicit StoredManifold(const Manifold& found)
-        : regions(found.regions), points(found.points), complete(found.complete)
-    {
-    }
-    StoredManifold(const ManifoldLists& lists, std::size_t pair);
-    bool is_listed() const { return !regions.empty() || !complete; } ///< in the manifolds of a frame
-};
-
-void append(ManifoldLists& lists, const StoredManifold& found);
-void clear(ManifoldLists& lists);
 /// Pairs share at most this many points in turn, the deepest pair first. Both lists may be the same.
 void limit_points(const ManifoldLists& lists, std::size_t most, ManifoldLists& limited);
 

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/base/simd/prefetch.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/narrowphase/rays/segment_query.hpp>
@@ -132,24 +133,30 @@ void WorldImpl::gather(std::size_t items, std::size_t chunk, Lists<Found>& lists
 }
 
 template <class Take>
-void WorldImpl::manifolds(std::span<const PairTask> tasks, const ManifoldOptions& options,
-                          std::vector<ManifoldLists>& parts, Take take)
+void WorldImpl::manifolds(std::span<const PairTask> tasks, const ManifoldOptions& options, ManifoldJoin& join,
+                          Take take)
 {
     constexpr std::size_t chunk = 16;
-    if (frame.context.threads == 1 || tasks.size() <= chunk) { // without copies
+    if (join.at_once()) {
         const ExecutorScope scope(settings.executor);
         Lease worker(*this);
         for (std::size_t i = 0; i < tasks.size(); ++i)
             manifold(*worker, tasks[i], options, worker->manifold), take(i, StoredManifold(worker->manifold));
         return;
     }
-    parts.resize((tasks.size() + chunk - 1) / chunk);
+    join.parts.resize(std::max(join.parts.size(), (tasks.size() + chunk - 1) / chunk));
     each(tasks.size(), chunk, [&](QueryWorker& worker, std::size_t i) {
-        ManifoldLists& part = parts[i / chunk];
+        ManifoldLists& part = join.parts[i / chunk];
         if (i % chunk == 0) clear(part);
         manifold(worker, tasks[i], options, worker.manifold), append(part, StoredManifold(worker.manifold));
     });
-    for (std::size_t i = 0; i < tasks.size(); ++i) take(i, StoredManifold(parts[i / chunk], i % chunk));
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+        if (i % chunk == 0 && i + chunk < tasks.size()) { // another thread may have written it
+            const std::vector<ManifoldRegion>& later = join.parts[i / chunk + 1].regions;
+            prefetch(later.data(), later.size() * sizeof(ManifoldRegion) + 1);
+        }
+        take(i, StoredManifold(join.parts[i / chunk], i % chunk));
+    }
 }
 
 } // namespace oncollide

@@ -115,11 +115,10 @@ struct ONCOLLIDE_LOCAL WorldImpl {
                         const SweepOptions& options);
     /// Overwrites `found`. The trees must be there.
     void manifold(QueryWorker& worker, const PairTask& task, const ManifoldOptions& options, Manifold& found);
-    /// Calls take(i, StoredManifold) for each task, ascending; the manifolds are found on the World's threads.
-    /// @param parts  memory
+    /// Calls take(i, StoredManifold), which may add it to the join, for each task, ascending; the manifolds are found
+    /// on the World's threads.
     template <class Take>
-    void manifolds(std::span<const PairTask> tasks, const ManifoldOptions& options, std::vector<ManifoldLists>& parts,
-                   Take take);
+    void manifolds(std::span<const PairTask> tasks, const ManifoldOptions& options, ManifoldJoin& join, Take take);
     void check_placed(const char* call, std::size_t number, const PlacedModel& placed);
     struct Probe; // a model at a pose against all bodies: world_space.cpp
     void find_near(QueryWorker& worker, const Probe& probe, double margin);

@@ -57,9 +57,11 @@ void Pairs::manifold(PairSpan pairs, const ManifoldOptions& options, ManifoldLis
     check_options(options);
     WorldImpl& p = *world_;
     const PairTasks tasks = p.ready_tasks("manifold", pairs);
-    std::vector<ManifoldLists> parts;
-    clear(lists);
-    p.manifolds(tasks.tasks, options, parts, [&](std::size_t, const StoredManifold& found) { append(lists, found); });
+    const ExecutorScope scope(p.settings.executor);
+    ManifoldJoin join;
+    join.begin(lists, p.frame.context.threads);
+    p.manifolds(tasks.tasks, options, join, [&](std::size_t, const StoredManifold& found) { join.add(found); });
+    join.end();
     if (options.points_in_all > 0) limit_points(lists, options.points_in_all, lists);
 }
 
