@@ -1,4 +1,4 @@
-// Two boxes: the overlaps along their separating axes, and what follows from them.
+// The overlaps of two boxes along their separating axes; the depth, distance and points that follow from them.
 #include <gtest/gtest.h>
 
 #include <cmath>
