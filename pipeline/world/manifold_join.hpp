@@ -31,7 +31,7 @@ public:
     /// Overwrites `lists`.
     void begin(ManifoldLists& lists, int threads);
     bool at_once() const { return threads_ == 1; }
-    /// Unless at_once(), what is added must stay where it is until end().
+    /// Unless at_once(), the manifold must stay where it is until end().
     void add(const StoredManifold& found)
     {
         if (at_once())
