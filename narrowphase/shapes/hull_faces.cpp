@@ -62,11 +62,17 @@ HullFaces::HullFaces(const Mesh& surface)
                 const std::uint32_t u = triangles[t][k], v = triangles[t][(k + 1) % 3];
                 if (!is_member(triangle_of.at({v, u}))) next[u] = v;
             }
-        Face face{normal, 0, static_cast<std::uint32_t>(corners_.size()), 0, members.front()};
+        Face face{normal, 0, 1, static_cast<std::uint32_t>(corners_.size()), 0, members.front()};
         const std::uint32_t start = next.begin()->first;
         for (std::uint32_t v = start; face.count == 0 || (v != start && face.count < next.size()); v = next.at(v)) {
             corners_.push_back(v), ++face.count;
             face.off = std::max(face.off, std::abs(normal.dot(points[v] - points[start])));
+        }
+        for (std::uint32_t k = 0; k < face.count; ++k) {
+            const auto corner = [&](std::uint32_t i) { return points[corners_[face.first + i % face.count]]; };
+            const Vector3d to = (corner(k + 1) - corner(k)).normalized(),
+                           back = (corner(k + face.count - 1) - corner(k)).normalized();
+            face.sharp = std::max(face.sharp, 2 / (to - back).norm());
         }
         faces_.push_back(face);
     }

@@ -13,6 +13,8 @@ public:
     struct Face {
         Eigen::Vector3d normal; ///< outward, unit
         double off;             ///< the corners are at most this far from the plane through the first corner, metres
+        double sharp; ///< 1 / sine of half the sharpest corner: the farthest point outside is this many times as far
+                      ///< from the polygon as from the lines of its sides
         std::uint32_t first, count; ///< its corners
         std::uint32_t triangle;     ///< the smallest number of its triangles
     };

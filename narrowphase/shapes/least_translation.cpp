@@ -147,7 +147,7 @@ LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double
     }
     found = boxes ? translation_of_boxes(cores, rounding, cutoff)
                   : translation_by_polytope(cores, rounding, cutoff + cores.radius());
-    if (!found.beyond && !cores.flat_sided() && found.upper - found.lower > loose * std::abs(found.upper))
+    if (!found.beyond && found.upper - found.lower > loose * std::abs(found.upper) + 16 * rounding)
         improve_shallow(cores, rounding, found);
     if (found.beyond || !(found.upper < 0) || cores.radius() > 0) return found;
     // Apart by a plane: the distance may be larger than the gap at the plane.

@@ -13,8 +13,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A face of a box: the one across `axis` on the high or the low side. Its sides are those of high u, high v, low u and
-/// low v, in this order; corner k is between side k and the next one.
+/// A face of a box, across `axis` on the high or the low side. Its sides are at high u, high v, low u and low v, in
+/// this order. Corner k is between side k and the next side.
 struct BoxFace {
     int axis;
     bool high;
@@ -44,7 +44,7 @@ public:
     void add(const CutCorner& corner) { lists_[now_][count_++] = corner; }
     std::span<const CutCorner> corners() const { return std::span(lists_[now_]).first(count_); }
 
-    /// Keeps what is at most `most` along a side's outward direction, x, y, -x or -y.
+    /// Keeps the part up to `most` along the outward direction of a side: x, y, -x or -y.
     void cut(int side, double most, double slack)
     {
         const auto above = [&](const CutCorner& d) {

@@ -56,7 +56,8 @@ void find_face_of_hull(const Model& model, const Vector3d& along, ContactFace& f
         face.face = vertex_feature(best);
         return add(face, c.points[best], best);
     }
-    face.normal = found->normal, face.off = found->off, face.face = face_feature(found->triangle);
+    face.normal = found->normal, face.off = found->off, face.sharp = found->sharp,
+    face.face = face_feature(found->triangle);
     const auto corners = hull.corners(*found);
     const std::size_t stride = (corners.size() + ContactFace::most - 1) / ContactFace::most;
     for (std::size_t i = 0; i < corners.size(); i += stride) add(face, c.points[corners[i]], corners[i]);
@@ -124,7 +125,8 @@ void ContactFace::place(const RelativePose& b_to_a)
 void find_face(const Model& model, const Vector3d& along, ContactFace& face)
 {
     const Convex& c = model.convex();
-    face.count = 0, face.off = 0, face.face = face_feature(0), face.rounded = true, face.normal.setZero();
+    face.count = 0, face.off = 0, face.sharp = 1, face.face = face_feature(0), face.rounded = true,
+    face.normal.setZero();
     switch (c.core) {
     case Convex::Core::box:
         if (c.radius == 0) {

@@ -15,6 +15,7 @@ struct ContactFace {
     std::uint32_t count;    ///< of the corners: 1, 2 or more
     Eigen::Vector3d normal; ///< of a polygon, unit, outward
     double off;             ///< a polygon's corners are at most this far from the plane through the first, metres
+    double sharp = 1;       ///< of a polygon, see HullFaces::Face
     FeatureBits face;
     std::array<Eigen::Vector3d, most> corner; ///< counter-clockwise seen from outside
     std::array<std::uint32_t, most> number;   ///< numbers of the corners, for their features

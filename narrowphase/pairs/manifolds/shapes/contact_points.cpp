@@ -72,12 +72,15 @@ void ContactPoints::add_over(const ContactFace& flat, const ContactFace& face, c
     const double slope = flat.normal.dot(normal);
     const Vector3d out = flat_is_a ? Vector3d(-normal) : normal;
     const Vector3d from = flat.count ? flat.corner[0] : Vector3d(Vector3d::Zero());
+    // Next to the tip of a needle, the clipped part may extend far beyond.
+    const auto beyond = [&](const ContactFace& f) { return f.sharp > 2 ? f.sharp * rounding : 0; };
+    const double off = flat.off + face.off + beyond(flat) + beyond(face);
     const auto take = [&](const Vector3d& q, FeatureBits of_face, FeatureBits of_flat) {
         const Vector3d p = q + flat.normal.dot(from - q) / slope * normal;
         if (flat_is_a)
-            add(p, q, flat.off + face.off, of_flat, of_face);
+            add(p, q, off, of_flat, of_face);
         else
-            add(q, p, flat.off + face.off, of_face, of_flat);
+            add(q, p, off, of_face, of_flat);
     };
     const auto take_all = [&](const ContactFace& on_surface) {
         if (flat.count == 0) {
