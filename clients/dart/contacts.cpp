@@ -1,4 +1,4 @@
-// Contacts of the selected objects, from manifolds.
+// Contacts of the selected objects, from the manifolds of a frame.
 #include <algorithm>
 #include <span>
 #include <tuple>
@@ -11,33 +11,43 @@
 namespace dart::collision {
 
 /// Sets the pairs that meet or may meet: pairs of rigid bodies first, then by the objects' order.
-void OncollideCollisionDetector::Core::find_pairs(const CollisionFilter* filter)
+void OncollideCollisionDetector::Core::find_pairs(std::span<const oncollide::PairResult> results)
 {
-    pairs_.clear();
-    filter_ = filter;
-    for (const oncollide::PairResult& pair : world.step().pairs) {
-        const bool certain = pair.verdict == oncollide::Verdict::colliding;
-        if (!certain && pair.verdict != oncollide::Verdict::within) continue;
-        Object *a = &object_of(pair.a), *b = &object_of(pair.b);
-        if (b->order < a->order) std::swap(a, b);
-        pairs_.push_back({a, b, certain, a->model->soft || b->model->soft});
+    const oncollide::FrameManifolds& found = world.manifolds(options.manifold); // in the order of the results
+    pairs_.clear(), soft_pairs_.clear();
+    std::size_t next = 0;
+    for (const oncollide::PairResult& result : results) {
+        const bool has_manifold =
+            next < found.pairs.size() && found.pairs[next].a == result.a && found.pairs[next].b == result.b;
+        const std::size_t place = has_manifold ? next++ : none;
+        const bool certain = result.verdict == oncollide::Verdict::colliding;
+        if (!certain && result.verdict != oncollide::Verdict::within) continue;
+        Object &a = object_of(result.a), &b = object_of(result.b);
+        pairs_.push_back({&a, &b, certain, a.model->soft || b.model->soft, &found, place});
     }
-    filter_ = nullptr;
     std::sort(pairs_.begin(), pairs_.end(), [](const Pair& p, const Pair& q) {
         return std::tuple(p.soft, p.a->order, p.b->order) < std::tuple(q.soft, q.a->order, q.b->order);
     });
+    for (Pair& pair : pairs_) {
+        if (!pair.soft) continue;
+        pair.lists = &soft_manifolds_, pair.place = soft_pairs_.size();
+        soft_pairs_.push_back({pair.a->body, pair.b->body});
+    }
+    oncollide::ManifoldOptions all = options.manifold; // each point mass that is inside needs a contact of its own
+    all.points_per_region = 4096;
+    if (!soft_pairs_.empty()) world.pairs().manifold(soft_pairs_, all, soft_manifolds_);
 }
 
 bool OncollideCollisionDetector::Core::collide(const CollisionOption& option, CollisionResult* result)
 {
-    find_pairs(option.collisionFilter.get());
-    if (!result && std::ranges::any_of(pairs_, &Pair::certain)) return true;
+    filter_ = option.collisionFilter.get();
+    const std::span<const oncollide::PairResult> results = world.step().pairs;
+    filter_ = nullptr;
+    const auto certain = [](const oncollide::PairResult& r) { return r.verdict == oncollide::Verdict::colliding; };
+    if (!result && std::ranges::any_of(results, certain)) return true;
+    find_pairs(results);
     found_.clear();
-    const auto soft = std::ranges::find_if(pairs_, &Pair::soft);
-    add_contacts({pairs_.begin(), soft}, options.manifold);
-    oncollide::ManifoldOptions all = options.manifold; // each point mass that is inside needs a contact of its own
-    all.points_per_region = 4096;
-    add_contacts({soft, pairs_.end()}, all);
+    for (const Pair& pair : pairs_) add_contacts(pair);
     keep_deepest(option.maxNumContacts);
     if (result)
         for (Found& found : found_) {
@@ -45,17 +55,6 @@ bool OncollideCollisionDetector::Core::collide(const CollisionOption& option, Co
             result->addContact(found.contact);
         }
     return !found_.empty();
-}
-
-void OncollideCollisionDetector::Core::add_contacts(std::span<const Pair> pairs,
-                                                    const oncollide::ManifoldOptions& manifold)
-{
-    bodies_.clear();
-    for (const Pair& pair : pairs) bodies_.push_back({pair.a->body, pair.b->body});
-    world.pairs().manifold(bodies_, manifold, manifolds_);
-    for (std::size_t i = 0; i < pairs.size(); ++i)
-        add_contacts(pairs[i], std::span(manifolds_.regions)
-                                   .subspan(manifolds_.offsets[i], manifolds_.offsets[i + 1] - manifolds_.offsets[i]));
 }
 
 void OncollideCollisionDetector::Core::add_contact(const Pair& pair, const oncollide::ManifoldPoint& point)
@@ -73,17 +72,19 @@ void OncollideCollisionDetector::Core::add_contact(const Pair& pair, const oncol
 }
 
 /// The points of a pair's manifold, in the order of their features.
-void OncollideCollisionDetector::Core::add_contacts(const Pair& pair,
-                                                    std::span<const oncollide::ManifoldRegion> regions)
+void OncollideCollisionDetector::Core::add_contacts(const Pair& pair)
 {
     const std::size_t before = found_.size();
-    for (const oncollide::ManifoldRegion& region : regions)
+    const std::size_t end = pair.place == none ? 0 : pair.lists->offsets[pair.place + 1];
+    for (std::size_t r = pair.place == none ? 0 : pair.lists->offsets[pair.place]; r < end; ++r) {
+        const oncollide::ManifoldRegion& region = pair.lists->regions[r];
         for (std::uint32_t p = region.first; p < region.first + region.count; ++p)
-            if (const oncollide::ManifoldPoint& point = manifolds_.points[p]; point.depth >= -point.depth_error)
+            if (const oncollide::ManifoldPoint& point = pair.lists->points[p]; point.depth >= -point.depth_error)
                 add_contact(pair, point);
-    const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+    }
+    const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
     if (found_.size() == before && pair.certain) // DART's solver skips a contact without normal
-        add_contact(pair, {none, none, 0, 0, 0, 0, none});
+        add_contact(pair, {zero, zero, 0, 0, 0, 0, zero});
     const auto first = found_.begin() + static_cast<std::ptrdiff_t>(before);
     std::stable_sort(first, found_.end(), [](const Found& p, const Found& q) {
         return p.contact.penetrationDepth > q.contact.penetrationDepth;

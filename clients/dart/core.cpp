@@ -56,6 +56,8 @@ void OncollideCollisionDetector::Core::choose(std::span<const oncollide::Candida
         const Object &a = object_of(pairs[i].a), &b = object_of(pairs[i].b);
         if ((a.model->is_plane && b.model->is_plane) || (filter_ && filter_->ignoresCollision(&a, &b)))
             choices[i] = oncollide::PairChoice::drop;
+        else if (b.order < a.order)
+            choices[i] = oncollide::PairChoice::refine_swapped;
     }
 }
 

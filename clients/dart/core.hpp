@@ -104,18 +104,20 @@ struct OncollideCollisionDetector::Core {
 private:
     Object& object_of(oncollide::BodyId body) const { return *by_slot_[index(body)]; }
     void choose(std::span<const oncollide::CandidatePair> pairs, std::span<oncollide::PairChoice> choices) const;
+    static constexpr std::size_t none = ~std::size_t{0};
     struct Pair {
-        Object *a, *b;      ///< a comes first in the groups
-        bool certain, soft; ///< they certainly meet; one of them is soft
+        Object *a, *b;                         ///< a comes first in the groups
+        bool certain, soft;                    ///< they certainly meet; one of them is soft
+        const oncollide::ManifoldLists* lists; ///< these hold its manifold,
+        std::size_t place;                     ///< here; none: it has no region
     };
     struct Found {
         std::size_t rank; ///< the pair's deepest is 0
         std::pair<oncollide::FeatureBits, oncollide::FeatureBits> features;
         Contact contact;
     };
-    void find_pairs(const CollisionFilter* filter);
-    void add_contacts(std::span<const Pair> pairs, const oncollide::ManifoldOptions& manifold);
-    void add_contacts(const Pair& pair, std::span<const oncollide::ManifoldRegion> regions);
+    void find_pairs(std::span<const oncollide::PairResult> results);
+    void add_contacts(const Pair& pair);
     void add_contact(const Pair& pair, const oncollide::ManifoldPoint& point);
     void keep_deepest(std::size_t most);
 
@@ -127,8 +129,8 @@ private:
 
     // Results of one collide().
     std::vector<Pair> pairs_;
-    std::vector<oncollide::PairOfBodies> bodies_; ///< of some pairs
-    oncollide::ManifoldLists manifolds_;          ///< of these
+    std::vector<oncollide::PairOfBodies> soft_pairs_;
+    oncollide::ManifoldLists soft_manifolds_;
     std::vector<Found> found_;
 };
 
