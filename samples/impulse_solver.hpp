@@ -3,6 +3,7 @@
 // coherence", GDC 2005; the second pass without bias as in Box2D 3.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -40,13 +41,15 @@ public:
         add_rows();
         for (RigidBody& body : bodies)
             if (body.inverse_mass > 0) body.velocity += dt * gravity;
-        for (Row& row : rows_) apply(row, row.impulse);
+        for (const Row& row : rows_)
+            for (const Axis& axis : row.axes) apply(row, axis, axis.impulse);
         for (int i = 0; i < iterations; ++i) solve(true);
         for (const RigidBody& body : bodies)
             if (body.inverse_mass > 0) move(body);
         for (int i = 0; i < relaxations; ++i) solve(false);
         impulses_.clear();
-        for (const Row& row : rows_) impulses_.push_back(row.impulse);
+        for (const auto& [a, b, axes, depth] : rows_)
+            impulses_.push_back({axes[0].impulse, axes[1].impulse, axes[2].impulse});
     }
     /// The contacts that the last detect() found; step() moves the bodies after it.
     const FrameManifolds& manifolds() const { return *manifolds_; }
@@ -59,11 +62,15 @@ public:
     }
 
 private:
+    /// One direction of a contact, and the changes by an impulse along it.
+    struct Axis {
+        Eigen::Vector3d along, turn_a, turn_b, spin_a, spin_b; ///< turn: torque of a unit impulse; spin: its change
+        double mass, impulse;
+    };
     struct Row {
         RigidBody *a, *b;
-        Eigen::Vector3d arm_a, arm_b, normal, along[2];
-        double depth, mass, mass_along[2];
-        Eigen::Vector3d impulse; ///< along the normal and both tangents
+        std::array<Axis, 3> axes; ///< the normal and two tangents
+        double depth;
     };
 
     void add_rows()
@@ -74,15 +81,18 @@ private:
         for (std::size_t i = 0; i < kept.size(); ++i)
             if (update.previous[i] != ManifoldTracker::none) kept[i] = impulse_of(update.previous[i]);
         rows_.clear(), row_of_.assign(found.points.size(), ManifoldTracker::none);
-        for (std::size_t i = 0; i < found.pairs.size(); ++i)
+        for (std::size_t i = 0; i < found.pairs.size(); ++i) {
+            const PairOfBodies& pair = found.pairs[i];
+            if (bodies[pair.a.slot].inverse_mass + bodies[pair.b.slot].inverse_mass == 0) continue;
             for (std::size_t k = found.offsets[i]; k < found.offsets[i + 1]; ++k) {
                 const ManifoldRegion& region = found.regions[k];
                 if (region.normal_error > 1) continue; // no normal has a meaning there
                 for (std::uint32_t p = region.first; p < region.first + region.count; ++p) {
                     row_of_[p] = static_cast<std::uint32_t>(rows_.size());
-                    add(found.pairs[i], found.points[p], kept[p]);
+                    add(pair, found.points[p], kept[p]);
                 }
             }
+        }
         std::swap(last_row_of_, row_of_);
     }
     Eigen::Vector3d impulse_of(std::uint32_t point) const
@@ -92,57 +102,54 @@ private:
     }
     void add(const PairOfBodies& pair, const ManifoldPoint& point, const Eigen::Vector3d& impulse)
     {
-        Row row{&bodies[pair.a.slot], &bodies[pair.b.slot], {}, {}, point.normal, {}, point.depth, 0, {}, impulse};
+        Row row{&bodies[pair.a.slot], &bodies[pair.b.slot], {}, point.depth};
+        const Eigen::Isometry3d &at_a = world_.bodies().pose(pair.a), &at_b = world_.bodies().pose(pair.b);
         const Eigen::Vector3d at = 0.5 * (point.point_a + point.point_b);
-        row.arm_a = at - world_.bodies().pose(pair.a).translation(),
-        row.arm_b = at - world_.bodies().pose(pair.b).translation();
-        Eigen::Index axis = 0;
-        point.normal.cwiseAbs().minCoeff(&axis);
-        row.along[0] = point.normal.cross(Eigen::Vector3d::Unit(axis)).normalized();
-        row.along[1] = point.normal.cross(row.along[0]);
-        const auto mass_along = [&](const Eigen::Vector3d& d) {
-            const Eigen::Vector3d turn_a = row.arm_a.cross(d), turn_b = row.arm_b.cross(d);
-            return 1 / (row.a->inverse_mass + row.b->inverse_mass + turn_a.dot(inverse_inertia(*row.a, turn_a)) +
-                        turn_b.dot(inverse_inertia(*row.b, turn_b)));
-        };
-        row.mass = mass_along(row.normal);
-        for (const int k : {0, 1}) row.mass_along[k] = mass_along(row.along[k]);
-        if (row.a->inverse_mass + row.b->inverse_mass > 0)
-            rows_.push_back(row);
-        else
-            row_of_[static_cast<std::size_t>(&point - manifolds_->points.data())] = ManifoldTracker::none;
+        const Eigen::Vector3d arm_a = at - at_a.translation(), arm_b = at - at_b.translation();
+        Eigen::Index least = 0;
+        point.normal.cwiseAbs().minCoeff(&least);
+        row.axes[0].along = point.normal;
+        row.axes[1].along = point.normal.cross(Eigen::Vector3d::Unit(least)).normalized();
+        row.axes[2].along = point.normal.cross(row.axes[1].along);
+        for (const int k : {0, 1, 2}) {
+            Axis& axis = row.axes[static_cast<std::size_t>(k)];
+            const auto spin = [](const RigidBody& body, const Eigen::Isometry3d& pose,
+                                 const Eigen::Vector3d& turn) -> Eigen::Vector3d {
+                return pose.linear() * body.inverse_inertia.cwiseProduct(pose.linear().transpose() * turn);
+            };
+            axis.turn_a = arm_a.cross(axis.along), axis.turn_b = arm_b.cross(axis.along);
+            axis.spin_a = spin(*row.a, at_a, axis.turn_a), axis.spin_b = spin(*row.b, at_b, axis.turn_b);
+            axis.mass = 1 / (row.a->inverse_mass + row.b->inverse_mass + axis.turn_a.dot(axis.spin_a) +
+                             axis.turn_b.dot(axis.spin_b));
+            axis.impulse = impulse[k];
+        }
+        rows_.push_back(row);
     }
-    Eigen::Vector3d inverse_inertia(const RigidBody& body, const Eigen::Vector3d& torque) const
+    static void apply(const Row& row, const Axis& axis, double impulse)
     {
-        const Eigen::Matrix3d& turn = world_.bodies().pose(body.id).linear();
-        return turn * body.inverse_inertia.cwiseProduct(turn.transpose() * torque);
-    }
-    void apply(const Row& row, const Eigen::Vector3d& impulse)
-    {
-        const Eigen::Vector3d p = impulse[0] * row.normal + impulse[1] * row.along[0] + impulse[2] * row.along[1];
-        row.a->velocity -= row.a->inverse_mass * p, row.a->spin -= inverse_inertia(*row.a, row.arm_a.cross(p));
-        row.b->velocity += row.b->inverse_mass * p, row.b->spin += inverse_inertia(*row.b, row.arm_b.cross(p));
+        row.a->velocity -= row.a->inverse_mass * impulse * axis.along, row.a->spin -= impulse * axis.spin_a;
+        row.b->velocity += row.b->inverse_mass * impulse * axis.along, row.b->spin += impulse * axis.spin_b;
     }
     void solve(bool with_bias)
     {
         for (Row& row : rows_) {
-            const auto speed = [&](const Eigen::Vector3d& d) { // of b away from a
-                return d.dot(row.b->velocity + row.b->spin.cross(row.arm_b) - row.a->velocity -
-                             row.a->spin.cross(row.arm_a));
+            const auto speed = [&](const Axis& axis) { // of b away from a
+                return axis.along.dot(row.b->velocity - row.a->velocity) + axis.turn_b.dot(row.b->spin) -
+                       axis.turn_a.dot(row.a->spin);
             };
-            const auto change = [&](int k, double to) {
-                Eigen::Vector3d impulse = Eigen::Vector3d::Zero();
-                impulse[k] = to - row.impulse[k], row.impulse[k] = to;
-                apply(row, impulse);
+            const auto change = [&](Axis& axis, double to) {
+                apply(row, axis, to - axis.impulse);
+                axis.impulse = to;
             };
-            for (const int k : {0, 1}) {
-                const double most = friction * row.impulse[0];
-                change(k + 1, std::clamp(row.impulse[k + 1] - row.mass_along[k] * speed(row.along[k]), -most, most));
+            auto& [normal, along, across] = row.axes;
+            for (Axis* axis : {&along, &across}) {
+                const double most = friction * normal.impulse;
+                change(*axis, std::clamp(axis->impulse - axis->mass * speed(*axis), -most, most));
             }
             // Points apart may close their gap in this step; deep ones part slowly.
             double wanted = row.depth < 0 ? row.depth / dt : 0;
             if (with_bias && row.depth > slop) wanted = std::min(0.1 * (row.depth - slop) / dt, 0.5);
-            change(0, std::max(row.impulse[0] + row.mass * (wanted - speed(row.normal)), 0.0));
+            change(normal, std::max(normal.impulse + normal.mass * (wanted - speed(normal)), 0.0));
         }
     }
     void move(const RigidBody& body)
