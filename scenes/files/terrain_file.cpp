@@ -1,6 +1,7 @@
 #include <oncollide/scenes/files/geometry_file.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -13,6 +14,7 @@
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
+#include <oncollide/scenes/files/common/npy.hpp>
 #include <oncollide/scenes/files/common/sample_type.hpp>
 #include <oncollide/scenes/files/terrain/height_raster.hpp>
 
@@ -66,14 +68,8 @@ std::vector<bool> read_diagonals(const fs::path& path, const HeightRaster& heigh
 
 void write_npy(const fs::path& path, std::string_view type, std::uint32_t rows, std::uint32_t columns, auto write_rows)
 {
-    std::string header =
-        fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}, {}), }}", type, rows, columns);
-    header.append(63 - (10 + header.size()) % 64, ' ').push_back('\n');
     OutputFile file(path);
-    file.write(std::string_view("\x93NUMPY\x01\x00", 8));
-    const char length[2] = {static_cast<char>(header.size() & 0xff), static_cast<char>(header.size() >> 8)};
-    file.write({length, 2});
-    file.write(header);
+    file.write(npy_header(type, std::array<std::uint64_t, 2>{rows, columns}));
     write_rows(file);
     file.commit();
 }

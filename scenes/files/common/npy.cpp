@@ -2,6 +2,7 @@
 #include <charconv>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/scenes/files/common/npy.hpp>
@@ -58,6 +59,15 @@ NpyHeader read_npy_header(const std::string& name, std::string_view bytes)
     }
     header.shape = std::move(sides);
     return header;
+}
+
+std::string npy_header(std::string_view type, std::span<const std::uint64_t> shape)
+{
+    std::string text =
+        fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", type, fmt::join(shape, ", "));
+    text.append(63 - (10 + text.size()) % 64, ' ').push_back('\n');
+    const char length[] = {static_cast<char>(text.size() & 0xff), static_cast<char>(text.size() >> 8)};
+    return std::string("\x93NUMPY\x01\x00", 8) + std::string(length, 2) + text;
 }
 
 } // namespace oncollide

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,5 +20,9 @@ struct NpyHeader {
 
 /// Reads it from the first bytes of a file. Throws Error{bad_data} that begins with `name`.
 NpyHeader read_npy_header(const std::string& name, std::string_view bytes);
+
+/// The first bytes of a file of numbers of this NumPy type, such as "<f8", in the order of C.
+/// @param shape  two sides or more
+std::string npy_header(std::string_view type, std::span<const std::uint64_t> shape);
 
 } // namespace oncollide

@@ -2,6 +2,8 @@
 #include <oncollide/scenes/files/tables/recording_file.hpp>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <fstream>
 
@@ -9,6 +11,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
+#include <oncollide/base/files/output_file.hpp>
 #include <oncollide/scenes/files/common/npy.hpp>
 #include <oncollide/scenes/files/json/at_node.hpp>
 
@@ -117,14 +120,37 @@ std::shared_ptr<Recording> open_recording(const Node& entry, const std::filesyst
         entry["file"].fail(fmt::format("unknown kind of recording '{}'; known are .npy, .h5, .hdf5", kind));
     if (!hdf5 && entry.has("path")) entry["path"].fail("is for HDF5 files");
     const std::string dataset = !hdf5 ? "" : entry.has("path") ? std::string(entry["path"].text()) : "poses";
-    std::unique_ptr<PoseSource> source = hdf5 ? open_hdf5_poses(path, dataset) : open_npy_poses(path);
+    return open_recording(path, dataset,
+                          entry.has("first") ? static_cast<std::uint32_t>(entry["first"].integer(0, most_bodies)) : 0);
+}
+
+std::shared_ptr<Recording> open_recording(const std::filesystem::path& path, const std::string& dataset,
+                                          std::uint32_t first)
+{
+    auto source = dataset.empty() ? open_npy_poses(path) : open_hdf5_poses(path, dataset);
     if (source->frames == 0 || source->bodies == 0 || source->bodies > most_bodies)
         refuse(path.string(), fmt::format("{} frames of {} bodies; there must be one at least, and at most {} bodies",
                                           source->frames, source->bodies, most_bodies));
     auto recording = std::make_shared<RecordingFile>(std::move(source));
-    recording->file = path.string(), recording->path = dataset;
-    if (entry.has("first")) recording->first = static_cast<std::uint32_t>(entry["first"].integer(0, most_bodies));
+    recording->file = path.string(), recording->path = dataset, recording->first = first;
     return recording;
+}
+
+void add_recorded(const Eigen::Isometry3d& pose, std::vector<float>& numbers)
+{
+    const Eigen::Vector3f p = pose.translation().cast<float>();
+    const Eigen::Quaternionf q = Eigen::Quaterniond(pose.linear()).cast<float>();
+    numbers.insert(numbers.end(), {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()});
+}
+
+void save_recording(std::span<const float> numbers, std::size_t bodies, const std::filesystem::path& path)
+{
+    static_assert(std::endian::native == std::endian::little, "numbers are written as they lie");
+    OutputFile file(path);
+    const std::uint64_t of_a_frame = numbers_each * bodies;
+    file.write(npy_header("<f4", std::array<std::uint64_t, 3>{numbers.size() / of_a_frame, bodies, numbers_each}));
+    file.write({reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()});
+    file.commit();
 }
 
 } // namespace oncollide
