@@ -1,6 +1,7 @@
 #include <oncollide/samples/bodies_above.hpp>
 
 #include <cmath>
+#include <limits>
 
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/samples/sample_geometry.hpp>
@@ -29,6 +30,19 @@ std::vector<Vector3d> surface_points(const GeometryData& geometry)
     std::vector<Vector3d> some;
     for (std::size_t i = 0; i < points.size(); i += step) some.push_back(points[i]);
     return some;
+}
+
+double height_at(const Terrain& terrain, double x, double y)
+{
+    const double c = (x - terrain.x(0)) / terrain.spacing().x(), r = (y - terrain.y(0)) / terrain.spacing().y();
+    if (!(c >= 0 && r >= 0 && c < terrain.cells_x() && r < terrain.cells_y()))
+        return std::numeric_limits<double>::infinity();
+    const auto column = std::uint32_t(c), row = std::uint32_t(r);
+    const double u = c - column, v = r - row;
+    const auto z = [&](std::uint32_t dc, std::uint32_t dr) { return terrain.point(column + dc, row + dr).z(); };
+    // The lower triangle's corners, or the upper one's, of a rising diagonal.
+    return u >= v ? z(0, 0) + u * (z(1, 0) - z(0, 0)) + v * (z(1, 1) - z(1, 0))
+                  : z(0, 0) + v * (z(0, 1) - z(0, 0)) + u * (z(1, 1) - z(0, 1));
 }
 
 std::vector<GeometryId> add_meshes_of_a_metre(SceneInfo& scene)

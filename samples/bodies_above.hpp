@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include <oncollide/scenes/model/terrain.hpp>
 #include <oncollide/scenes/scene_builder.hpp>
 
 namespace oncollide {
@@ -11,6 +12,9 @@ namespace oncollide {
 
 /// Points of a geometry's surface, spread over all of it; fewer than 40,000 for a map or a terrain.
 std::vector<Eigen::Vector3d> surface_points(const GeometryData& geometry);
+
+/// The height of a terrain with rising diagonals at a place; infinite outside of it, where no body should come.
+double height_at(const Terrain& terrain, double x, double y);
 
 /// A knot, a ring and a sphere: meshes of about a metre, of 6,000 to 13,000 triangles.
 std::vector<GeometryId> add_meshes_of_a_metre(SceneInfo& scene);

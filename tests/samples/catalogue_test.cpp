@@ -139,7 +139,7 @@ TEST(Catalogue, NamesTheKnownScenesForAnUnknownOne)
 {
     expect_error(
         ErrorKind::usage, [] { make_scene("papr"); }, "'papr'",
-        "paper, paper-5k, many, boxes, city, octomap, hills, campus, st-helens, chunks, tiles, swarm, hard");
+        "paper, paper-5k, many, boxes, city, octomap, hills, avalanche, campus, st-helens, chunks, tiles, swarm, hard");
 }
 
 TEST(Catalogue, SeedsChangeRandomScenes)
@@ -350,6 +350,35 @@ TEST(LargeScenes, AreMadeAsTheirSummariesSay)
         const Vector3d at = mountain.poses[body].translation();
         const auto cell = [](double x) { return static_cast<std::uint32_t>(std::lround(x / 30)); };
         EXPECT_LT(at.z() - ground.height(cell(at.x()), cell(at.y())), 1.8) << "on the ground";
+    }
+}
+
+TEST(Catalogue, LetsAnAvalancheGoDownItsHill)
+{
+    Scene scene = make_scene("avalanche", {.bodies = 84});
+    const auto& hill = std::get<Terrain>(scene.geometries[0].data);
+    EXPECT_EQ(scene.size(), 85u);
+    const auto is_mesh = [&](std::size_t i) {
+        return std::holds_alternative<Mesh>(scene.geometries[index(scene.geometry[i])].data);
+    };
+    std::set<std::size_t> shapes;
+    std::size_t meshes = 0;
+    for (std::size_t i = 1; i < scene.size(); ++i) {
+        meshes += is_mesh(i);
+        if (!is_mesh(i)) shapes.insert(std::get<Shape>(scene.geometries[index(scene.geometry[i])].data).index());
+    }
+    EXPECT_EQ(meshes, 4u) << "one in 21";
+    EXPECT_EQ(shapes.size(), 7u) << "every kind except the half-space";
+    const auto above = [&](std::size_t i) { // a corner of its cell
+        const Vector3d p = scene.poses[i].translation();
+        return p.z() -
+               hill.height(std::uint32_t(p.x() / hill.spacing().x()), std::uint32_t(p.y() / hill.spacing().y()));
+    };
+    for (std::size_t i = 1; i < scene.size(); ++i) EXPECT_GT(above(i), 0.4) << i;
+    Mover().move(scene, scene.frames - 1);
+    for (std::size_t i = 1; i < scene.size(); ++i) {
+        EXPECT_NEAR(above(i), 0.15, 0.15) << i;
+        EXPECT_GT(scene.poses[i].translation().x(), scene.start_pose(i).translation().x() + 1) << i;
     }
 }
 

@@ -134,7 +134,7 @@ struct PhysicsBody {
 };
 
 struct PhysicsSettings {
-    double dt = 0.004, friction = 0.5;
+    double dt = 0.008, friction = 0.5;
     double damping = 0.1, spin_damping = 0.6; ///< shares of the speed and the spin that are lost in a second
 };
 

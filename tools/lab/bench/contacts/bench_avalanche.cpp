@@ -1,21 +1,22 @@
 // oncollide-lab bench avalanche: bodies slide down a hill until they rest, moved by the reference solver, and beside it
 // by another library's physics.
 #include "bench/common/benchmark.hpp"
-#include "bench/contacts/avalanche_scene.hpp"
 #include "bench/contacts/our_physics.hpp"
+#include "bench/contacts/pose_record.hpp"
 #include "cli/system.hpp"
 
 #include <algorithm>
 
 #include <oncollide/base/threads/parallel.hpp>
+#include <oncollide/samples/bodies_above.hpp>
+#include <oncollide/samples/catalogue.hpp>
 
 namespace oncollide::tools {
 namespace {
 
 struct AvalancheOptions : SharedOptions {
-    int bodies = 10'000;
-    std::optional<int> meshes{};
-    int most_seconds = 60;
+    int bodies = 10'500, most_seconds = 60, record_every = 10;
+    std::string record; ///< scene file; empty: none
 };
 
 /// Means over the steps of one second.
@@ -38,11 +39,8 @@ struct AvalancheSecond {
 };
 
 /// Bodies whose middle is below the hill by more than a concave body's hole may let it be, or beside the hill.
-std::size_t lost_bodies(const AvalancheScene& scene, const PhysicsPeer& peer)
+std::size_t lost_bodies(const Terrain& hill, std::span<const Eigen::Isometry3d> poses)
 {
-    std::vector<Eigen::Isometry3d> poses;
-    peer.poses(poses);
-    const Terrain& hill = std::get<Terrain>(scene.hill->data);
     return static_cast<std::size_t>(std::count_if(poses.begin() + 1, poses.end(), [&](const auto& pose) {
         const Eigen::Vector3d p = pose.translation();
         constexpr double deep = 0.1;
@@ -55,27 +53,52 @@ struct AvalancheEnd {
     std::size_t lost = 0;
 };
 
-AvalancheEnd play(ResultTable& table, const std::string& who, const AvalancheScene& scene, PhysicsPeer& peer,
-                  const PhysicsSettings& settings, int most_seconds)
+/// @param watch  gets the poses of each step, and its number from 0: the start
+AvalancheEnd play(ResultTable& table, const std::string& who, const Terrain& hill, PhysicsPeer& peer,
+                  const AvalancheOptions& options,
+                  const std::function<void(int, std::span<const Eigen::Isometry3d>)>& watch = {})
 {
     AvalancheEnd end;
     AvalancheSecond second;
-    const int a_second = std::max(1, static_cast<int>(std::lround(1 / settings.dt)));
+    std::vector<Eigen::Isometry3d> poses;
+    const auto look = [&](int i) {
+        peer.poses(poses);
+        if (watch) watch(i, poses);
+    };
+    const double dt = PhysicsSettings{}.dt;
+    const int a_second = static_cast<int>(std::lround(1 / dt));
+    look(0);
     int i = 1;
-    for (; !end.rests && i * settings.dt <= most_seconds; ++i) {
+    for (; !end.rests && i * dt <= options.most_seconds; ++i) {
         const PhysicsStep step = peer.step();
         second.add(step);
         end.rests = step.awake == 0;
+        look(i);
         if (i % a_second == 0 || end.rests) {
-            table.row(second.figures_of(who, i * settings.dt, lost_bodies(scene, peer)));
+            end.lost = lost_bodies(hill, poses);
+            table.row(second.figures_of(who, i * dt, end.lost));
             second = {};
         }
     }
-    end.lost = lost_bodies(scene, peer);
     AvalancheSecond rest; // the cost of a step when nothing moves any more
     for (int k = 0; end.rests && k < 20; ++k) rest.add(peer.step());
-    if (end.rests) table.row(rest.figures_of(who + ", at rest", i * settings.dt, end.lost));
+    if (end.rests) table.row(rest.figures_of(who + ", at rest", i * dt, end.lost));
     return end;
+}
+
+std::vector<PhysicsBody> bodies_of(const Scene& scene)
+{
+    constexpr double density = 1000;
+    std::vector<PhysicsBody> bodies;
+    for (std::size_t i = 0; i < scene.size(); ++i) {
+        const Geometry& geometry = scene.geometries[index(scene.geometry[i])];
+        bodies.push_back({&geometry, scene.start_pose(i), 0, Eigen::Vector3d::Zero()});
+        if (scene.is_static[i]) continue;
+        const Eigen::Vector3d half = bounds_of(geometry).half_extent(), squares = half.cwiseProduct(half); // as a box
+        const Eigen::Vector3d pairs(squares.y() + squares.z(), squares.z() + squares.x(), squares.x() + squares.y());
+        bodies.back().mass = 8 * half.prod() * density, bodies.back().inertia = bodies.back().mass / 3 * pairs;
+    }
+    return bodies;
 }
 
 int bench_avalanche(const AvalancheOptions& options)
@@ -85,34 +108,28 @@ int bench_avalanche(const AvalancheOptions& options)
         contenders.all.clear();
     else
         contenders.keep(options.only);
-    const int meshes = options.meshes.value_or(options.bodies / 20);
-    const AvalancheScene scene = make_avalanche(options.bodies, meshes, options.seed);
-    const Terrain& hill = std::get<Terrain>(scene.hill->data);
+    const Scene scene = make_scene("avalanche", {.bodies = options.bodies, .seed = options.seed});
+    const Terrain& hill = std::get<Terrain>(scene.geometries[0].data);
     const int threads = threads_of(options.threads);
-    say("{}scene      {} shapes and {} concave meshes on a hill of {} triangles, seed {}\n",
-        describe_program("avalanche"), grouped(std::uint64_t(options.bodies)), grouped(std::uint64_t(meshes)),
-        grouped(2 * hill.cells()), options.seed);
+    say("{}scene      {} bodies of all kinds on a hill of {} triangles, seed {}\n", describe_program("avalanche"),
+        grouped(std::uint64_t(options.bodies)), grouped(2 * hill.cells()), options.seed);
     say("{:<11}the reference solver on manifolds, {} thread{}\n", "oncollide", threads, threads == 1 ? "" : "s");
     for (const PhysicsContender& c : contenders.all) say("{:<11}{}\n", c.name, c.what);
     print_missing(contenders.missing);
     say("\n");
-    constexpr double density = 1000;
-    std::vector<PhysicsBody> bodies = {{scene.hill.get(), Eigen::Isometry3d::Identity(), 0, Eigen::Vector3d::Zero()}};
-    for (const ContactBody& body : scene.bodies) { // as boxes
-        const Eigen::Vector3d squares = body.half.cwiseProduct(body.half);
-        const double mass = 8 * body.half.prod() * density;
-        const Eigen::Vector3d inertia(squares.y() + squares.z(), squares.z() + squares.x(), squares.x() + squares.y());
-        bodies.push_back({body.geometry.get(), body.pose, mass, mass / 3 * inertia});
-    }
+    const std::vector<PhysicsBody> bodies = bodies_of(scene);
     const PhysicsSettings settings;
     ResultTable table(options.csv, {20});
     AvalancheEnd ours;
     {
-        const auto peer = make_our_physics(bodies, settings, threads);
-        ours = play(table, "oncollide", scene, *peer, settings, options.most_seconds);
+        PoseRecord record(scene);
+        ours = play(table, "oncollide", hill, *make_our_physics(bodies, settings, threads), options,
+                    [&](int i, std::span<const Eigen::Isometry3d> poses) {
+                        if (!options.record.empty() && i % options.record_every == 0) record.add(poses);
+                    });
+        if (!options.record.empty()) record.save(options.record);
     }
-    for (const PhysicsContender& c : contenders.all)
-        play(table, c.name, scene, *c.make(bodies, settings), settings, options.most_seconds);
+    for (const PhysicsContender& c : contenders.all) play(table, c.name, hill, *c.make(bodies, settings), options);
     table.commit();
     if (!ours.rests) say("\nBodies still move after {} s.\n", options.most_seconds);
     if (ours.lost > 0) say("\n{} bodies are below the hill or beside it.\n", ours.lost);
@@ -127,9 +144,12 @@ void add_avalanche(Arguments bench)
                                   "Bodies of all shapes slide down a hill until they rest, moved by the reference "
                                   "solver, and by Bullet beside it",
                                   bench_avalanche);
-    b.whole("--bodies N", b->bodies, "shapes; the hill has about 100 triangles for each", {1, 1'000'000});
-    b.whole("--meshes N", b->meshes, "concave meshes among them (default: one for 20 shapes)", {0, 1'000'000});
+    b.whole("--bodies N", b->bodies, "one in 21 is a concave mesh; the hill has about 100 triangles for each",
+            {1, 100'000});
     b.whole("--seconds N", b->most_seconds, "longest simulated time", {1, 3600});
+    b.output("--record", "SCENE.json", b->record,
+             "write the motion that oncollide finds as a scene for 'oncollide run'; a file beside it holds the poses");
+    b.whole("--record-every K", b->record_every, "steps between its frames", {1, 1'000'000});
     b.only(), b.threads("of oncollide"), b.seed("the bodies and the hill"), b.csv("library and simulated second");
     b.footer(
         "Times are means over the steps of a simulated second, of 4 ms each; the last step of the second gives 'awake' "

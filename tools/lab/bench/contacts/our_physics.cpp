@@ -11,9 +11,9 @@
 namespace oncollide::tools {
 namespace {
 
-constexpr double still_speed = 0.05, still_spin = 0.25; ///< m/s, rad/s: slower bodies fall asleep
-constexpr double still_time = 0.5;                      ///< seconds that they must be slow before
-constexpr double waking_speed = 0.15;                   ///< of a body that wakes its neighbours, m/s
+constexpr double still_speed = 0.05, still_spin = 0.5; ///< m/s, rad/s: slower bodies fall asleep
+constexpr double still_time = 0.5;                     ///< seconds that they must be slow before
+constexpr double waking_speed = 0.15;                  ///< of a body that wakes its neighbours, m/s
 
 class OurPhysics final : public PhysicsPeer {
 public:

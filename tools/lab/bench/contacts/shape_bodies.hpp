@@ -1,38 +1,16 @@
 // Bodies that are shapes, where they touch others: for the scenes of 'bench contacts'. Equal arguments give equal
 // bodies; only distances and verdicts of the library take part, and no contacts.
 #pragma once
-#include <cstdint>
 #include <map>
 #include <utility>
 #include <vector>
 
 #include <oncollide/narrowphase/model.hpp>
 #include <oncollide/narrowphase/shapes/convex.hpp>
+#include <oncollide/samples/varied_shapes.hpp>
 #include <oncollide/scenes/model/terrain.hpp>
 
 namespace oncollide::tools {
-
-/// Random numbers in a sequence of their own for each seed and number.
-class ShapeDice {
-public:
-    ShapeDice(std::uint64_t seed, std::uint64_t number) : seed_(seed), number_(number) {}
-    double between(double least, double most);
-    std::size_t below(std::size_t count) { return static_cast<std::size_t>(between(0, static_cast<double>(count))); }
-    bool chance(double share) { return between(0, 1) < share; }
-    Eigen::Vector3d direction();
-    Eigen::Quaterniond rotation();
-    /// A rotation by at most `angle`.
-    Eigen::Quaterniond tilt(double angle);
-
-private:
-    std::uint64_t seed_, number_, drawn_ = 0;
-};
-
-enum class ShapeKind { sphere, box, capsule, hull, cylinder, cone, ellipsoid };
-const char* name_of(ShapeKind kind);
-
-/// A shape of this kind, 0.1 to 0.5 m large. @param points  of a hull; 0: 8 to 60
-Shape draw_shape(ShapeKind kind, ShapeDice& dice, int points = 0);
 
 /// How far b can move along the unit vector `way` until it touches a; infinite if it passes, 0 if they meet already.
 /// Convex solids do not meet before b reaches the plane between them, which is found anew from there.
