@@ -10,6 +10,7 @@
 #include <oncollide/narrowphase/shapes/box_axes.hpp>
 #include <oncollide/narrowphase/shapes/expanding_polytope.hpp>
 #include <oncollide/narrowphase/shapes/newton_meeting.hpp>
+#include <oncollide/narrowphase/shapes/triangle_axes.hpp>
 
 namespace oncollide {
 
@@ -145,8 +146,9 @@ LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double
         const LeastTranslation plane = translation_by_polytope(cores, rounding, cutoff + cores.radius());
         return plane.upper < found.upper && !plane.beyond ? plane : found;
     }
-    found = boxes ? translation_of_boxes(cores, rounding, cutoff)
-                  : translation_by_polytope(cores, rounding, cutoff + cores.radius());
+    found = boxes                         ? translation_of_boxes(cores, rounding, cutoff)
+            : are_triangle_and_box(cores) ? translation_of_triangle_and_box(cores, rounding, cutoff)
+                                          : translation_by_polytope(cores, rounding, cutoff + cores.radius());
     if (!found.beyond && found.upper - found.lower > loose * std::abs(found.upper) + 16 * rounding)
         improve_shallow(cores, rounding, found);
     if (found.beyond || !(found.upper < 0) || cores.radius() > 0) return found;

@@ -37,10 +37,10 @@ struct LeastTranslation {
 ///
 /// Cost: 20 to 60 ns for spheres and capsules, 0.1 microseconds for two boxes, 0.3 to 2 otherwise.
 ///
-/// Separating axes for boxes; closed forms for points and segments; Gilbert, Johnson and Keerthi's distance for cores
-/// that are apart; an expanding polytope otherwise (van den Bergen, "Proximity queries and penetration depth
-/// computation on 3D game objects", 2001). The lower bound is the distance of 0 from the polytope, whose corners are
-/// points of the difference. The bound holds for every shape that rounding may give the polytope.
+/// Separating axes for boxes, and for a triangle and a box; closed forms for points and segments; Gilbert, Johnson and
+/// Keerthi's distance for cores that are apart; an expanding polytope otherwise (van den Bergen, "Proximity queries and
+/// penetration depth computation on 3D game objects", 2001). The lower bound is the distance of 0 from the polytope,
+/// whose corners are points of the difference. The bound holds for every shape that rounding may give the polytope.
 /// @param gap_of_boxes  false: of two boxes that are apart only the gap along the normal is found, and `lower` is
 /// -infinity
 LeastTranslation least_translation(const ConvexDifference& cores, double cutoff, bool gap_of_boxes = true);

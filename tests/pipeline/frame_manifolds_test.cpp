@@ -140,6 +140,40 @@ TEST(FrameManifolds, OfShapesAllocateNothingWhenWarm)
     }
 }
 
+TEST(FrameManifolds, OfShapesOnTrianglesAllocateNothingWhenWarm)
+{
+    for (const bool near : {false, true})
+        for (const GeometryData& ground : {GeometryData(flat_terrain()), GeometryData(make_box_mesh({5, 5, 1}))}) {
+            World world({.clearance = 0.01, .threads = 1});
+            const double top = std::holds_alternative<Terrain>(ground) ? 0 : 1;
+            world.bodies().add({.model = world.models().add(std::make_shared<const Geometry>(Geometry{"", ground, {}})),
+                                .pose = at(0, 0, -top),
+                                .is_static = true});
+            std::vector<BodyId> bodies;
+            for (const Shape& shape : {Shape(Box{{0.3, 0.3, 0.3}}), Shape(Sphere{0.3}), Shape(Capsule{0.3, 0.4}),
+                                       Shape(ConvexHull{make_sphere_mesh(0.3, 80).vertices})})
+                for (int i = 0; i < 3; ++i)
+                    bodies.push_back(world.bodies().add(
+                        {.model = world.models().add(shape),
+                         .pose = at(double(bodies.size() % 4) - 2, double(bodies.size() / 4) - 2, 0.3)}));
+            for (int frame = 0; frame < 40; ++frame) {
+                for (const BodyId body : bodies) {
+                    Isometry3d pose = world.bodies().pose(body);
+                    pose.translation().z() = (near ? 0.303 : 0.298) + 1e-3 * std::sin(frame + body.slot);
+                    world.bodies().set_pose(body, pose);
+                }
+                world.step();
+                const std::size_t before = allocations;
+                const FrameManifolds& found = world.manifolds({.margin = 0.01});
+                const std::size_t after = allocations;
+                EXPECT_GE(found.points.size(), 18u);
+                if (frame >= 20) {
+                    EXPECT_EQ(after, before) << frame;
+                }
+            }
+        }
+}
+
 TEST(FrameManifolds, NeedAFrameOfTheBodiesAsTheyAre)
 {
     World world;

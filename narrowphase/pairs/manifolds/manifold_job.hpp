@@ -3,6 +3,7 @@
 
 #include <oncollide/narrowphase/finding.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/placed_surface.hpp>
+#include <oncollide/narrowphase/pairs/pair_tests.hpp>
 
 namespace oncollide {
 
@@ -23,5 +24,14 @@ struct ManifoldJob {
             std::min<std::size_t>(options.regions_per_pair, options.points_per_pair / most_points()), 1);
     }
 };
+
+/// True if the decision of a pair is that the bodies are apart, in both orders: rounding can make them differ.
+inline bool decided_apart(PairWorker& worker, const PairTask& task)
+{
+    const auto apart = [&](const PairTask& pair) {
+        return tests_for(pair).decide(worker, pair, {}, nullptr).verdict == Verdict::separate;
+    };
+    return apart(task) && apart(task.swapped());
+}
 
 } // namespace oncollide

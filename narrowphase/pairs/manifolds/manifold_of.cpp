@@ -7,11 +7,11 @@
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/pairs/depth/depth_steps.hpp>
 #include <oncollide/narrowphase/pairs/manifold_tests.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/convex_on_surface.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/crossing_regions.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/near_regions.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/points/feature_bits.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/points/point_hull.hpp>
-#include <oncollide/narrowphase/pairs/manifolds/round_on_surface.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/shapes/shape_manifold.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/touching_regions.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
@@ -29,7 +29,7 @@ struct ManifoldMemory {
     TouchingRegions touching;
     NearRegions near;
     RegionMaker maker;
-    RoundOnSurface round;
+    ConvexOnSurface convex;
 };
 
 namespace {
@@ -46,9 +46,8 @@ bool takes_b_first(const PairTask& task)
 /// True if a part of the inner body is inside the outer one.
 bool is_held(const PlacedSurface& inner, const PlacedSurface& outer, PointLocator& locator)
 {
-    return outer.solid() && std::ranges::any_of(inner.part_points(), [&](const Vector3d& p) {
-               return outer.holds(p, locator).value_or(false);
-           });
+    return outer.solid() &&
+           inner.any_part_point([&](const Vector3d& p) { return outer.holds(p, locator).value_or(false); });
 }
 
 /// The body inside moves out through the nearest surface.
@@ -101,9 +100,10 @@ void add_last_region(PairWorker& worker, const PairTask& task, const ManifoldJob
 {
     const PlacedSurface &a = job.a, &b = job.b;
     const Eigen::Isometry3d into = task.pose_a->inverse(Eigen::Isometry);
-    const bool apart = tests_for(task).decide(worker, task, {}, nullptr).verdict == Verdict::separate;
+    const bool apart = decided_apart(worker, task);
     if (apart && job.options.margin == 0) return;
-    const Distance found = tests_for(task).distance(worker, task, {.cutoff = job.options.margin}, true);
+    const double cutoff = job.options.margin + 64 * job.rounding; // also finds gaps that rounding hides
+    const Distance found = tests_for(task).distance(worker, task, {.cutoff = cutoff}, true);
     if (apart && !(found.upper <= job.options.margin)) return;
     ManifoldRegion region{};
     region.kind = apart ? RegionKind::near : RegionKind::touching;
@@ -179,23 +179,27 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
 {
     const Kind kind_a = task.a->kind(), kind_b = task.b->kind();
     const bool round = kind_a == Kind::round || kind_b == Kind::round;
+    // The measures of a box or a hull are found from both surfaces.
+    const bool convex = round || (!options.measures && ConvexOnSurface::takes(task));
     const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
     const RelativePose b_to_a(*task.pose_a, *task.pose_b);
-    const auto box_in = [&](const Model& other, const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
+    const auto box_in = [&](const Model& of, const Model& other, const Eigen::Isometry3d& from,
+                            const Eigen::Isometry3d& to) {
+        if (of.kind() != Kind::map && of.kind() != Kind::half_space) return Aabb{}; // they need none
         Aabb box = other.bounds().box(to.inverse(Eigen::Isometry) * from);
         const double more = options.margin + 0x1p-40 * (box.diagonal() + box.centre().norm());
         box.min.array() -= more, box.max.array() += more;
         return box;
     };
-    const PlacedSurface a(*task.a, RelativePose(here, here), box_in(*task.b, *task.pose_b, *task.pose_a), joins);
-    const PlacedSurface b(*task.b, b_to_a, box_in(*task.a, *task.pose_a, *task.pose_b), joins);
+    const PlacedSurface a(*task.a, RelativePose(here, here), box_in(*task.a, *task.b, *task.pose_b, *task.pose_a),
+                          joins);
+    const PlacedSurface b(*task.b, b_to_a, box_in(*task.b, *task.a, *task.pose_a, *task.pose_b), joins);
     if (!worker.manifold_memory) worker.manifold_memory = std::make_shared<ManifoldMemory>();
     ManifoldMemory& memory = *worker.manifold_memory;
     const ManifoldJob job{a, b, options, manifold};
     if (a.empty() || b.empty()) return add_last_region(worker, task, job);
-    if (round) {
-        memory.round.add(worker, task, job, b_to_a);
-    } else {
+    const bool made = convex && memory.convex.add(worker, task, job, b_to_a);
+    if (!made) {
         a.with_tree([&](auto& tree_a) {
             b.with_tree([&](auto& tree_b) {
                 auto& traversal = worker.traversal(tree_a, tree_b);
@@ -212,8 +216,10 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
             memory.touching.add(job, memory.meeting, memory.overlap, memory.maker);
         }
     }
-    const auto crosses = [](const ManifoldRegion& r) { return r.kind == RegionKind::crossing; };
-    if (std::ranges::none_of(manifold.regions, crosses)) {
+    const auto overlaps = [](const ManifoldRegion& r) {
+        return r.kind == RegionKind::crossing || r.kind == RegionKind::enclosed;
+    };
+    if (std::ranges::none_of(manifold.regions, overlaps)) {
         const bool a_in_b = is_held(a, b, worker.locator);
         if (a_in_b || is_held(b, a, worker.locator)) {
             for (ManifoldRegion& r : manifold.regions)
@@ -222,12 +228,11 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
             add_enclosed_region(worker, job, a_in_b, b_to_a);
         }
     }
-    if (options.margin > 0 && !round) memory.near.add(job, !memory.meeting.empty(), memory.maker);
+    if (options.margin > 0 && !made) memory.near.add(job, !memory.meeting.empty(), memory.maker);
     // A joined face is flat; its original triangles, moved with rounding, may stick out of it by the rounding.
     if (!manifold.regions.empty()) return;
     if (a.joined() || b.joined()) {
-        const Finding found = tests_for(task).decide(worker, task, {}, nullptr);
-        if (found.verdict != Verdict::separate || found.bound <= options.margin)
+        if (!decided_apart(worker, task) || tests_for(task).decide(worker, task, {}, nullptr).bound <= options.margin)
             find(worker, task, options, manifold, false);
     } else {
         add_last_region(worker, task, job);

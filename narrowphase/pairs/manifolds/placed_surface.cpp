@@ -217,16 +217,15 @@ Eigen::Vector3d PlacedSurface::farthest(const Eigen::Vector3d& direction) const
     return into_(*std::ranges::max_element(mesh_->vertices, {}, [&](const Eigen::Vector3d& v) { return d.dot(v); }));
 }
 
-std::vector<Eigen::Vector3d> PlacedSurface::part_points() const
+bool PlacedSurface::any_part_point(FunctionRef<bool(const Eigen::Vector3d&)> visit) const
 {
-    std::vector<Eigen::Vector3d> points;
-    if (model_.kind() == Kind::map) {
-        for (const auto& [cell, face] : faces_) points.push_back(into_(MapAccess::box(*model_.map(), cell).centre()));
-    } else if (model_.kind() != Kind::half_space) {
-        for (const PartPoints& part : model_.parts())
-            for (const Eigen::Vector3d& p : part) points.push_back(into_(p));
-    }
-    return points;
+    if (model_.kind() == Kind::map)
+        return std::ranges::any_of(
+            faces_, [&](const auto& face) { return visit(into_(MapAccess::box(*model_.map(), face.first).centre())); });
+    if (model_.kind() == Kind::half_space) return false;
+    return std::ranges::any_of(model_.parts(), [&](const PartPoints& part) {
+        return std::ranges::any_of(part, [&](const Eigen::Vector3d& p) { return visit(into_(p)); });
+    });
 }
 
 FeatureBits PlacedSurface::vertex(std::uint32_t v) const

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include <oncollide/base/function_ref.hpp>
 #include <oncollide/narrowphase/exact/relative_pose.hpp>
 #include <oncollide/narrowphase/finding.hpp>
 #include <oncollide/narrowphase/inside/flat_faces.hpp>
@@ -22,7 +23,7 @@ public:
     static constexpr int reversed_edges[] = {0, 2, 1};
 
     /// @param into   moves the body into the frame of the pair
-    /// @param other  a box around the other body, in this body's frame
+    /// @param other  a box around the other body, in this body's frame; for a map and a half-space
     /// @param joins  triangles of a mesh in one plane are joined to larger ones (inside/flat_faces.hpp)
     PlacedSurface(Model& model, const RelativePose& into, const Aabb& other, bool joins);
     PlacedSurface(const PlacedSurface&) = delete;
@@ -74,8 +75,9 @@ public:
     /// The support point along a direction (frame of the pair); for a terrain, and for a map without an open side
     /// here, a corner of its AABB.
     Eigen::Vector3d farthest(const Eigen::Vector3d& direction) const;
-    /// Points of each part of the body; one per part, or more.
-    std::vector<Eigen::Vector3d> part_points() const;
+    /// Calls visit(point) for points of each part of the body, one per part or more, until it returns true. Returns
+    /// whether it did.
+    bool any_part_point(FunctionRef<bool(const Eigen::Vector3d&)> visit) const;
 
     FeatureBits vertex(std::uint32_t vertex) const;
     FeatureBits edge(std::uint32_t from, std::uint32_t to) const;

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/model.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
 #include <oncollide/narrowphase/shapes/least_translation.hpp>
@@ -179,6 +180,43 @@ TEST(LeastTranslation, TakesHullsOfEveryForm)
         ++shapes;
     }
     EXPECT_EQ(shapes, 400u);
+}
+
+/// The separating axes of a triangle and a box against an expanding polytope. Also slivers, and edges along the box.
+TEST(LeastTranslation, OfATriangleAndABoxIsThatOfThePolytope)
+{
+    Drawing d{std::mt19937_64(17)};
+    std::size_t overlap = 0, with_points = 0;
+    for (int trial = 0; trial < 20'000; ++trial) {
+        Solid box{Shape(Box{{d.draw(0.1, 1), d.draw(0.1, 1), d.draw(0.1, 1)}})};
+        const auto corner = [&] { return Vector3d(d.draw(-1.5, 1.5), d.draw(-1.5, 1.5), d.draw(-1.5, 1.5)); };
+        TrianglePoints triangle{corner(), corner(), corner()};
+        if (trial % 4 == 1) triangle[2] = triangle[1] + 1e-6 * corner();
+        if (trial % 4 == 2) triangle[1].x() = triangle[0].x(), triangle[1].y() = triangle[0].y();
+        const Isometry3d pose = trial % 4 == 2 ? Isometry3d::Identity() : random_pose(d.random(), 0.5);
+        const PlacedPair placed(Isometry3d::Identity(), pose);
+        const Convex flat = convex_of(triangle);
+        const ConvexDifference cores(flat, box.model.convex(), placed.b_to_a, placed.slack);
+        const LeastTranslation found = least_translation(cores, 1e9);
+        if (found.upper < 0) continue;
+        ++overlap;
+        const LeastTranslation other = deepest_translation(cores);
+        const double tolerance = 1e-12 + (trial % 4 == 1 ? 1e-7 : 0);
+        ASSERT_LE(found.lower, found.upper) << trial;
+        EXPECT_LE(found.lower, other.upper + 1e-13) << trial;
+        EXPECT_LE(other.lower, found.upper + 1e-13) << trial;
+        EXPECT_LE(found.upper, 1.01 * other.upper + tolerance) << trial;
+        EXPECT_GE(found.lower, other.upper - 0.01 * other.upper - tolerance) << trial;
+        EXPECT_NEAR(-found.normal.dot(cores.support(-found.normal).w), found.upper, tolerance) << trial;
+        if (!found.has_points) continue;
+        ++with_points;
+        const double depth = found.normal.dot(found.on_a - found.on_b);
+        EXPECT_LE(depth, found.upper + 1e-12) << trial;
+        EXPECT_NEAR((nearest_on(triangle, found.on_a).at - found.on_a).norm(), 0, 1e-12) << trial;
+        EXPECT_LE(box.model.convex().depth(pose.inverse() * found.on_b), 1e-12) << trial;
+    }
+    EXPECT_GT(overlap, 5000u);
+    EXPECT_GT(with_points, 1000u);
 }
 
 } // namespace

@@ -89,7 +89,7 @@ void add_manifolds(Arguments app)
     sub.add_option("--threads N", options->threads, "number of threads; 0: all (default 1)");
     const Option shapes =
         sub.add_flag("--shapes", options->shapes,
-                     "judge shapes, every kind with every kind, and round shapes on meshes, terrains and maps");
+                     "judge shapes, every kind with every kind, and bounded shapes on meshes, terrains and maps");
     sub.add_option("--kinds A,B", options->kinds, "only these two kinds, such as sphere,box or cone,terrain")
         .needs(shapes);
     sub.footer(

@@ -22,6 +22,7 @@ public:
     bool empty() const { return count_ == 0; }
     std::uint32_t count() const { return count_; }
     double deepest() const;
+    std::span<Candidate> from(std::uint32_t first) { return std::span(all_).subspan(first, count_ - first); }
     std::span<const Candidate> chosen() const { return std::span(all_).first(count_); }
 
     /// Drops points of less depth, but not the deepest.

@@ -89,12 +89,11 @@ void judge_presence(const SolidGap& gap, Real doubt, const ShapeAnswer& answer, 
     faults.expect(!(none && gap.upper <= margin - doubt), ShapeClaim::presence,
                   "no region at distance {:.17g} with margin {:.17g}", shown(gap.upper), margin);
     // A body below a terrain or inside a closed mesh may be far from the surface.
-    const bool enclosed = std::ranges::any_of(answer.manifold.regions, [](const ManifoldRegion& r) {
-        return r.kind == RegionKind::enclosed;
-    });
+    const bool enclosed = std::ranges::any_of(answer.manifold.regions,
+                                              [](const ManifoldRegion& r) { return r.kind == RegionKind::enclosed; });
     const bool close = answer.verdict != Verdict::separate || gap.lower <= margin + doubt;
-    faults.expect(none || enclosed || close, ShapeClaim::presence,
-                  "a region at distance {:.17g} with margin {:.17g}", shown(gap.lower), margin);
+    faults.expect(none || enclosed || close, ShapeClaim::presence, "a region at distance {:.17g} with margin {:.17g}",
+                  shown(gap.lower), margin);
 }
 
 class ShapeJudge {
@@ -247,6 +246,40 @@ ShapeVerdict judge_shapes(const SolidTruth& a, const SolidTruth& b, const ShapeA
     return ShapeJudge(a, b, answer).run();
 }
 
+namespace {
+
+void judge_region_on_ground(std::span<const SolidTruth> parts, const SolidGap& gap, Real doubt, const SolidTruth& solid,
+                            bool solid_is_a, const ShapeAnswer& answer, const ManifoldRegion& r, ShapeFaults& faults)
+{
+    const bool enclosed = r.kind == RegionKind::enclosed;
+    faults.expect(std::abs(r.normal.norm() - 1) <= 1e-15, ShapeClaim::normal, "{} is not unit", shown(r.normal));
+    const bool apart = answer.verdict == Verdict::separate && gap.lower > doubt;
+    faults.expect(!apart || enclosed || r.kind == RegionKind::near, ShapeClaim::kind, "{} at distance {:.17g}",
+                  name_of(r.kind), shown(gap.lower));
+    faults.expect(r.depth_lower <= r.depth_upper && std::isfinite(r.depth_upper), ShapeClaim::depth_lower,
+                  "{:.17g} and depth_upper {:.17g}", r.depth_lower, r.depth_upper);
+    const LongVector out = Real(solid_is_a ? -1 : 1) * r.normal.cast<Real>(); // the solid moves along it
+    // After the lower depth they still meet; an enclosed body, too, though perhaps no surface.
+    if (r.depth_lower > doubt && !enclosed)
+        faults.expect(std::ranges::any_of(parts,
+                                          [&](const SolidTruth& part) {
+                                              return gap_of(part, solid, Real(r.depth_lower) * out).lower <= doubt;
+                                          }),
+                      ShapeClaim::depth_lower, "{:.17g}: the two are then apart", r.depth_lower);
+    for (std::uint32_t k = r.first; k < r.first + r.count; ++k) {
+        const ManifoldPoint& p = answer.manifold.points[k];
+        const Vector3d& at = solid_is_a ? p.point_a : p.point_b;
+        const Real error = p.depth_error + doubt + 0x1p-50L * at.cwiseAbs().maxCoeff();
+        const Real off = std::abs(solid.from_surface(placed(at, solid)));
+        faults.expect(off <= error, ShapeClaim::surface, "{} of the solid is {:.3g} off, and its error {:.3g}",
+                      shown(at), shown(off), p.depth_error);
+        faults.expect(p.depth - p.depth_error <= r.depth_upper + doubt, ShapeClaim::depth,
+                      "{:.17g} - {:.17g} is above depth_upper {:.17g}", p.depth, p.depth_error, r.depth_upper);
+    }
+}
+
+} // namespace
+
 ShapeVerdict judge_on_ground(std::span<const SolidTruth> parts, bool may_be_below, const SolidTruth& solid,
                              bool solid_is_a, const ShapeAnswer& answer)
 {
@@ -265,12 +298,8 @@ ShapeVerdict judge_on_ground(std::span<const SolidTruth> parts, bool may_be_belo
     if (may_be_below) gap.lower = 0;
     judge_presence(gap, doubt, answer, faults);
     judge_swapped(answer.manifold, answer.swapped, faults);
-    for (const ManifoldPoint& p : answer.manifold.points) {
-        const Vector3d& at = solid_is_a ? p.point_a : p.point_b;
-        const Real off = std::abs(solid.from_surface(placed(at, solid)));
-        faults.expect(off <= p.depth_error + doubt + 0x1p-50L * at.cwiseAbs().maxCoeff(), ShapeClaim::surface,
-                      "{} of the solid is {:.3g} off, and its error {:.3g}", shown(at), shown(off), p.depth_error);
-    }
+    for (const ManifoldRegion& r : answer.manifold.regions)
+        judge_region_on_ground(parts, gap, doubt, solid, solid_is_a, answer, r, faults);
     const bool apart = gap.lower > doubt;
     return {faults.take(), !apart, apart && gap.upper <= answer.options.margin};
 }

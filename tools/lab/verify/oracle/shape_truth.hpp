@@ -59,7 +59,7 @@ struct ShapeVerdict {
 /// and of the reference's own error where that is not a closed form. The solids must have one origin.
 ShapeVerdict judge_shapes(const SolidTruth& a, const SolidTruth& b, const ShapeAnswer& answer);
 
-/// Judges presence, the points on the round solid, and the swapped manifold, for a solid on ground: the union of
+/// Judges presence, the kind, the depths, the points and the swapped manifold, for a solid on ground: the union of
 /// `parts`.
 /// @param may_be_below  the parts are a surface behind which a region may be at any distance
 ShapeVerdict judge_on_ground(std::span<const SolidTruth> parts, bool may_be_below, const SolidTruth& solid,

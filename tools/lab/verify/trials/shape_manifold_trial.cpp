@@ -16,12 +16,6 @@ namespace {
 constexpr int shape_count = std::size(shape_kinds), ground_count = std::size(ground_kinds);
 constexpr int half_space = int(ShapeKind::half_space);
 
-/// Only round shapes are judged on ground.
-bool is_round(int kind)
-{
-    return kind != int(ShapeKind::box) && kind != int(ShapeKind::hull) && kind != half_space;
-}
-
 const std::vector<std::pair<int, int>>& pairs_of_kinds()
 {
     static const std::vector<std::pair<int, int>> all = [] {
@@ -31,7 +25,7 @@ const std::vector<std::pair<int, int>>& pairs_of_kinds()
                 if (a != half_space) pairs.emplace_back(a, b);
         for (int a = 0; a < shape_count; ++a)
             for (int b = 0; b < ground_count; ++b)
-                if (is_round(a)) pairs.emplace_back(a, shape_count + b);
+                if (a != half_space) pairs.emplace_back(a, shape_count + b);
         return pairs;
     }();
     return all;

@@ -1,0 +1,13 @@
+#pragma once
+#include <oncollide/narrowphase/shapes/least_translation.hpp>
+
+namespace oncollide {
+
+/// True if A is a triangle, and B a box with a volume.
+bool are_triangle_and_box(const ConvexDifference& cores);
+
+/// The least translation of a triangle and a box, by separating axes. Its points are those of a box's face or of two
+/// edges; the triangle's own normal has none.
+LeastTranslation translation_of_triangle_and_box(const ConvexDifference& cores, double rounding, double cutoff);
+
+} // namespace oncollide
