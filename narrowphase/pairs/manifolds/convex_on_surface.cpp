@@ -343,7 +343,7 @@ bool ConvexOnSurface::add(PairWorker& worker, const PairTask& task, const Manifo
     if (apart)
         for (Reached& r : reached_) r.apart = true; // the decision sees a gap that rounding hides
     // If they are not apart, the nearest triangle has a region, even if all are apart by a rounding.
-    const double least = apart ? -s.margin : std::min(-s.margin, nearest);
+    const double most = s.margin + 4 * s.job.rounding, least = apart ? -most : std::min(-most, nearest);
     std::erase_if(reached_, [&](const Reached& r) { return r.least.upper < least; });
     for (Reached& r : reached_)
         if ((r.way = set_way(s, r)) == Way::deep) return false;
@@ -353,8 +353,12 @@ bool ConvexOnSurface::add(PairWorker& worker, const PairTask& task, const Manifo
             if (r.way == Way::out && (r.least.normal == r.face) == by_face) add_to_group(s, r);
     add_blocked(s);
     if (group_count_ == 0 && !s.round) return reached_.empty();
-    if (group_count_ == 0 && !reached_.empty()) // the triangle that stands for all if no direction leads out
-        add_to_group(s, *std::ranges::max_element(reached_, {}, [](const Reached& r) { return r.least.upper; }));
+    if (group_count_ == 0 && !reached_.empty()) { // no direction leads out: one triangle stands for all
+        Reached one = *std::ranges::max_element(reached_, {}, [](const Reached& r) { return r.least.upper; });
+        // A way through to the other side of the surface is no way out.
+        if (s.surface.solid() && !one.face.isZero(0) && one.least.normal.dot(one.face) < against) take_face(s, one);
+        add_to_group(s, one);
+    }
     for (std::size_t g = 0; g < group_count_; ++g) add_region(s, groups_[g]);
     return true;
 }

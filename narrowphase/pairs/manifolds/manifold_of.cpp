@@ -168,9 +168,9 @@ void complete(Manifold& manifold, const ManifoldOptions& options, const Eigen::I
     if (const std::size_t most = std::max(options.regions_per_pair, 1u); regions.size() > most)
         regions.resize(most), manifold.complete = false;
     drop_repeated(manifold, options);
-    for (ManifoldRegion& r : regions) r.normal = pose.linear() * r.normal, r.centre = pose * r.centre;
+    for (ManifoldRegion& r : regions) r.normal = (pose.linear() * r.normal).normalized(), r.centre = pose * r.centre;
     for (ManifoldPoint& p : manifold.points)
-        p.point_a = pose * p.point_a, p.point_b = pose * p.point_b, p.normal = pose.linear() * p.normal;
+        p.point_a = pose * p.point_a, p.point_b = pose * p.point_b, p.normal = (pose.linear() * p.normal).normalized();
     limit_points(manifold, options.points_per_pair);
 }
 

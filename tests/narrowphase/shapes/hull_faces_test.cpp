@@ -1,6 +1,7 @@
 // The faces of hulls as polygons.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -40,8 +41,8 @@ TEST(HullFaces, KnowsItsSharpestCorner)
     needle.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
     const HullFaces faces(needle);
     ASSERT_EQ(faces.faces().size(), 4u);
-    for (const HullFaces::Face& f : faces.faces())
-        if (f.triangle == 0) EXPECT_NEAR(f.sharp * std::sin(angle / 2), 1, 1e-6);
+    const auto first = std::ranges::find(faces.faces(), 0u, &HullFaces::Face::triangle);
+    EXPECT_NEAR(first->sharp * std::sin(angle / 2), 1, 1e-6);
 }
 
 } // namespace

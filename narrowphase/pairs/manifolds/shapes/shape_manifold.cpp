@@ -63,7 +63,7 @@ private:
     bool reaches() const;
     bool faces_are_nearest();
     void add_deepest();
-    ManifoldPoint point(const FewPoints::Candidate& c) const;
+    ManifoldPoint point(const FewPoints::Candidate& c, const Vector3d& normal) const;
 
     const PairTask& task_;
     const ManifoldOptions& options_;
@@ -103,8 +103,8 @@ bool ShapeRegion::set_kind(PairWorker& worker)
         return true;
     }
     kind_ = RegionKind::near;
-    const double gap = -found_.upper; // a lower bound
-    if (gap > 0 && gap <= options_.margin) return true;
+    const double gap = -found_.upper;                                   // a lower bound
+    if (gap > 0 && gap <= options_.margin + 4 * rounding_) return true; // as near as decide() may see it
     if (gap > unsure * size()) return false;
     // Rounding hides it: the decision counts, whose own bounds may be wider.
     const Verdict verdict = tests_for(task_).decide(worker, task_, {}, nullptr).verdict;
@@ -180,11 +180,11 @@ bool ShapeRegion::reaches() const
            points_.points.deepest() >= found_.lower - face_preference(found_.lower, smaller()) - 16 * rounding_;
 }
 
-ManifoldPoint ShapeRegion::point(const FewPoints::Candidate& c) const
+/// @param normal  of the region, in the world
+ManifoldPoint ShapeRegion::point(const FewPoints::Candidate& c, const Vector3d& normal) const
 {
     const Eigen::Isometry3d& pose = *task_.pose_a;
-    return {
-        pose * c.on_a, pose * c.on_b, c.depth, c.off + 8 * rounding_, c.of_a, c.of_b, pose.linear() * found_.normal};
+    return {pose * c.on_a, pose * c.on_b, c.depth, c.off + 8 * rounding_, c.of_a, c.of_b, normal};
 }
 
 /// Finds the points along the normal, or along a face's.
@@ -239,12 +239,12 @@ void ShapeRegion::find(PairWorker& worker, Manifold& manifold)
     region.found = points_.points.count();
     points_.points.choose(found_.normal, same_point_share * size(),
                           std::min(options_.points_per_region, options_.points_per_pair));
-    region.normal = task_.pose_a->linear() * found_.normal, region.normal_error = found_.normal_error;
+    region.normal = (task_.pose_a->linear() * found_.normal).normalized(), region.normal_error = found_.normal_error;
     region.depth_lower = meet_ ? std::max(found_.lower, 0.0) : found_.lower;
     region.depth_upper = std::max(found_.upper, region.depth_lower);
     region.first = static_cast<std::uint32_t>(manifold.points.size()), region.count = points_.points.count();
     for (const FewPoints::Candidate& c : points_.points.chosen()) {
-        const ManifoldPoint p = point(c);
+        const ManifoldPoint p = point(c, region.normal);
         region.depth_upper = std::max(region.depth_upper, p.depth - p.depth_error);
         manifold.points.push_back(p);
     }
