@@ -46,7 +46,7 @@ ConvexMeeting ConvexPair::meeting_of_balls() const
         if (looks.meeting.sign != 0) return looks.meeting;
         d = convex_distance(cores_, goal, &looks.direction);
     } else {
-        d = convex_distance(cores_, goal);
+        d = distance_of_cores(goal);
     }
     if (d.lower > radius_) return {1, d.lower - radius_};
     if (d.upper <= radius_) return {-1, 0};
@@ -84,12 +84,37 @@ bool ConvexPair::nearest_of_boxes(const DistanceGoal& goal, ConvexDistance& foun
            found.upper - found.lower <= goal.tolerance + 16 * rounding;
 }
 
+/// The centre of a sphere and the core of a box, a sphere or a capsule, in closed form. False: the cores are others.
+bool ConvexPair::nearest_of_point_and_box(ConvexDistance& found) const
+{
+    constexpr auto box = Convex::Core::box;
+    const bool point_b = b_.core == box && b_.low == b_.high;
+    if (a_.core != box || b_.core != box || !(point_b || a_.low == a_.high)) return false;
+    double off = cores_.rounding();
+    if (point_b) {
+        found.on_b = b_to_a_(b_.low), found.on_a = found.on_b.cwiseMax(a_.low).cwiseMin(a_.high);
+    } else { // a point moved into B's frame errs by as much again, and by the rotation's deviation from rigid
+        off = 2 * off + 2 * cores_.slack() * (cores_.size() + cores_.radius());
+        const Eigen::Vector3d in_b = cores_.into_b(a_.low - b_to_a_.translation);
+        found.on_a = a_.low, found.on_b = b_to_a_(in_b.cwiseMax(b_.low).cwiseMin(b_.high));
+    }
+    found.toward = found.on_b - found.on_a;
+    const double length = found.toward.norm();
+    found.lower = std::max(length - off, 0.0), found.upper = length + off;
+    return true;
+}
+
+ConvexDistance ConvexPair::distance_of_cores(const DistanceGoal& goal) const
+{
+    ConvexDistance d;
+    if (nearest_of_point_and_box(d) || nearest_of_boxes(goal, d)) return d;
+    return convex_distance(cores_, goal, axes_ && axes_->upper < 0 ? &axes_->normal : nullptr);
+}
+
 ConvexDistance ConvexPair::distance(DistanceGoal goal) const
 {
     goal.cutoff += radius_, goal.below += radius_;
-    ConvexDistance d;
-    if (!nearest_of_boxes(goal, d))
-        d = convex_distance(cores_, goal, axes_ && axes_->upper < 0 ? &axes_->normal : nullptr);
+    ConvexDistance d = distance_of_cores(goal);
     // The direction between bodies that almost touch is lost in rounding. A portal's direction is not lost; and where
     // the meeting is certain, the distance must agree with it.
     if (radius_ == 0 ? d.lower < 0x1p-20 * d.upper : d.lower <= radius_ && d.upper > radius_) {

@@ -50,12 +50,15 @@ Ends nearest_of_segments(const ConvexDifference& cores)
     return {Vector3d(0, 0, s), t + u * d};
 }
 
-/// Bounds and normal of cores that are apart, from their nearest points. False: they are too near for a direction.
+/// Bounds and normal of cores that are apart, from their nearest points. False: they are too near for a certain
+/// direction; the bounds hold, if `upper` is below 0.
 bool set_apart(const ConvexDifference& cores, const Ends& ends, double rounding, LeastTranslation& found)
 {
     Vector3d on_a = ends.on_a, v = ends.on_b - ends.on_a;
     double gap = v.norm();
-    if (!(gap > least_gap * rounding)) return false;
+    const bool certain = gap > least_gap * rounding;
+    found.lower = -gap - rounding, found.upper = std::numeric_limits<double>::infinity();
+    if (!(gap > rounding)) return false;
     // The gap along any direction is a lower bound of the distance.
     Vector3d n = v / gap;
     ConvexDifference::Point p = cores.support(-n);
@@ -77,7 +80,7 @@ bool set_apart(const ConvexDifference& cores, const Ends& ends, double rounding,
     found.normal = n, found.upper = rounding - along, found.lower = -gap - rounding;
     found.normal_error = angle_to_shortest(along - rounding, gap + rounding);
     found.on_a = on_a, found.on_b = on_a + v, found.off = std::max(gap - along, 0.0), found.has_points = true;
-    return true;
+    return certain;
 }
 
 /// By the distance; false: the cores meet, or nearly.
@@ -116,10 +119,19 @@ LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double
     const Convex &a = cores.a(), &b = cores.b();
     LeastTranslation found{};
     const bool thin_a = is_thin(a), thin_b = is_thin(b), boxes = a.core == Convex::Core::box && b.core == a.core;
+    // Of boxes that are nearly in contact, apart from their radii. Those that are apart by an axis may be farther
+    // apart.
+    const auto by_axes = [&] {
+        LeastTranslation axes = translation_of_boxes(cores, rounding, cutoff + cores.radius());
+        if (axes.beyond || axes.lower > 0) return axes;
+        if (found.upper < axes.upper) return found;
+        axes.lower = std::min(axes.lower, found.lower);
+        return axes;
+    };
     if (thin_a && thin_b) {
         const Ends ends = nearest_of_segments(cores);
         if (set_apart(cores, ends, rounding, found)) return found;
-        found = translation_of_boxes(cores, rounding, cutoff + cores.radius());
+        found = by_axes();
         found.on_a = ends.on_a, found.on_b = ends.on_b, found.has_points = true;
         return found;
     }
@@ -138,7 +150,7 @@ LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double
         } else if (by_distance(cores, rounding, cutoff, found)) {
             return found;
         }
-        return translation_of_boxes(cores, rounding, cutoff + cores.radius());
+        return by_axes();
     }
     if (cores.radius() > 0 && by_distance(cores, rounding, cutoff, found)) {
         if (found.beyond || found.upper - found.lower <= loose * std::abs(cores.radius() + found.upper)) return found;

@@ -23,7 +23,7 @@ namespace {
 /// Share of the sizes. Points less apart are one.
 constexpr double same_point_share = 0x1p-20;
 /// Share of the sizes. The decision may leave a gap open that is smaller.
-constexpr double unsure = 0x1p-36;
+constexpr double unsure = 0x1p-32;
 
 /// Stands for a half-space where cores are compared.
 const Convex& point_of_plane()
@@ -200,7 +200,9 @@ void ShapeRegion::find_points()
     const LeastTranslation found = found_;
     if (!plane_ && !found_.of_axes) prefer_face(face_a_, 1), prefer_face(face_b_, -1);
     add_points();
-    if (!reaches() && found.normal != found_.normal) found_ = found, points_.points.clear(), add_points();
+    const bool parts_better = found_.upper + 16 * rounding_ < found.upper;
+    if (!reaches() && found.normal != found_.normal && !parts_better)
+        found_ = found, points_.points.clear(), add_points();
 }
 
 /// True if a point proves that the gap of two boxes along the normal is their distance.
