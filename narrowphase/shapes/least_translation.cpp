@@ -119,8 +119,7 @@ LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double
     const Convex &a = cores.a(), &b = cores.b();
     LeastTranslation found{};
     const bool thin_a = is_thin(a), thin_b = is_thin(b), boxes = a.core == Convex::Core::box && b.core == a.core;
-    // Of boxes that are nearly in contact, apart from their radii. Those that are apart by an axis may be farther
-    // apart.
+    // Box cores that are nearly in contact. Their distance may be larger than the gap along the best axis.
     const auto by_axes = [&] {
         LeastTranslation axes = translation_of_boxes(cores, rounding, cutoff + cores.radius());
         if (axes.beyond || axes.lower > 0) return axes;

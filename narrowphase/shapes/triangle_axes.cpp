@@ -117,7 +117,7 @@ LeastTranslation TriangleAndBox::find()
         return found;
     }
     const double smaller = std::min(size_ - half_.norm(), half_.norm());
-    const auto better = [&](const Axis& a, const Axis& b) { // by more than what counts as equal
+    const auto better = [&](const Axis& a, const Axis& b) { // beyond the preference for a face
         return a.depth + face_preference(a.depth, smaller) < b.depth;
     };
     const Axis* best = better(face, flat) ? &face : &flat;

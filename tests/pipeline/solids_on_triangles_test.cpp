@@ -159,7 +159,7 @@ TEST(SolidsOnTriangles, AreNearWithinTheMargin)
     }
 }
 
-/// What is deep is not lost: the surfaces are compared as those of two meshes.
+/// Deep shapes are not lost: their surfaces are compared as surfaces of meshes are.
 TEST(SolidsOnTriangles, AreNeverLostWhereTheyAreDeep)
 {
     const Shape box = Box{{0.4, 0.3, 0.2}};
