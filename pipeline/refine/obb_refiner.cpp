@@ -171,7 +171,7 @@ Finding ObbRefiner::refine(const RefineContext& context, const PairTask& task, P
     const bool shapes = task.a->is_bounded_shape() && task.b->is_bounded_shape();
     const bool met = is_certain(task, memory->depth(task.travel));
     if (!kept && !wants_kinds(settings) && (shapes ? met : sure() && (met || inner_spheres_meet(task, *memory)))) {
-        ++worker.by_inner_spheres, memory->meets = true;
+        worker.by_inner_spheres += !shapes, memory->meets = true;
         if (!settings.coherence) return walk(nullptr);
         if (goal_ == Goal::exact) return {Verdict::colliding, ContactKind::unknown, 0};
         return shapes ? bodies_overlap : Finding{Verdict::within, ContactKind::unknown, beyond};

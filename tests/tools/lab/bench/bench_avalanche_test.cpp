@@ -33,7 +33,7 @@ TEST_F(CommandLine, BenchAvalancheWritesWhatItPlaysAsASceneWithARecording)
     const Outcome outcome = run({"bench", "avalanche", "--bodies", "21", "--seconds", "2", "--only", "oncollide",
                                  "--record", "slide.json", "--record-every", "25"});
     EXPECT_TRUE(outcome.code == 0 || outcome.code == 70) << outcome.out << outcome.err;
-    Scene scene = load_scene(folder_ / "slide.json");
+    Scene scene = load_scene(folder_ / "slide.json", {.generators = &sample_generators()});
     EXPECT_EQ(scene.size(), 22u);
     EXPECT_EQ(scene.frames, 11) << "the start, and 10 of 250 steps";
     const Scene start = make_scene("avalanche", {.bodies = 21});
