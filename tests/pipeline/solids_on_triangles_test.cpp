@@ -75,6 +75,48 @@ TEST(SolidsOnTriangles, LieOnAPlaneWithItsNormalAndTheirCorners)
         }
 }
 
+Terrain hills()
+{
+    constexpr std::uint32_t side = 41;
+    std::vector<double> heights;
+    for (std::uint32_t k = 0; k < side * side; ++k)
+        heights.push_back(0.6 * std::sin(0.37 * double(k % side)) + 0.5 * std::cos(0.29 * double(k / side)));
+    TerrainGrid grid{.columns = side, .rows = side};
+    grid.spacing = {0.25, 0.25};
+    return make_terrain("hills", grid, heights);
+}
+
+TEST(SolidsOnTriangles, LeaveATerrainUpward)
+{
+    const std::vector<Shape> solids = {Sphere{0.2},          Capsule{0.1, 0.6},          Cylinder{0.2, 0.5},
+                                       Cone{0.25, 0.8},      Ellipsoid{{0.3, 0.2, 0.1}}, Box{{0.2, 0.3, 0.1}},
+                                       Box{{0.4, 0.4, 0.05}}};
+    const GeometryData ground = hills();
+    std::size_t met = 0, below = 0;
+    for (std::uint64_t k = 0; k < 700; ++k) {
+        const Shape& solid = solids[k % solids.size()];
+        Isometry3d pose = at(1 + 8 * u01(k, 1, 0), 1 + 8 * u01(k, 2, 0), 0);
+        const double x = pose.translation().x(), y = pose.translation().y();
+        pose.translation().z() = 0.6 * std::sin(1.48 * x) + 0.5 * std::cos(1.16 * y) - 0.5 * u01(k, 3, 0);
+        pose.rotate(
+            Eigen::AngleAxisd(6 * u01(k, 4, 0), Vector3d(u01(k, 5, 0) - 0.5, u01(k, 6, 0) - 0.5, 0.3).normalized()));
+        const OnGround scene(ground, solid, pose);
+        const bool meets = scene.verdict() != Verdict::separate;
+        const Manifold m = scene.manifold(0.005);
+        EXPECT_TRUE(!meets || !m.regions.empty()) << k;
+        met += meets, below += !meets && !m.regions.empty();
+        for (const ManifoldRegion& r : m.regions) {
+            if (r.kind == RegionKind::near) continue;
+            // Along a slope at most, never through the ground.
+            const Vector3d& p = m.points[r.first].point_a;
+            const Vector3d up(-0.6 * 1.48 * std::cos(1.48 * p.x()), 0.5 * 1.16 * std::sin(1.16 * p.y()), 1);
+            EXPECT_GT(r.normal.dot(up.normalized()), -0.1) << k << ' ' << solid.index() << ' ' << int(r.kind);
+        }
+    }
+    EXPECT_GT(met, 300u);
+    EXPECT_GT(below, 20u);
+}
+
 TEST(SolidsOnTriangles, KeepFeaturesWhileTheySlide)
 {
     for (const int cells : {3, 9}) {
