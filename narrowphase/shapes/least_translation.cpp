@@ -165,7 +165,12 @@ LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double
     if (found.beyond || !(found.upper < 0) || cores.radius() > 0) return found;
     // Apart by a plane: the distance may be larger than the gap at the plane.
     LeastTranslation apart{};
-    if (!by_distance(cores, rounding, cutoff, apart)) return found;
+    if (!by_distance(cores, rounding, cutoff, apart)) { // too near for a certain direction
+        if (apart.upper < found.upper) return apart;
+        found.lower = std::min(found.lower, apart.lower);
+        found.normal_error = std::max(found.normal_error, angle_to_shortest(-found.upper, -found.lower));
+        return found;
+    }
     if (apart.beyond) return apart;
     if (found.upper <= apart.upper + 8 * rounding) { // the plane's normal has less rounding in it
         apart.normal = found.normal, apart.upper = found.upper, apart.lower = std::min(apart.lower, apart.upper);
