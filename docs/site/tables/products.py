@@ -62,18 +62,21 @@ def contacts_of_pairs():
 
 def avalanche():
     titles = {"oncollide": "manifolds and the reference solver", "bullet": "Bullet"}
-    rows = rows_of("contacts/avalanche")
     made = []
-    for who, title in titles.items():
-        seconds = [r for r in rows if r["who"] == who]
-        rest = next((r for r in rows if r["who"] == f"{who}, at rest"), None)
-        values = lambda column: [float(r[column]) for r in seconds]
-        mean = lambda part: three(sum(part) / len(part))
-        ms = lambda column: f"{mean(values(column)[1:4])} ({mean(values(column))})"
-        made.append([title, ms("detection_ms"), ms("solver_ms"),
-                     f"{float(rest['s']):.0f} s" if rest else f"not in {float(seconds[-1]['s']):.0f} s",
-                     three(rest["detection_ms"]) if rest else "-", f"{max(values('lost')):.0f}"])
-    return table(["moved by", "detection, ms a step in seconds 2 to 4, when all move (of all seconds)", "solver",
+    for bodies, name in ("1,050", "avalanche"), ("10,500", "avalanche_full"):
+        rows = rows_of(f"contacts/{name}")
+        for who, title in titles.items():
+            seconds = [r for r in rows if r["who"] == who]
+            if not seconds:
+                continue
+            rest = next((r for r in rows if r["who"] == f"{who}, at rest"), None)
+            values = lambda column: [float(r[column]) for r in seconds]
+            mean = lambda part: three(sum(part) / len(part))
+            ms = lambda column: f"{mean(values(column)[1:4])} ({mean(values(column))})"
+            made.append([bodies, title, ms("detection_ms"), ms("solver_ms"),
+                         f"{float(rest['s']):.0f} s" if rest else f"not in {float(seconds[-1]['s']):.0f} s",
+                         three(rest["detection_ms"]) if rest else "-", f"{max(values('lost')):.0f}"])
+    return table(["bodies", "moved by", "detection, ms a step in seconds 2 to 4, when all move (of all seconds)", "solver",
                   "all at rest after", "detection then, ms", "bodies below the hill"], made)
 
 
