@@ -7,4 +7,13 @@ namespace oncollide {
 /// Edges that are parallel to 1e-8 have no axis of their own, which costs `lower` as much of the sizes.
 LeastTranslation translation_of_boxes(const ConvexDifference& cores, double rounding, double cutoff);
 
+/// True if both are boxes without a radius.
+inline bool are_boxes(const ConvexDifference& cores)
+{
+    return cores.a().core == Convex::Core::box && cores.b().core == Convex::Core::box && cores.radius() == 0;
+}
+
+/// The nearest points of two such cores, of which one is a point, in A's frame. False: the cores are others.
+bool nearest_of_point_and_box(const ConvexDifference& cores, Eigen::Vector3d& on_a, Eigen::Vector3d& on_b);
+
 } // namespace oncollide

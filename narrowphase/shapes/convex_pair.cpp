@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include <oncollide/narrowphase/shapes/box_axes.hpp>
 #include <oncollide/narrowphase/shapes/exact_cores.hpp>
 #include <oncollide/narrowphase/shapes/newton_meeting.hpp>
 
@@ -13,8 +14,7 @@ namespace {
 /// The axis of least overlap of two boxes.
 std::optional<LeastTranslation> axes_of(const ConvexDifference& cores)
 {
-    constexpr auto box = Convex::Core::box;
-    if (cores.a().core != box || cores.b().core != box || cores.radius() > 0) return {};
+    if (!are_boxes(cores)) return {};
     return least_translation(cores, std::numeric_limits<double>::infinity(), false);
 }
 
@@ -85,19 +85,12 @@ bool ConvexPair::nearest_of_boxes(const DistanceGoal& goal, ConvexDistance& foun
 }
 
 /// The centre of a sphere and the core of a box, a sphere or a capsule, in closed form. False: the cores are others.
-bool ConvexPair::nearest_of_point_and_box(ConvexDistance& found) const
+bool ConvexPair::distance_of_point_and_box(ConvexDistance& found) const
 {
-    constexpr auto box = Convex::Core::box;
-    const bool point_b = b_.core == box && b_.low == b_.high;
-    if (a_.core != box || b_.core != box || !(point_b || a_.low == a_.high)) return false;
+    if (!nearest_of_point_and_box(cores_, found.on_a, found.on_b)) return false;
     double off = cores_.rounding();
-    if (point_b) {
-        found.on_b = b_to_a_(b_.low), found.on_a = found.on_b.cwiseMax(a_.low).cwiseMin(a_.high);
-    } else { // a point moved into B's frame errs by as much again, and by the rotation's deviation from rigid
-        off = 2 * off + 2 * cores_.slack() * (cores_.size() + cores_.radius());
-        const Eigen::Vector3d in_b = cores_.into_b(a_.low - b_to_a_.translation);
-        found.on_a = a_.low, found.on_b = b_to_a_(in_b.cwiseMax(b_.low).cwiseMin(b_.high));
-    }
+    // A point moved into B's frame errs by as much again, and by the rotation's deviation from rigid.
+    if (b_.low != b_.high) off = 2 * off + 2 * cores_.slack() * (cores_.size() + cores_.radius());
     found.toward = found.on_b - found.on_a;
     const double length = found.toward.norm();
     found.lower = std::max(length - off, 0.0), found.upper = length + off;
@@ -107,7 +100,7 @@ bool ConvexPair::nearest_of_point_and_box(ConvexDistance& found) const
 ConvexDistance ConvexPair::distance_of_cores(const DistanceGoal& goal) const
 {
     ConvexDistance d;
-    if (nearest_of_point_and_box(d) || nearest_of_boxes(goal, d)) return d;
+    if (distance_of_point_and_box(d) || nearest_of_boxes(goal, d)) return d;
     return convex_distance(cores_, goal, axes_ && axes_->upper < 0 ? &axes_->normal : nullptr);
 }
 

@@ -33,7 +33,7 @@ private:
     ConvexMeeting meeting_of_cores() const;
     ConvexDistance distance_of_cores(const DistanceGoal& goal) const;
     bool nearest_of_boxes(const DistanceGoal& goal, ConvexDistance& found) const;
-    bool nearest_of_point_and_box(ConvexDistance& found) const;
+    bool distance_of_point_and_box(ConvexDistance& found) const;
 
     const Convex &a_, &b_;
     const RelativePose& b_to_a_;

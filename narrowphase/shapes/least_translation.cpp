@@ -135,16 +135,7 @@ LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double
         return found;
     }
     if (boxes && cores.radius() > 0) {
-        const bool point_a = a.low == a.high, point_b = b.low == b.high;
-        if (point_a || point_b) {
-            const RelativePose& into = cores.b_to_a();
-            Ends ends;
-            if (point_b) {
-                ends.on_b = into.translation, ends.on_a = ends.on_b.cwiseMax(a.low).cwiseMin(a.high);
-            } else {
-                const Vector3d p = cores.into_b(-into.translation);
-                ends.on_a.setZero(), ends.on_b = into(p.cwiseMax(b.low).cwiseMin(b.high));
-            }
+        if (Ends ends; nearest_of_point_and_box(cores, ends.on_a, ends.on_b)) {
             if (set_apart(cores, ends, rounding, found)) return found;
         } else if (by_distance(cores, rounding, cutoff, found)) {
             return found;
@@ -207,8 +198,7 @@ double angle_to_shortest(double along, double way)
 
 LeastTranslation least_translation(const ConvexDifference& cores, double cutoff, bool gap_of_boxes)
 {
-    const auto is_box = [](const Convex& c) { return c.core == Convex::Core::box && c.radius == 0; };
-    if (gap_of_boxes || !is_box(cores.a()) || !is_box(cores.b()))
+    if (gap_of_boxes || !are_boxes(cores))
         return with_radius(of_cores(cores, rounding_of(cores), cutoff), cores.radius(), cutoff);
     LeastTranslation found = translation_of_boxes(cores, rounding_of(cores), cutoff);
     if (found.upper < 0 && !found.beyond) found.lower = -std::numeric_limits<double>::infinity();

@@ -51,7 +51,7 @@ private:
     std::vector<std::size_t> first_points_;
 };
 
-/// Numbers of bytes of all lists.
+/// The memory of the lists.
 std::size_t bytes_of(const ManifoldLists& lists);
 
 } // namespace oncollide

@@ -335,7 +335,7 @@ bool ConvexOnSurface::add(PairWorker& worker, const PairTask& task, const Manifo
     if (reached_.empty()) return true;
     const bool certain = std::ranges::any_of(reached_, [](const Reached& r) { return r.least.lower > 0; });
     // Where rounding hides all contacts, the decision counts.
-    const bool apart = !certain && decided_apart(worker, task);
+    const bool apart = !certain && decide_both_orders(worker, task).verdict == Verdict::separate;
     if (apart && s.margin == 0) return true;
     double nearest = -unbounded;
     for (const Reached& r : reached_) nearest = std::max(nearest, r.least.upper), s.meets |= !r.apart;

@@ -25,13 +25,14 @@ struct ManifoldJob {
     }
 };
 
-/// True if the decision of a pair is that the bodies are apart, in both orders: rounding can make them differ.
-inline bool decided_apart(PairWorker& worker, const PairTask& task)
+/// The decision of a pair; the one of the other order if only that is not separate: rounding can make them differ.
+inline Finding decide_both_orders(PairWorker& worker, const PairTask& task)
 {
-    const auto apart = [&](const PairTask& pair) {
-        return tests_for(pair).decide(worker, pair, {}, nullptr).verdict == Verdict::separate;
-    };
-    return apart(task) && apart(task.swapped());
+    const Finding found = tests_for(task).decide(worker, task, {}, nullptr);
+    if (found.verdict != Verdict::separate) return found;
+    const PairTask back = task.swapped();
+    const Finding other = tests_for(back).decide(worker, back, {}, nullptr);
+    return other.verdict == Verdict::separate ? found : other;
 }
 
 } // namespace oncollide

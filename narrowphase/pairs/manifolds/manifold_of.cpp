@@ -100,7 +100,7 @@ void add_last_region(PairWorker& worker, const PairTask& task, const ManifoldJob
 {
     const PlacedSurface &a = job.a, &b = job.b;
     const Eigen::Isometry3d into = task.pose_a->inverse(Eigen::Isometry);
-    const bool apart = decided_apart(worker, task);
+    const bool apart = decide_both_orders(worker, task).verdict == Verdict::separate;
     if (apart && job.options.margin == 0) return;
     const double cutoff = job.options.margin + 64 * job.rounding; // also finds gaps that rounding hides
     const Distance found = tests_for(task).distance(worker, task, {.cutoff = cutoff}, true);
@@ -232,7 +232,8 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
     // A joined face is flat; its original triangles, moved with rounding, may stick out of it by the rounding.
     if (!manifold.regions.empty()) return;
     if (a.joined() || b.joined()) {
-        if (!decided_apart(worker, task) || tests_for(task).decide(worker, task, {}, nullptr).bound <= options.margin)
+        const Finding found = decide_both_orders(worker, task);
+        if (found.verdict != Verdict::separate || found.bound <= options.margin)
             find(worker, task, options, manifold, false);
     } else {
         add_last_region(worker, task, job);

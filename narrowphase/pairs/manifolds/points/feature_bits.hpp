@@ -27,5 +27,10 @@ constexpr FeatureBits face_feature(std::uint64_t number)
 {
     return FeatureBits{3} << 62 | number;
 }
+/// A box's face across an axis: the number of its first triangle, as in box_corners.hpp.
+constexpr FeatureBits box_face_feature(int axis, bool high)
+{
+    return face_feature(static_cast<std::uint64_t>(4 * (2 - axis) + 2 * int{high}));
+}
 
 } // namespace oncollide

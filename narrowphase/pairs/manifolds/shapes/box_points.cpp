@@ -1,11 +1,9 @@
 #include <oncollide/narrowphase/pairs/manifolds/shapes/box_points.hpp>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <utility>
 
 #include <oncollide/narrowphase/pairs/manifolds/points/feature_bits.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/shapes/cut_polygon.hpp>
 
 namespace oncollide {
 
@@ -20,7 +18,7 @@ struct BoxFace {
     bool high;
     int u = (axis + 1) % 3, v = (axis + 2) % 3;
 
-    FeatureBits face() const { return face_feature(static_cast<std::uint64_t>(4 * (2 - axis) + 2 * int{high})); }
+    FeatureBits face() const { return box_face_feature(axis, high); }
     static bool is_high_u(int corner) { return corner == 0 || corner == 3; }
     static bool is_high_v(int corner) { return corner < 2; }
     std::uint32_t number(int corner) const // as in box_corners.hpp
@@ -29,56 +27,6 @@ struct BoxFace {
     }
     FeatureBits corner(int k) const { return vertex_feature(number(k)); }
     FeatureBits side(int k) const { return edge_feature(number((k + 3) % 4), number(k)); }
-};
-
-/// A corner of the common part: over the point (x, y) of the lower face along the normal, z above it. A number >= 0 is
-/// the side of the upper face, -1 - k the cut by side k of the lower one.
-struct CutCorner {
-    double x, y, z;
-    int before, after; ///< the sides that meet here
-};
-
-/// The corners of a quadrilateral that is cut by four lines.
-class CutFace {
-public:
-    void add(const CutCorner& corner) { lists_[now_][count_++] = corner; }
-    std::span<const CutCorner> corners() const { return std::span(lists_[now_]).first(count_); }
-
-    /// Keeps the part up to `most` along the outward direction of a side: x, y, -x or -y.
-    void cut(int side, double most, double slack)
-    {
-        const auto above = [&](const CutCorner& d) {
-            const double along = side & 1 ? d.y : d.x;
-            return (side & 2 ? -along : along) - most;
-        };
-        const auto& from = lists_[now_];
-        std::array<double, room> height;
-        bool any = false;
-        for (std::uint32_t i = 0; i < count_; ++i) height[i] = above(from[i]), any |= height[i] > slack;
-        if (!any) return;
-        auto& to = lists_[1 - now_];
-        std::uint32_t kept = 0;
-        const auto add = [&](const CutCorner& corner) {
-            if (kept < room) to[kept++] = corner;
-        };
-        for (std::uint32_t i = 0; i < count_; ++i) {
-            const std::uint32_t j = i + 1 < count_ ? i + 1 : 0;
-            const bool in = height[i] <= slack, next_in = height[j] <= slack;
-            if (in) add(from[i]);
-            if (in == next_in) continue;
-            const double t = std::clamp(height[i] / (height[i] - height[j]), 0.0, 1.0);
-            const CutCorner &p = from[i], &q = from[j];
-            add({p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), p.z + t * (q.z - p.z), in ? p.after : -1 - side,
-                 in ? -1 - side : p.after});
-        }
-        now_ = 1 - now_, count_ = kept;
-    }
-
-private:
-    static constexpr std::uint32_t room = 12; ///< a cut adds one corner to four, or more by rounding
-    std::array<CutCorner, room> lists_[2];
-    std::uint32_t count_ = 0;
-    int now_ = 0;
 };
 
 } // namespace
@@ -108,14 +56,19 @@ bool find_box_points(const Convex& a, const Convex& b, const RelativePose& b_to_
     const Vector3d way = n / (up * n[axis]); // one metre up, along the normal
     const Vector3d centre = middle + (face.high ? size[across] : -size[across]) * r.col(across);
     const Vector3d u = size[face.u] * r.col(face.u), v = size[face.v] * r.col(face.v);
-    CutFace cut;
+    // Corners over the points (x, y) of the lower face along the normal, z above it. A quadrilateral and four cuts have
+    // at most eight.
+    CutPolygon<12> polygon;
     for (int k = 0; k < 4; ++k) {
         const Vector3d at =
             centre + (BoxFace::is_high_u(k) ? u : Vector3d(-u)) + (BoxFace::is_high_v(k) ? v : Vector3d(-v));
         const double height = up * at[axis] - half[axis];
-        cut.add({at[flat.u] - height * way[flat.u], at[flat.v] - height * way[flat.v], height, k, (k + 1) % 4});
+        polygon.add({{at[flat.u] - height * way[flat.u], at[flat.v] - height * way[flat.v], height}, k, (k + 1) % 4});
     }
-    for (int side = 0; side < 4; ++side) cut.cut(side, half[side % 2 ? flat.v : flat.u], rounding);
+    for (int side = 0; side < 4; ++side)
+        polygon.cut(side, rounding, [&, along = side % 2, most = half[side % 2 ? flat.v : flat.u]](const Vector3d& at) {
+            return (side < 2 ? at[along] : -at[along]) - most;
+        });
 
     // In A's frame. Vectors by whole columns: numbers that are stored one by one are slow to load together.
     const auto in_a = [&](int k) { return of_a ? Vector3d(Vector3d::Unit(k)) : Vector3d(b_to_a.rotation.col(k)); };
@@ -123,8 +76,8 @@ bool find_box_points(const Convex& a, const Convex& b, const RelativePose& b_to_
                    on_face = (of_a ? a.centre : b_to_a(b.centre)) + up * half[axis] * in_a(axis);
     const Vector3d outward = r.col(across);
     const auto side_of = [](int cut_by) { return -1 - cut_by; };
-    for (const CutCorner& d : cut.corners()) {
-        double x = d.x, y = d.y, height = d.z;
+    for (const auto& d : polygon.corners()) {
+        double x = d.at.x(), y = d.at.y(), height = d.at.z();
         FeatureBits of_flat = flat.face(), of_face = face.face();
         if (d.before >= 0 && d.after >= 0) {
             of_face = face.corner(d.before);

@@ -6,18 +6,13 @@
 
 #include <Eigen/Geometry>
 
+#include <oncollide/narrowphase/pairs/manifolds/shapes/cut_polygon.hpp>
+
 namespace oncollide {
 
 namespace {
 
 using Eigen::Vector3d;
-
-/// A corner of the polygon that is being clipped. Edges of the face have the numbers from 0 on; the cut by side k of
-/// the flat face is edge -1 - k.
-struct Draft {
-    Vector3d at;
-    int before, after; ///< the edges that meet here
-};
 
 std::uint32_t next(const ContactFace& f, std::uint32_t k)
 {
@@ -59,35 +54,15 @@ void ClippedFace::clip_segment(const ContactFace& face, const ContactFace& flat)
 
 void ClippedFace::clip_polygon(const ContactFace& face, const ContactFace& flat)
 {
-    std::array<Draft, most> lists[2];
-    Draft *now = lists[0].data(), *then = lists[1].data();
-    std::uint32_t size = face.count;
-    for (std::uint32_t i = 0; i < size; ++i) now[i] = {face.corner[i], i ? int(i) - 1 : int(size) - 1, int(i)};
-    std::array<double, most> height;
-    for (std::uint32_t k = 0; k < flat.count && size > 0; ++k) {
+    CutPolygon<most> polygon;
+    for (std::uint32_t i = 0; i < face.count; ++i)
+        polygon.add({face.corner[i], i ? int(i) - 1 : int(face.count) - 1, int(i)});
+    for (std::uint32_t k = 0; k < flat.count; ++k) {
         const auto [out, level] = side(flat, k, along_);
-        const double slack = off_ * out.cwiseAbs().sum();
-        bool any = false;
-        for (std::uint32_t i = 0; i < size; ++i) height[i] = out.dot(now[i].at) - level, any |= height[i] > slack;
-        if (!any) continue;
-        std::uint32_t kept = 0;
-        const auto add = [&](const Draft& draft) {
-            if (kept < most) then[kept++] = draft;
-        };
-        for (std::uint32_t i = 0; i < size; ++i) {
-            const std::uint32_t j = i + 1 < size ? i + 1 : 0;
-            const bool in = height[i] <= slack, next_in = height[j] <= slack;
-            if (in) add(now[i]);
-            if (in == next_in) continue;
-            const double t = std::clamp(height[i] / (height[i] - height[j]), 0.0, 1.0);
-            const Vector3d at = now[i].at + t * (now[j].at - now[i].at);
-            const int cut = -1 - int(k);
-            add(in ? Draft{at, now[i].after, cut} : Draft{at, cut, now[i].after});
-        }
-        std::swap(now, then), size = kept;
+        polygon.cut(int(k), off_ * out.cwiseAbs().sum(),
+                    [&o = out, &l = level](const Vector3d& at) { return o.dot(at) - l; });
     }
-    for (std::uint32_t i = 0; i < size; ++i) {
-        const Draft& d = now[i];
+    for (const auto& d : polygon.corners()) {
         Corner& to = corner[count++];
         to.at = d.at;
         const auto flat_side = [](int edge) { return static_cast<std::uint32_t>(-1 - edge); };

@@ -25,7 +25,7 @@ void find_face_of_box(const Convex& c, const Vector3d& along, ContactFace& face)
     const bool high = along[axis] >= 0;
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     face.normal = Vector3d::Unit(axis) * (high ? 1.0 : -1.0);
-    face.face = face_feature(static_cast<std::uint64_t>(4 * (2 - axis) + 2 * int{high})); // its first triangle
+    face.face = box_face_feature(axis, high);
     for (int k = 0; k < 4; ++k) {
         // (low, low), (high, low), (high, high), (low, high) in (u, v), which is counter-clockwise around +axis
         const int at = high ? k : 3 - k;

@@ -12,6 +12,7 @@
 #include <oncollide/narrowphase/pairs/manifolds/shapes/shape_measures.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
+#include <oncollide/narrowphase/shapes/box_axes.hpp>
 #include <oncollide/narrowphase/shapes/least_translation.hpp>
 
 namespace oncollide {
@@ -40,7 +41,7 @@ public:
           plane_(task.a->kind() == Kind::half_space), b_(task.b->convex()),
           a_(plane_ ? point_of_plane() : task.a->convex()), cores_(a_, b_, placed_.b_to_a, placed_.slack),
           rounding_(cores_.rounding() + placed_.slack * (cores_.size() + cores_.radius() + apart())),
-          boxes_(a_.core == Convex::Core::box && b_.core == a_.core && cores_.radius() == 0 && !plane_)
+          boxes_(!plane_ && are_boxes(cores_))
     {
     }
     void find(PairWorker& worker, Manifold& manifold);

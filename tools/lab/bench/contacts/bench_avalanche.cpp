@@ -7,6 +7,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/samples/bodies_above.hpp>
 #include <oncollide/samples/catalogue.hpp>
@@ -151,10 +153,11 @@ void add_avalanche(Arguments bench)
              "write the motion that oncollide finds as a scene for 'oncollide run'; a file beside it holds the poses");
     b.whole("--record-every K", b->record_every, "steps between its frames", {1, 1'000'000});
     b.only(), b.threads("of oncollide"), b.seed("the bodies and the hill"), b.csv("library and simulated second");
-    b.footer(
-        "Times are means over the steps of a simulated second, of 4 ms each; the last step of the second gives 'awake' "
-        "(bodies), 'contacts', 'fastest' (m/s) and 'lost' (bodies below the hill or beside it). Exit code 70: a body "
-        "of oncollide is lost, or still moves at the end.");
+    b.footer(fmt::format(
+        "Times are means over the steps of a simulated second, of {:.0f} ms each; the last step of the second gives "
+        "'awake' (bodies), 'contacts', 'fastest' (m/s) and 'lost' (bodies below the hill or beside it). Exit code 70: "
+        "a body of oncollide is lost, or still moves at the end.",
+        1000 * PhysicsSettings{}.dt));
 }
 
 } // namespace oncollide::tools
