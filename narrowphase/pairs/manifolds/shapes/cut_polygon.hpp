@@ -20,7 +20,7 @@ public:
     void add(const Corner& corner) { lists_[now_][count_++] = corner; }
     std::span<const Corner> corners() const { return std::span(lists_[now_]).first(count_); }
 
-    /// Cuts off what is above a line. @param above  the height of a point over it
+    /// Cuts off the part above a line. @param above  the height of a point over it
     /// @param slack  a corner may be as high
     template <class Height>
     void cut(int line, double slack, Height above)
