@@ -1,6 +1,8 @@
 #pragma once
-#include <Eigen/Core>
+#include <cmath>
 #include <limits>
+
+#include <Eigen/Core>
 
 // The library's own setting. Without it, -mavx would change the alignment of vectors and poses.
 static_assert(alignof(Eigen::Matrix4d) == 16,
@@ -39,7 +41,9 @@ struct Segment {
 inline double farthest_apart(Aabb a, const Aabb& b)
 {
     a.add(b);
-    return (a.max - a.min).stableNorm(); // squared edges may underflow
+    const Eigen::Vector3d edges = a.max - a.min;
+    const double squared = edges.squaredNorm(); // may underflow or overflow
+    return squared > 1e-280 && squared < 1e300 ? std::sqrt(squared) : edges.stableNorm();
 }
 
 } // namespace oncollide

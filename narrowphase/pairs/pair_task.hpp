@@ -13,8 +13,9 @@ struct PairTask {
     Model *a, *b;
     const Eigen::Isometry3d *pose_a, *pose_b;
     double travel = 0; ///< sum of the upper bounds of how far both bodies have moved
+    double slack = -1; ///< stretch of both poses; negative: not known
 
-    PairTask swapped() const { return {number, b, a, pose_b, pose_a, travel}; }
+    PairTask swapped() const { return {number, b, a, pose_b, pose_a, travel, slack}; }
 };
 
 /// The settings of an exact decision.

@@ -18,7 +18,7 @@ double stretch(const Eigen::Isometry3d& pose)
 
 double rounding_of(const PairTask& task)
 {
-    const double rounding = 0x1p-30 + 4 * (stretch(*task.pose_a) + stretch(*task.pose_b));
+    const double rounding = 0x1p-30 + 4 * slack_of(task);
     return rounding * (task.a->reach() + task.b->reach());
 }
 
@@ -31,7 +31,7 @@ bool decides_b_first(const PairTask& task)
 {
     // Bodies at one pose have one frame.
     const auto before = [](const Eigen::Isometry3d& x, const Eigen::Isometry3d& y) {
-        return std::ranges::lexicographical_compare(x.matrix().reshaped(), y.matrix().reshaped());
+        return std::lexicographical_compare(x.data(), x.data() + 16, y.data(), y.data() + 16);
     };
     if (before(*task.pose_b, *task.pose_a)) return true;
     return !before(*task.pose_a, *task.pose_b) && task.b->kind() < task.a->kind();
@@ -39,6 +39,11 @@ bool decides_b_first(const PairTask& task)
 
 PlacedPair::PlacedPair(const Eigen::Isometry3d& pose_a, const Eigen::Isometry3d& pose_b)
     : b_to_a(pose_a, pose_b), slack(stretch(pose_a) + stretch(pose_b))
+{
+}
+
+PlacedPair::PlacedPair(const PairTask& task, const Eigen::Isometry3d& pose_a, const Eigen::Isometry3d& pose_b)
+    : b_to_a(pose_a, pose_b), slack(slack_of(task))
 {
 }
 

@@ -14,6 +14,9 @@ struct PlacedPair {
     double slack;
 
     PlacedPair(const Eigen::Isometry3d& pose_a, const Eigen::Isometry3d& pose_b);
+    explicit PlacedPair(const PairTask& task) : PlacedPair(task, *task.pose_a, *task.pose_b) {}
+    /// @param task  has these poses, in any order
+    PlacedPair(const PairTask& task, const Eigen::Isometry3d& pose_a, const Eigen::Isometry3d& pose_b);
     double below(double bound) const { return bound * (1 - slack); }
     double above(double bound) const { return bound * (1 + slack); }
 };
@@ -24,6 +27,11 @@ bool decides_b_first(const PairTask& task);
 
 /// Upper bound on the relative change of lengths by a pose; 0 for quarter turns.
 double stretch(const Eigen::Isometry3d& pose);
+/// The stretch of both poses.
+inline double slack_of(const PairTask& task)
+{
+    return task.slack >= 0 ? task.slack : stretch(*task.pose_a) + stretch(*task.pose_b);
+}
 
 /// Upper bound on the effect of rounding and of not exactly rigid poses on distances of the two bodies.
 double rounding_of(const PairTask& task);
@@ -47,7 +55,7 @@ struct OrderedPair {
 
     OrderedPair(const PairTask& task, bool swap)
         : a(swap ? *task.b : *task.a), b(swap ? *task.a : *task.b), pose_a(swap ? *task.pose_b : *task.pose_a),
-          pose_b(swap ? *task.pose_a : *task.pose_b), placed(pose_a, pose_b), swapped(swap)
+          pose_b(swap ? *task.pose_a : *task.pose_b), placed(task, pose_a, pose_b), swapped(swap)
     {
     }
     /// Undoes the swap.

@@ -7,6 +7,12 @@ namespace oncollide {
 /// Edges that are parallel to 1e-8 have no axis of their own, which costs `lower` as much of the sizes.
 LeastTranslation translation_of_boxes(const ConvexDifference& cores, double rounding, double cutoff);
 
+/// A core that is a point or a segment along z.
+inline bool is_thin(const Convex& c)
+{
+    return c.core == Convex::Core::box && c.low.x() == c.high.x() && c.low.y() == c.high.y();
+}
+
 /// True if both are boxes without a radius.
 inline bool are_boxes(const ConvexDifference& cores)
 {

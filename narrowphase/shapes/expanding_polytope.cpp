@@ -29,14 +29,16 @@ public:
 private:
     static constexpr int most_corners = 112, most_faces = 2 * most_corners;
     /// Shares of the depth and of the smaller size: how close the bounds of curved cores get.
-    static constexpr double close_in_depth = 0x1p-17, close_in_size = 0x1p-34;
+    static constexpr double close_in_depth = 0x1p-8, close_in_size = 0x1p-34;
 
     const ConvexDifference::Point& look(const Vector3d& d)
     {
         corner_[corners_] = cores_.support(d);
         return corner_[corners_];
     }
-    bool start();
+    bool start(Vector3d d);
+    Vector3d likely_normal() const;
+    void surround(const Vector3d& n);
     void add_face(int u, int v, int w);
     bool replace_visible(int corner, int face);
     int nearest_face() const
@@ -45,7 +47,7 @@ private:
     }
     Vector3d normal(int f) const { return {x_[f], y_[f], z_[f]}; }
     void set_points(LeastTranslation& found, int face) const;
-    void polish(LeastTranslation& found) const;
+    double polish(Vector3d& n, ConvexDifference::Point& p) const;
 
     const ConvexDifference& cores_;
     const double rounding_;
@@ -55,14 +57,77 @@ private:
     std::array<double, most_faces> error_;         ///< error bounds of the heights
     std::array<std::array<int, 3>, most_faces> of_;
     std::array<bool, most_faces> sees_;
-    std::array<std::pair<int, int>, 3 * most_faces> border_;
+    struct Edge {
+        int from, to;
+    };
+    std::array<Edge, 3 * most_faces> border_;
 };
 
-/// A tetrahedron; false: the difference is flat within rounding, with the normal in x_, y_, z_.
-bool ExpandingPolytope::start()
+/// Calls visit(normal) for normals of the flat and straight parts of a solid that face a direction, in its frame.
+template <class Visit>
+void each_likely_normal(const Convex& c, const Vector3d& toward, Visit visit)
 {
-    Vector3d d = -cores_.middle();
-    if (!(d.norm() > 0x1p-40 * cores_.size())) d = Vector3d::UnitX();
+    const Vector3d sign = toward.unaryExpr([](double x) { return x < 0 ? -1.0 : 1.0; });
+    if (c.core == Convex::Core::ellipsoid) return;
+    visit(sign.z() * Vector3d::UnitZ());
+    if (c.flat_sided) return visit(sign.x() * Vector3d::UnitX()), visit(sign.y() * Vector3d::UnitY());
+    const double across = std::hypot(toward.x(), toward.y());
+    if (!(across > 0)) return;
+    const Vector3d aside(toward.x() / across, toward.y() / across, 0);
+    visit(c.core == Convex::Core::cone ? Vector3d(2 * c.high.z() * aside + c.high.x() * Vector3d::UnitZ()).normalized()
+                                       : aside);
+}
+
+/// The best of some normals, improved by Newton's method.
+Vector3d ExpandingPolytope::likely_normal() const
+{
+    const Vector3d out = -cores_.middle();
+    Vector3d best = out.norm() > 0x1p-40 * cores_.size() ? Vector3d(out.normalized()) : Vector3d(Vector3d::UnitX());
+    ConvexDifference::Point p = cores_.support(best);
+    double height = best.dot(p.w);
+    const auto compare = [&](const Vector3d& n) {
+        const ConvexDifference::Point q = cores_.support(n);
+        if (const double here = n.dot(q.w); here < height) height = here, best = n, p = q;
+    };
+    const auto& r = cores_.b_to_a().rotation;
+    each_likely_normal(cores_.a(), -out, [&](const Vector3d& n) { compare(-n); });
+    each_likely_normal(cores_.b(), r.transpose() * out, [&](const Vector3d& n) { compare(r * n); });
+    if (const Vector3d both = r.col(2).cross(Vector3d::UnitZ()); both.norm() > 0x1p-10)
+        compare(both.dot(out) < 0 ? -both.normalized() : both.normalized());
+    Vector3d n = -best;
+    polish(n, p);
+    return -n;
+}
+
+/// Adds corners around the one along n, so that the faces there are close to the surface.
+void ExpandingPolytope::surround(const Vector3d& n)
+{
+    constexpr double wide = 0.1;     // faces that touch the surface of a ball under 0 differ from it by half of
+                                     // close_in_depth
+    constexpr double narrow = 0.008; // corners of a flat or ruled part
+    const double height = n.dot(corner_[0].w);
+    const Vector3d aside = corner_[0].w - height * n;
+    const bool flat = aside.norm() > 0.125 * height;
+    const Vector3d u = flat ? Vector3d(aside.normalized()) : n.unitOrthogonal(), v = n.cross(u);
+    const auto add = [&](const Vector3d& along, double tilt) {
+        const Vector3d& p = look((n + tilt * along).normalized()).w;
+        int most = -1;
+        double above = 0;
+        for (int f = 0; f < faces_; ++f)
+            if (const double here = normal(f).dot(p) - d_[f] - error_[f]; here > above) above = here, most = f;
+        if (most >= 0 && replace_visible(corners_, most)) ++corners_;
+    };
+    add(-u, flat ? narrow : wide);
+    if (flat)
+        add(v, narrow), add(-v, narrow);
+    else
+        add(u, wide);
+    add(v, wide), add(-v, wide);
+}
+
+/// A tetrahedron; false: the difference is flat within rounding, with the normal in x_, y_, z_.
+bool ExpandingPolytope::start(Vector3d d)
+{
     look(d), ++corners_;
     look(-d), ++corners_;
     const auto look_both = [&](const Vector3d& along) { // returns how far the better of two points is aside
@@ -101,9 +166,10 @@ void ExpandingPolytope::add_face(int u, int v, int w)
         x_[f] = y_[f] = z_[f] = 0, d_[f] = endless, error_[f] = 0;
         return;
     }
-    x_[f] = n.x() / length, y_[f] = n.y() / length, z_[f] = n.z() / length;
-    d_[f] = n.dot(p) / length;
-    error_[f] = rounding_ * (2 + 4 * (p.norm() + edge) * edge / length);
+    const double inverse = 1 / length;
+    x_[f] = n.x() * inverse, y_[f] = n.y() * inverse, z_[f] = n.z() * inverse;
+    d_[f] = n.dot(p) * inverse;
+    error_[f] = rounding_ * (2 + 4 * (p.norm() + edge) * edge * inverse);
 }
 
 /// Exchanges the faces that see a corner, and `face`. False, and nothing has changed: there is no room for as many
@@ -118,9 +184,9 @@ bool ExpandingPolytope::replace_visible(int corner, int face)
         if (!sees_[f]) continue;
         ++visible;
         for (int k = 0; k < 3; ++k) {
-            const std::pair edge(of_[f][k], of_[f][(k + 1) % 3]);
+            const Edge edge{of_[f][k], of_[f][(k + 1) % 3]};
             int i = 0;
-            while (i < border && border_[i] != std::pair(edge.second, edge.first)) ++i;
+            while (i < border && (border_[i].from != edge.to || border_[i].to != edge.from)) ++i;
             if (i < border)
                 border_[i] = border_[--border];
             else
@@ -137,7 +203,7 @@ bool ExpandingPolytope::replace_visible(int corner, int face)
         x_[f] = x_[faces_], y_[f] = y_[faces_], z_[f] = z_[faces_], d_[f] = d_[faces_], error_[f] = error_[faces_];
         of_[f] = of_[faces_], sees_[f] = sees_[faces_];
     }
-    for (int i = 0; i < border; ++i) add_face(border_[i].first, border_[i].second, corner);
+    for (int i = 0; i < border; ++i) add_face(border_[i].from, border_[i].to, corner);
     return true;
 }
 
@@ -152,11 +218,9 @@ void ExpandingPolytope::set_points(LeastTranslation& found, int face) const
     found.lower = std::max(found.lower, -w.norm() - rounding_);
 }
 
-/// Improves the normal of curved cores by Newton's method.
-void ExpandingPolytope::polish(LeastTranslation& found) const
+/// Improves the normal n of curved cores by Newton's method; p is the point along -n. Returns the depth.
+double ExpandingPolytope::polish(Vector3d& n, ConvexDifference::Point& p) const
 {
-    Vector3d n = found.normal;
-    ConvexDifference::Point p = cores_.support(-n);
     double depth = -n.dot(p.w);
     for (int step = 0; step < 6; ++step) {
         const Vector3d next = (n + newton_step(cores_, n, p.w)).normalized();
@@ -164,9 +228,7 @@ void ExpandingPolytope::polish(LeastTranslation& found) const
         if (!(-next.dot(q.w) < depth)) break;
         n = next, p = q, depth = -n.dot(q.w);
     }
-    if (!(depth + rounding_ < found.upper)) return;
-    found.upper = depth + rounding_, found.normal = n;
-    found.on_a = p.a, found.on_b = p.a + p.w, found.off = 0; // points of the surfaces
+    return depth;
 }
 
 LeastTranslation ExpandingPolytope::find(double cutoff)
@@ -177,27 +239,34 @@ LeastTranslation ExpandingPolytope::find(double cutoff)
         if (height + rounding_ < found.upper) found.upper = height + rounding_, found.normal = -n;
         return found.beyond = found.upper < -cutoff;
     };
-    if (!start()) {
+    const bool curved = !cores_.flat_sided();
+    Vector3d toward = curved ? likely_normal() : Vector3d(-cores_.middle());
+    if (!(toward.norm() > 0x1p-40 * cores_.size())) toward = Vector3d::UnitX();
+    if (!start(toward)) {
         const Vector3d n = normal(0);
         if (take(n, n.dot(cores_.support(n).w)) || take(-n, -n.dot(cores_.support(-n).w))) return found;
         found.lower = -rounding_, found.normal_error = std::numbers::pi;
         return found;
     }
+    if (curved) {
+        if (take(toward, toward.dot(corner_[0].w))) return found;
+        surround(toward);
+    }
     int face;
-    bool converged;
+    bool ends; ///< the face has the best normal
     for (;;) {
         face = nearest_face();
         const Vector3d n = normal(face);
         const ConvexDifference::Point& p = look(n);
         const double height = n.dot(p.w);
         if (take(n, height)) return found;
-        const double enough = cores_.flat_sided()
-                                  ? 4 * rounding_
-                                  : std::max({4 * rounding_, close_in_depth * std::abs(found.upper),
-                                              close_in_size * std::min(cores_.a().extent, cores_.b().extent)});
+        const double enough = !curved ? 4 * rounding_
+                                      : std::max({4 * rounding_, close_in_depth * std::abs(found.upper),
+                                                  close_in_size * std::min(cores_.a().extent, cores_.b().extent)});
         const auto known = [&](int k) { return corner_[k].w == p.w; };
-        converged = height - d_[face] <= enough;
-        if (converged) found.normal = -n, found.upper = height + rounding_; // the points lie along this normal
+        const bool converged = (curved ? found.upper : height) - d_[face] <= enough;
+        ends = converged && (!curved || height + rounding_ <= found.upper);
+        if (ends) found.normal = -n, found.upper = height + rounding_; // the points lie along this normal
         found.off = std::max(height - d_[face], 0.0);
         if (converged || std::ranges::any_of(of_[face], known) || corners_ == most_corners) break;
         if (!replace_visible(corners_++, face)) break;
@@ -206,14 +275,21 @@ LeastTranslation ExpandingPolytope::find(double cutoff)
     for (int f = 0; f < faces_; ++f) least = std::min(least, d_[f] - error_[f]);
     if (least > 0) found.lower = least;
     set_points(found, face);
-    if (!converged) { // another face has the best normal
+    if (!ends) { // another face has the best normal
         const ConvexDifference::Point p = cores_.support(-found.normal);
         found.on_a = p.a, found.on_b = p.a + p.w, found.off = 0;
     }
-    if (!cores_.flat_sided()) polish(found);
+    if (curved) {
+        Vector3d n = found.normal;
+        ConvexDifference::Point p = cores_.support(-n);
+        if (const double depth = polish(n, p); depth + rounding_ < found.upper) {
+            found.upper = depth + rounding_, found.normal = n;
+            found.on_a = p.a, found.on_b = p.a + p.w, found.off = 0; // points of the surfaces
+        }
+    }
     found.lower = std::min(found.lower, found.upper);
     found.normal_error =
-        cores_.flat_sided()
+        !curved
             ? std::min(std::numbers::pi, error_[face] / cores_.size() * 4 + 8 * cores_.slack())
             : std::min(std::numbers::pi, std::sqrt(2 * std::max(found.upper - found.lower, 0.0) / cores_.size()) * 2);
     return found;

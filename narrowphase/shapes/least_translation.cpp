@@ -22,13 +22,7 @@ using Eigen::Vector3d;
 constexpr double least_gap = 0x1p12;
 constexpr int most_polish_steps = 6;
 /// Share of the depth. An interval that is wider is improved.
-constexpr double loose = 0x1p-8;
-
-/// A core that is a point or a segment along z.
-bool is_thin(const Convex& c)
-{
-    return c.core == Convex::Core::box && c.low.x() == c.high.x() && c.low.y() == c.high.y();
-}
+constexpr double loose = 0x1p-7;
 
 struct Ends {
     Vector3d on_a, on_b;

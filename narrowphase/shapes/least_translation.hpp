@@ -29,7 +29,7 @@ struct LeastTranslation {
 };
 
 /// The bounds are as close as rounding allows, 2^-46 of sizes and distance, for cores that are points, segments, boxes
-/// or hulls; for other cores that overlap, to 2^-17 of the depth and 2^-34 of the smaller size. Where the direction is
+/// or hulls; for other cores that overlap, to 2^-8 of the depth and 2^-34 of the smaller size. Where the direction is
 /// unique, rounding alone limits the normal's error. Several faces and edges may have nearly the same depth, to 1 % and
 /// 2^-26 of the smaller size: then the normal belongs to the first such face, `upper` is its depth, and `lower` the
 /// least of all.

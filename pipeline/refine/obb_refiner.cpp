@@ -106,18 +106,28 @@ void each_hint(const PairTask& task, const PairMemory& memory, auto visit)
     }
 }
 
+/// True if the data of the pair's bodies will be read: a remembered gap or depth does not decide.
+bool will_walk(const PairTask& task, const PairMemory* memory)
+{
+    return !memory || !(std::max(memory->gap(task.travel), memory->depth(task.travel)) > 0);
+}
+
 /// Prefetches data of the pairs after number i, one level of pointers per step, because they are scattered in memory.
-void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t i)
+/// @param walks  by task, for the 64 around i: whether their data will be read
+void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t i, std::uint64_t& walks)
 {
     constexpr std::size_t pairs_a_step = 4;
     if (const std::size_t later = i + 6 * pairs_a_step; cache && later < tasks.size())
         prefetch_all_of((*cache)[tasks[later].number]);
+    const auto memory_of = [&](std::size_t k) { return cache ? &(*cache)[tasks[k].number] : nullptr; };
+    if (const std::size_t later = i + 4 * pairs_a_step; later < tasks.size()) {
+        const std::uint64_t bit = std::uint64_t{1} << later % 64;
+        walks = will_walk(tasks[later], memory_of(later)) ? walks | bit : walks & ~bit;
+    }
+    if (walks == 0) return;
     const auto after = [&](std::size_t steps, auto visit) {
         const std::size_t later = i + steps * pairs_a_step;
-        if (later >= tasks.size()) return;
-        const PairTask& task = tasks[later];
-        const PairMemory* const memory = cache ? &(*cache)[task.number] : nullptr;
-        if (!memory || !(memory->gap(task.travel) > 0)) visit(task, memory); // otherwise the gap usually decides
+        if (later < tasks.size() && walks >> later % 64 & 1) visit(tasks[later], memory_of(later));
     };
     const auto trees = [](const PairTask& task, auto visit) {
         for (const Model* model : {task.a, task.b})
@@ -223,9 +233,10 @@ void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
     parallel_chunks(tasks.size(), pairs_per_chunk, context.threads,
                     [&](std::size_t begin, std::size_t end, int thread) {
                         Worker& worker = workers_[static_cast<std::size_t>(thread)];
+                        std::uint64_t walks = 0;
                         for (std::size_t i = begin; i < end; ++i) {
                             if (i % pairs_per_look == 0 && context.stopped()) return;
-                            fetch_ahead(tasks.first(end), cache, i);
+                            fetch_ahead(tasks.first(end), cache, i, walks);
                             PairMemory* memory = cache ? &(*cache)[tasks[i].number] : nullptr;
                             results[i] = refine_there(context, tasks[i], results[i], memory, worker);
                         }

@@ -7,6 +7,7 @@
 #include <oncollide/base/memory/large_vector.hpp>
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/base/threads/parallel.hpp>
+#include <oncollide/narrowphase/pairs/placed_pair.hpp>
 
 namespace oncollide {
 
@@ -34,7 +35,7 @@ void BodyTable::reserve(std::size_t slots)
 {
     state_.reserve(slots), reserve_large(model_of_, slots), reserve_large(poses_, slots);
     for (auto* column : {&layers_, &masks_, &groups_, &changed_}) reserve_large(*column, slots);
-    reserve_large(travel_, slots), reserve_large(boxes_, slots);
+    reserve_large(travel_, slots), reserve_large(stretch_, slots), reserve_large(boxes_, slots);
 }
 
 void BodyTable::note_model(std::uint32_t slot, Model* model, ModelId id)
@@ -57,12 +58,13 @@ std::uint32_t BodyTable::add(const Init& body)
         slot = slots();
         state_.push_back(0), model_of_.push_back(0);
         poses_.emplace_back(), layers_.push_back(0), masks_.push_back(0), groups_.push_back(0);
-        boxes_.emplace_back(), travel_.push_back(0);
+        boxes_.emplace_back(), travel_.push_back(0), stretch_.push_back(0);
     } else {
         slot = free_.back();
         free_.pop_back();
     }
-    note_model(slot, body.model, body.model_id), poses_[slot] = body.pose;
+    note_model(slot, body.model, body.model_id), poses_[slot] = body.pose,
+                                                 stretch_[slot] = oncollide::stretch(body.pose);
     layers_[slot] = body.layer, masks_[slot] = body.mask, groups_[slot] = body.group;
     ++filters_version_;
     if (body.user || user(slot)) set_user(slot, body.user);
@@ -115,7 +117,7 @@ void BodyTable::set_pose(std::uint32_t slot, const Eigen::Isometry3d& pose)
     if (poses_[slot].matrix() == pose.matrix()) return; // so resting bodies cost no work later
     // Rounded up, so that a difference of two travels is never less than the motion between them.
     travel_[slot] = (travel_[slot] + model(slot).bounds().motion(poses_[slot], pose)) * (1 + 0x1p-52);
-    poses_[slot] = pose;
+    poses_[slot] = pose, stretch_[slot] = oncollide::stretch(pose);
     mark(slot, moved_bit);
 }
 
@@ -214,7 +216,7 @@ void update_boxes(BodyTable& bodies, const BodyChanges& changes, bool tight, int
 std::string BodyTable::validate() const
 {
     for (const std::size_t rows : {model_of_.size(), poses_.size(), layers_.size(), masks_.size(), groups_.size(),
-                                   travel_.size(), boxes_.size()})
+                                   travel_.size(), stretch_.size(), boxes_.size()})
         if (rows != slots()) return fmt::format("a column has {} rows for {} slots", rows, slots());
     std::uint32_t bodies = 0, dynamic = 0;
     std::size_t listed = 0, retired = 0;
@@ -254,8 +256,8 @@ std::size_t BodyTable::bytes() const
             model_of_.capacity()) *
                sizeof(std::uint32_t) +
            poses_.capacity() * sizeof(Eigen::Isometry3d) +
-           (user_.capacity() + travel_.capacity()) * sizeof(std::uint64_t) + boxes_.capacity() * sizeof(Aabb) +
-           excluded_.size() * 40 + 2 * excluded_.size() * sizeof(std::uint32_t);
+           (user_.capacity() + travel_.capacity() + stretch_.capacity()) * sizeof(std::uint64_t) +
+           boxes_.capacity() * sizeof(Aabb) + excluded_.size() * 40 + 2 * excluded_.size() * sizeof(std::uint32_t);
 }
 
 } // namespace oncollide

@@ -90,12 +90,13 @@ public:
     /// Upper bound on the distance that any point of the body has moved in total, to any pose on its ways, metres; only
     /// differences are meaningful.
     double travel(std::uint32_t slot) const { return travel_[slot]; }
+    double stretch(std::uint32_t slot) const { return stretch_[slot]; } ///< of its pose: see placed_pair.hpp
 
     /// Prefetches the body's data: bodies are scattered in memory.
     void prefetch(std::uint32_t slot) const
     {
         prefetch_all_of(boxes_[slot]), prefetch_all_of(poses_[slot]);
-        prefetch_all_of(model_of_[slot]), prefetch_all_of(travel_[slot]);
+        prefetch_all_of(model_of_[slot]), prefetch_all_of(travel_[slot]), prefetch_all_of(stretch_[slot]);
     }
 
     void prefetch_model(std::uint32_t slot) const { oncollide::prefetch(&model_of_[slot]); }
@@ -151,7 +152,7 @@ private:
     std::vector<Eigen::Isometry3d> poses_;
     std::vector<std::uint32_t> layers_, masks_, groups_;
     std::vector<std::uint64_t> user_; ///< 0 beyond its end
-    std::vector<double> travel_;
+    std::vector<double> travel_, stretch_;
     std::vector<Aabb> boxes_;
     std::vector<std::uint32_t> free_, changed_;
     std::unordered_set<std::uint64_t> excluded_;

@@ -38,6 +38,10 @@ private:
     void decide(const BodyTable& bodies, Frame& frame, std::span<const std::uint32_t> pairs, PairCache* cache,
                 StageStats& stats, auto wanted)
     {
+        if (leaves_all(bodies, frame, pairs)) {
+            stats.in += pairs.size(), stats.out += pairs.size();
+            return;
+        }
         tasks_.clear(), refined_.clear();
         tasks_.reserve(pairs.size()), refined_.reserve(pairs.size());
         for (const std::uint32_t i : pairs)
@@ -55,11 +59,19 @@ private:
             stats.out += refined.verdict != Verdict::separate;
         }
     }
+    /// True if the level would leave these pairs, of which only the boxes are known, to the exact level.
+    bool leaves_all(const BodyTable& bodies, const Frame& frame, std::span<const std::uint32_t> pairs) const
+    {
+        return stage_ == StageId::refine && level_.leaves_to_exact() &&
+               std::ranges::all_of(pairs, [&](std::uint32_t i) {
+                   return level_.there(bodies.model(frame.pairs[i].a), bodies.model(frame.pairs[i].b));
+               });
+    }
     void add(const BodyTable& bodies, const PairResult& result, std::uint32_t number)
     {
         const std::uint32_t a = result.a.slot, b = result.b.slot;
         tasks_.push_back({number, &bodies.model(a), &bodies.model(b), &bodies.pose(a), &bodies.pose(b),
-                          bodies.travel(a) + bodies.travel(b)});
+                          bodies.travel(a) + bodies.travel(b), bodies.stretch(a) + bodies.stretch(b)});
         refined_.push_back(result);
     }
 

@@ -88,11 +88,13 @@ void WorldImpl::check_side(const PairSide& side)
 PairTask WorldImpl::task_of(const PairSide& a, const PairSide& b)
 {
     PairTask task{};
+    task.slack = 0;
     const auto fill = [&](const PairSide& side, Model*& model, const Eigen::Isometry3d*& pose) {
         if (const PlacedModel* placed = side.placed())
-            model = &models[placed->model], pose = &placed->pose;
+            model = &models[placed->model], pose = &placed->pose, task.slack += stretch(placed->pose);
         else
-            model = &bodies.model(side.body().slot), pose = &bodies.pose(side.body().slot);
+            model = &bodies.model(side.body().slot), pose = &bodies.pose(side.body().slot),
+            task.slack += bodies.stretch(side.body().slot);
     };
     fill(a, task.a, task.pose_a), fill(b, task.b, task.pose_b);
     return task;

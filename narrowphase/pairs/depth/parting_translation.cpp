@@ -48,7 +48,7 @@ void set_parting(const PairTask& task, Penetration& found)
         set_parting(task.swapped(), found), found.parting_along = -found.parting_along;
         return;
     }
-    const PlacedPair placed(*task.pose_a, *task.pose_b);
+    const PlacedPair placed(task);
     const LeastTranslation least = least_translation(
         ConvexDifference(task.a->convex(), task.b->convex(), placed.b_to_a, placed.slack), depth_bounds::infinity);
     found.parting_lower = std::max(least.lower, 0.0) * (1 - placed.slack);
@@ -89,7 +89,7 @@ double parting_translation(const PairTask& task, std::span<const Eigen::Vector3d
         }
     }
     if (!(least > -size)) return 0;
-    const double slack = stretch(*task.pose_a) + stretch(*task.pose_b) + rigid;
+    const double slack = slack_of(task) + rigid;
     return std::max(least + slack * std::abs(least) + 0x1p-44 * size, 0.0);
 }
 

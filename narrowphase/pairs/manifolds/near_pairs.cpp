@@ -227,7 +227,7 @@ void near_features_of(PairWorker& worker, const PairTask& task, double dhat, std
     const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
     const RelativePose b_to_a(*task.pose_a, *task.pose_b);
     const PlacedSurface a(*task.a, RelativePose(here, here), {}, false), b(*task.b, b_to_a, {}, false);
-    const double slack = stretch(*task.pose_a) + stretch(*task.pose_b);
+    const double slack = slack_of(task);
     const double rounding = near_rounding(a, b) + slack * dhat + a.error() + b.error();
     a.with_tree([&](auto& tree_a) {
         b.with_tree([&](auto& tree_b) {

@@ -10,9 +10,6 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Sine. Segments that differ by more have one point.
-constexpr double along_each_other = 0.05;
-
 /// The direction of a segment, unit; 0 for other faces.
 Vector3d axis_of(const ContactFace& face)
 {

@@ -15,6 +15,8 @@ class ContactPoints {
 public:
     /// Cosine of 10 degrees. A face that is more oblique to the normal has no points but the deepest.
     static constexpr double facing = 0.985;
+    /// Sine. Segments that differ by more have one point.
+    static constexpr double along_each_other = 0.05;
 
     Eigen::Vector3d normal; ///< unit, from A to B
     FewPoints points;

@@ -37,9 +37,9 @@ const Convex& point_of_plane()
 class ShapeRegion {
 public:
     ShapeRegion(const PairTask& task, const ManifoldOptions& options)
-        : task_(task), options_(options), placed_(*task.pose_a, *task.pose_b),
-          plane_(task.a->kind() == Kind::half_space), b_(task.b->convex()),
-          a_(plane_ ? point_of_plane() : task.a->convex()), cores_(a_, b_, placed_.b_to_a, placed_.slack),
+        : task_(task), options_(options), placed_(task), plane_(task.a->kind() == Kind::half_space),
+          b_(task.b->convex()), a_(plane_ ? point_of_plane() : task.a->convex()),
+          cores_(a_, b_, placed_.b_to_a, placed_.slack),
           rounding_(cores_.rounding() + placed_.slack * (cores_.size() + cores_.radius() + apart())),
           boxes_(!plane_ && are_boxes(cores_))
     {
@@ -60,6 +60,7 @@ private:
     void prefer_face(const ContactFace& face, double sign);
     void add_points();
     void find_points();
+    bool meet_in_one_point() const;
     bool may_hold() const;
     bool reaches() const;
     bool faces_are_nearest();
@@ -188,10 +189,22 @@ ManifoldPoint ShapeRegion::point(const FewPoints::Candidate& c, const Vector3d& 
     return {pose * c.on_a, pose * c.on_b, c.depth, c.off + 8 * rounding_, c.of_a, c.of_b, normal};
 }
 
+/// True for spheres and capsules of which the nearest points are known and that do not lie along each other.
+bool ShapeRegion::meet_in_one_point() const
+{
+    if (plane_ || !found_.has_points || !is_thin(a_) || !is_thin(b_)) return false;
+    const double sine = placed_.b_to_a.rotation.col(2).head<2>().norm();
+    return a_.low == a_.high || b_.low == b_.high || sine > ContactPoints::along_each_other;
+}
+
 /// Finds the points along the normal, or along a face's.
 void ShapeRegion::find_points()
 {
     points_.points.clear();
+    if (meet_in_one_point()) {
+        points_.normal = found_.normal, face_a_.face = face_b_.face = face_feature(0);
+        return;
+    }
     if (boxes_ && found_.of_axes) {
         points_.normal = found_.normal;
         find_box_points(a_, b_, placed_.b_to_a, found_.normal, ContactPoints::facing, 4 * rounding_, points_.points);
