@@ -11,11 +11,6 @@ namespace {
 
 constexpr int most_newton_steps = 8; ///< Newton's method takes four to six
 
-bool is_enough(const ConvexDistance& d, const DistanceGoal& goal, double rounding)
-{
-    return d.lower > goal.cutoff || d.upper <= goal.below || d.upper - d.lower <= goal.tolerance + 4 * rounding;
-}
-
 /// True if one of them is an ellipsoid or a point. If both have edges or rims, Newton's method soon gets stuck, and its
 /// evaluations are wasted.
 bool one_is_smooth(const ConvexDifference& cores)
@@ -39,7 +34,7 @@ bool look_along_normals(const ConvexDifference& cores, const DistanceGoal& goal,
         last = apart, v = n;
         if (apart - rounding > found.lower) found.lower = apart - rounding, found.toward = n;
         if (upper < found.upper) found.upper = upper, found.on_a = p.a, found.on_b = p.a + p.w;
-        if (is_enough(found, goal, rounding)) return true;
+        if (goal.is_met(found.lower, found.upper, rounding)) return true;
         n = (n + newton_step(cores, n, p.w)).normalized();
     }
     return false;
@@ -68,7 +63,7 @@ ConvexDistance convex_distance(const ConvexDifference& cores, const DistanceGoal
         const ConvexDifference::Point p = cores.support(-v);
         if (const double apart = v.dot(p.w) / length - rounding; apart > found.lower)
             found.lower = apart, found.toward = v;
-        if (found.lower > goal.cutoff || found.upper - found.lower <= goal.tolerance + 4 * rounding) break;
+        if (goal.is_met(found.lower, found.upper, rounding)) break;
         if (simplex.holds(p.w)) break;
         simplex.corner[simplex.count++] = p;
         simplex.reduce();

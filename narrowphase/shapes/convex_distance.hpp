@@ -6,10 +6,15 @@
 namespace oncollide {
 
 /// Bounds of a distance are good enough if the lower one is above `cutoff`, the upper one at most `below`, or the two
-/// are no farther apart than `tolerance`.
+/// are no farther apart than `tolerance` and `share` of the upper one.
 struct DistanceGoal {
     double cutoff = std::numeric_limits<double>::infinity();
-    double below = 0, tolerance = 0;
+    double below = 0, tolerance = 0, share = 0;
+
+    bool is_met(double lower, double upper, double rounding) const
+    {
+        return lower > cutoff || upper <= below || (1 - share) * upper - lower <= tolerance + 4 * rounding;
+    }
 };
 
 /// Certified bounds of the distance of two cores, rounding included. Metres.

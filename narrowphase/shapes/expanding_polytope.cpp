@@ -37,7 +37,7 @@ private:
         return corner_[corners_];
     }
     bool start(Vector3d d);
-    Vector3d likely_normal() const;
+    double likely_height(Vector3d& toward) const;
     void surround(const Vector3d& n);
     void add_face(int u, int v, int w);
     bool replace_visible(int corner, int face);
@@ -68,7 +68,12 @@ template <class Visit>
 void each_likely_normal(const Convex& c, const Vector3d& toward, Visit visit)
 {
     const Vector3d sign = toward.unaryExpr([](double x) { return x < 0 ? -1.0 : 1.0; });
-    if (c.core == Convex::Core::ellipsoid) return;
+    if (c.core == Convex::Core::ellipsoid || (c.core == Convex::Core::points && c.count != 3)) return;
+    if (c.core == Convex::Core::points) {
+        const Vector3d n = (c.points[1] - c.points[0]).cross(c.points[2] - c.points[0]);
+        if (n.norm() > 0) visit((n.dot(toward) < 0 ? -1 : 1) * n.normalized());
+        return;
+    }
     visit(sign.z() * Vector3d::UnitZ());
     if (c.flat_sided) return visit(sign.x() * Vector3d::UnitX()), visit(sign.y() * Vector3d::UnitY());
     const double across = std::hypot(toward.x(), toward.y());
@@ -78,8 +83,8 @@ void each_likely_normal(const Convex& c, const Vector3d& toward, Visit visit)
                                        : aside);
 }
 
-/// The best of some normals, improved by Newton's method.
-Vector3d ExpandingPolytope::likely_normal() const
+/// Sets `toward` to the best of some normals, improved by Newton's method. Returns the height of the surface along it.
+double ExpandingPolytope::likely_height(Vector3d& toward) const
 {
     const Vector3d out = -cores_.middle();
     Vector3d best = out.norm() > 0x1p-40 * cores_.size() ? Vector3d(out.normalized()) : Vector3d(Vector3d::UnitX());
@@ -92,11 +97,14 @@ Vector3d ExpandingPolytope::likely_normal() const
     const auto& r = cores_.b_to_a().rotation;
     each_likely_normal(cores_.a(), -out, [&](const Vector3d& n) { compare(-n); });
     each_likely_normal(cores_.b(), r.transpose() * out, [&](const Vector3d& n) { compare(r * n); });
-    if (const Vector3d both = r.col(2).cross(Vector3d::UnitZ()); both.norm() > 0x1p-10)
+    const auto round = [](const Convex& c) { return c.core == Convex::Core::cylinder || c.core == Convex::Core::cone; };
+    if (const Vector3d both = r.col(2).cross(Vector3d::UnitZ());
+        round(cores_.a()) && round(cores_.b()) && both.norm() > 0x1p-10)
         compare(both.dot(out) < 0 ? -both.normalized() : both.normalized());
     Vector3d n = -best;
-    polish(n, p);
-    return -n;
+    height = polish(n, p);
+    toward = -n;
+    return height;
 }
 
 /// Adds corners around the one along n, so that the faces there are close to the surface.
@@ -240,18 +248,19 @@ LeastTranslation ExpandingPolytope::find(double cutoff)
         return found.beyond = found.upper < -cutoff;
     };
     const bool curved = !cores_.flat_sided();
-    Vector3d toward = curved ? likely_normal() : Vector3d(-cores_.middle());
+    Vector3d toward = -cores_.middle();
     if (!(toward.norm() > 0x1p-40 * cores_.size())) toward = Vector3d::UnitX();
+    if (curved) {
+        const double height = likely_height(toward);
+        if (take(toward, height)) return found;
+    }
     if (!start(toward)) {
         const Vector3d n = normal(0);
         if (take(n, n.dot(cores_.support(n).w)) || take(-n, -n.dot(cores_.support(-n).w))) return found;
         found.lower = -rounding_, found.normal_error = std::numbers::pi;
         return found;
     }
-    if (curved) {
-        if (take(toward, toward.dot(corner_[0].w))) return found;
-        surround(toward);
-    }
+    if (curved) surround(toward);
     int face;
     bool ends; ///< the face has the best normal
     for (;;) {

@@ -21,6 +21,8 @@ using Eigen::Vector3d;
 /// A gap between cores below this many roundings has no certain direction.
 constexpr double least_gap = 0x1p12;
 constexpr int most_polish_steps = 6;
+/// Share of a gap. Bounds that are as close give the direction to 2^-7.
+constexpr double close_enough = 0x1p-16;
 /// Share of the depth. An interval that is wider is improved.
 constexpr double loose = 0x1p-7;
 
@@ -77,16 +79,26 @@ bool set_apart(const ConvexDifference& cores, const Ends& ends, double rounding,
     return certain;
 }
 
-/// By the distance; false: the cores meet, or nearly.
-bool by_distance(const ConvexDifference& cores, double rounding, double cutoff, LeastTranslation& found)
+/// By the distance; false: the cores meet, or nearly. @param toward  a direction from A to B to try first; null: none
+bool by_distance(const ConvexDifference& cores, double rounding, double cutoff, LeastTranslation& found,
+                 const Vector3d* toward = nullptr)
 {
-    const double below = -std::numeric_limits<double>::infinity(), radius = cores.radius();
-    const ConvexDistance d = convex_distance(cores, {.cutoff = cutoff + radius + rounding, .below = below});
-    if (d.lower > cutoff + radius + rounding) {
-        found.beyond = true, found.upper = -d.lower;
+    DistanceGoal goal{.cutoff = cutoff + cores.radius() + rounding, .below = -std::numeric_limits<double>::infinity()};
+    const auto find = [&](const Vector3d* first) {
+        const ConvexDistance d = convex_distance(cores, goal, first);
+        found.beyond = d.lower > goal.cutoff;
+        if (!found.beyond) return set_apart(cores, {d.on_a, d.on_b, d.toward}, rounding, found);
+        found.upper = -d.lower;
         return true;
-    }
-    return set_apart(cores, {d.on_a, d.on_b, d.toward}, rounding, found);
+    };
+    if (cores.flat_sided() || cores.radius() > 0) return find(nullptr);
+    goal.share = 0x1p-6; // Newton's method finds the rest, in most cases
+    if (!find(toward)) return false;
+    const bool decided = found.beyond || -found.lower <= 0.25 * cutoff; // a margin may be a little less
+    if (decided && found.upper - found.lower <= close_enough * -found.lower) return true;
+    goal.share = 0;
+    const Vector3d first = found.normal;
+    return find(&first);
 }
 
 /// Improves the normal of curved cores that overlap little. The shortest way between the cores, after B has moved out a
@@ -142,6 +154,9 @@ LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double
         const LeastTranslation plane = translation_by_polytope(cores, rounding, cutoff + cores.radius());
         return plane.upper < found.upper && !plane.beyond ? plane : found;
     }
+    // Most triangles around a round shape are apart from it, which the distance finds sooner.
+    const bool triangle = a.core == Convex::Core::points && a.count == 3;
+    if (triangle && !cores.flat_sided() && by_distance(cores, rounding, cutoff, found)) return found;
     found = boxes                         ? translation_of_boxes(cores, rounding, cutoff)
             : are_triangle_and_box(cores) ? translation_of_triangle_and_box(cores, rounding, cutoff)
                                           : translation_by_polytope(cores, rounding, cutoff + cores.radius());
@@ -150,7 +165,7 @@ LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double
     if (found.beyond || !(found.upper < 0) || cores.radius() > 0) return found;
     // Apart by a plane: the distance may be larger than the gap at the plane.
     LeastTranslation apart{};
-    if (!by_distance(cores, rounding, cutoff, apart)) { // too near for a certain direction
+    if (!by_distance(cores, rounding, cutoff, apart, &found.normal)) { // too near for a certain direction
         if (apart.upper < found.upper) return apart;
         found.lower = std::min(found.lower, apart.lower);
         found.normal_error = std::max(found.normal_error, angle_to_shortest(-found.upper, -found.lower));
