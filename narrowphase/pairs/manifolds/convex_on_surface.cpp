@@ -96,8 +96,9 @@ bool ConvexOnSurface::find_reached(const Setup& s)
     std::ranges::sort(triangles_);
     bool within = true;
     for (const std::uint32_t t : triangles_) {
-        Reached r{t, {}, s.surface.points(t), Vector3d::Zero(), {}};
-        if (s.shape.box_is_apart(r.corners, more)) continue;
+        const TrianglePoints corners = s.surface.points(t);
+        if (s.shape.box_is_apart(corners, more)) continue;
+        Reached r{t, {}, corners, Vector3d::Zero(), {}};
         r.face = unit_normal(r.corners[0], r.corners[1], r.corners[2]);
         // Behind an open surface is no inside: the shape is on the side of its middle.
         if (!s.surface.solid() && r.face.dot(s.shape.middle - r.corners[0]) < 0) r.face = -r.face;

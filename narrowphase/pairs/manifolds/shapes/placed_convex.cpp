@@ -45,7 +45,20 @@ LeastTranslation PlacedConvex::part(const TrianglePoints& c, const Vector3d& fac
 {
     LeastTranslation least{};
     least.beyond = true;
+    const Vector3d way = middle - nearest_on(c, middle).at;
+    const double far = ball_ + cutoff;
+    if (way.squaredNorm() > far * far) return least;
     if (box_is_behind(-face, c[0], cutoff) || box_is_behind(face, c[0], cutoff)) return least;
+    const Convex flat = convex_of(c);
+    const ConvexDifference cores(flat, solid, into, slack);
+    const double rounding =
+        4 * cores.rounding() + 2 * slack * (cores.size() + cores.radius() + into.translation.norm());
+    // The way from the triangle to the shape's middle parts most that are apart.
+    if (const double length = way.norm(); length > 0) {
+        const Vector3d n = way / length;
+        const double top = std::max({n.dot(c[0]), n.dot(c[1]), n.dot(c[2])});
+        if (n.dot(lowest(n)) - top > cutoff + rounding) return least;
+    }
     const Vector3d low = lowest(face);
     depth = face.dot(c[0] - low);
     if (depth < -cutoff) return least;
@@ -56,10 +69,6 @@ LeastTranslation PlacedConvex::part(const TrianglePoints& c, const Vector3d& fac
         if (box_is_behind(-side, c[k], cutoff)) return least;
         room = std::min(room, side.dot(c[k] - foot));
     }
-    const Convex flat = convex_of(c);
-    const ConvexDifference cores(flat, solid, into, slack);
-    const double rounding =
-        4 * cores.rounding() + 2 * slack * (cores.size() + cores.radius() + into.translation.norm());
     // No direction is shorter than the face's normal if the shape's lowest point is over the triangle, farther from the
     // border than deep, and the shape is as high above the triangle there.
     if (room > std::max(depth, 0.0) + 4 * rounding && !face.isZero(0) &&
@@ -70,13 +79,10 @@ LeastTranslation PlacedConvex::part(const TrianglePoints& c, const Vector3d& fac
         least.on_a = foot, least.on_b = low + solid.radius * face;
         return least;
     }
-    // The way from the triangle to the shape's middle parts most others.
-    const Vector3d at = nearest_on(c, middle).at, way = middle - at;
-    if (const double length = way.norm(); length > 0) {
-        const Vector3d n = way / length;
-        const double top = std::max({n.dot(c[0]), n.dot(c[1]), n.dot(c[2])});
-        if (n.dot(lowest(n)) - top > cutoff + rounding) return least;
-    }
+    // Most others are apart, which the distance of a hull shows sooner than its depth.
+    const bool hull = solid.core == Convex::Core::points;
+    if (hull && convex_distance(cores, {.cutoff = cutoff + rounding, .below = cutoff}).lower > cutoff + rounding)
+        return least;
     return least_translation(cores, cutoff);
 }
 

@@ -11,7 +11,8 @@ public:
     /// Keeps references. @param pose_slack  see ConvexPair
     PlacedConvex(const Model& shape, const RelativePose& pose, double pose_slack)
         : solid(shape.convex()), into(pose), slack(pose_slack), middle(pose(solid.centre)), box_(shape.shape_tree()),
-          box_middle_(pose(box_.centre()))
+          box_middle_(pose(box_.centre())),
+          ball_((solid.extent + solid.radius + solid.centre.norm()) * (1 + 0x1p-16) + 0x1p-40 * middle.norm())
     {
     }
     const Convex& solid;
@@ -45,6 +46,7 @@ private:
 
     const ShapeTree& box_; ///< the box around the shape
     const Eigen::Vector3d box_middle_;
+    const double ball_; ///< radius of a ball around the middle that holds the shape
 };
 
 } // namespace oncollide
