@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 
 #include <fmt/format.h>
@@ -22,7 +23,7 @@ struct ManifoldFuzzOptions {
     std::int64_t pairs = 10'000;
     std::uint64_t seed = 1;
     int threads = 1;
-    bool shapes = false;
+    bool shapes = false, all_faults = false;
     std::string kinds;
 };
 
@@ -30,9 +31,9 @@ struct ManifoldFuzzOptions {
 std::string claims_of(const ShapeManifoldTally::Counts& counts)
 {
     std::string text;
-    for (std::size_t k = 0; k < counts.claims.size(); ++k)
-        if (counts.claims[k] > 0)
-            text += fmt::format("{}{} {}", text.empty() ? "" : ", ", oracle::shape_claims[k], counts.claims[k]);
+    const auto claims = counts.claims();
+    for (std::size_t k = 0; k < claims.size(); ++k)
+        if (claims[k] > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", oracle::shape_claims[k], claims[k]);
     return text;
 }
 
@@ -48,15 +49,17 @@ int judge_shape_manifolds(const ManifoldFuzzOptions& options)
                                     name_of_kinds(kinds), counts.pairs, counts.meet, counts.near, counts.points,
                                     counts.faulty));
         write_to_stdout(
-            counts.faulty > 0 ? fmt::format(" ({}), first seed {}\n", claims_of(counts), counts.first().seed) : "\n");
+            counts.faulty > 0 ? fmt::format(" ({}), first seed {}\n", claims_of(counts), counts.faults[0].seed) : "\n");
     }
     const ShapeManifoldTally::Counts all = tally.all();
     write_to_stdout(fmt::format("{} pairs, {} meet, {} within the margin, {} regions, {} points\n{} faulty pairs{}\n",
                                 all.pairs, all.meet, all.near, all.regions, all.points, all.faulty,
                                 all.faulty > 0 ? ": " + claims_of(all) : ""));
     if (all.faulty == 0) return 0;
-    for (const FirstFault& first : all.firsts)
-        if (!first.what.empty()) write_to_stdout(fmt::format("first: seed {}: {}\n", first.seed, first.what));
+    std::set<oracle::ShapeClaim> seen;
+    for (const ShapeManifoldTally::Fault& fault : all.faults)
+        if (seen.insert(fault.claim).second || options.all_faults)
+            write_to_stdout(fmt::format("seed {}: {}\n", fault.seed, fault.what));
     return int(ErrorKind::internal);
 }
 
@@ -91,6 +94,8 @@ void add_manifolds(Arguments app)
         sub.add_flag("--shapes", options->shapes,
                      "judge shapes, every kind with every kind, and bounded shapes on meshes, terrains and maps");
     sub.add_option("--kinds A,B", options->kinds, "only these two kinds, such as sphere,box or cone,terrain")
+        .needs(shapes);
+    sub.add_flag("--all-faults", options->all_faults, "print every fault, not only the first of each claim")
         .needs(shapes);
     sub.footer(
         "Without --shapes: small closed meshes with random corners, judged by rational arithmetic. Judged are the lost "

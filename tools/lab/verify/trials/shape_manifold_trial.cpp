@@ -100,11 +100,9 @@ private:
         counts_.regions += there_.regions.size(), counts_.points += there_.points.size();
         if (found.faults.empty()) return;
         ++counts_.faulty;
-        for (const oracle::ShapeFault& fault : found.faults) {
-            const auto claim = static_cast<std::size_t>(fault.claim);
-            ++counts_.claims[claim];
-            counts_.firsts[claim].take(seed_, fmt::format("{} ({}): {}", name_of_kinds(kinds_), what, fault.what));
-        }
+        for (const oracle::ShapeFault& fault : found.faults)
+            counts_.faults.push_back(
+                {seed_, fault.claim, fmt::format("{} ({}): {}", name_of_kinds(kinds_), what, fault.what)});
     }
 
     const std::uint64_t seed_;
@@ -120,20 +118,16 @@ private:
 ShapeManifoldTally::Counts& ShapeManifoldTally::Counts::operator+=(const Counts& o)
 {
     pairs += o.pairs, meet += o.meet, near += o.near, regions += o.regions, points += o.points, faulty += o.faulty;
-    for (std::size_t k = 0; k < claims.size(); ++k) {
-        claims[k] += o.claims[k];
-        const FirstFault& other = o.firsts[k];
-        if (firsts[k].what.empty() || (!other.what.empty() && other.seed < firsts[k].seed)) firsts[k] = other;
-    }
+    faults.insert(faults.end(), o.faults.begin(), o.faults.end());
+    std::ranges::stable_sort(faults, {}, &Fault::seed);
     return *this;
 }
 
-FirstFault ShapeManifoldTally::Counts::first() const
+std::array<std::uint64_t, oracle::shape_claim_count> ShapeManifoldTally::Counts::claims() const
 {
-    FirstFault least;
-    for (const FirstFault& fault : firsts)
-        if (!fault.what.empty() && (least.what.empty() || fault.seed < least.seed)) least = fault;
-    return least;
+    std::array<std::uint64_t, oracle::shape_claim_count> of_each{};
+    for (const Fault& fault : faults) ++of_each[static_cast<std::size_t>(fault.claim)];
+    return of_each;
 }
 
 ShapeManifoldTally& ShapeManifoldTally::operator+=(const ShapeManifoldTally& o)

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "verify/cases/drawn_shapes.hpp"
 #include "verify/oracle/shape_truth.hpp"
@@ -15,14 +16,18 @@ namespace oncollide::tools {
 
 /// Counts of manifolds of shapes, judged by closed forms and extended precision (oracle/shape_truth.hpp).
 struct ShapeManifoldTally {
+    struct Fault {
+        std::uint64_t seed;
+        oracle::ShapeClaim claim;
+        std::string what;
+    };
     struct Counts {
         std::uint64_t pairs = 0, meet = 0, near = 0;
         std::uint64_t regions = 0, points = 0;
-        std::uint64_t faulty = 0;                                      ///< pairs with a fault
-        std::array<std::uint64_t, oracle::shape_claim_count> claims{}; ///< faults of each
-        std::array<FirstFault, oracle::shape_claim_count> firsts{};
+        std::uint64_t faulty = 0;  ///< pairs with a fault
+        std::vector<Fault> faults; ///< in the order of the seeds
 
-        FirstFault first() const; ///< with the least seed
+        std::array<std::uint64_t, oracle::shape_claim_count> claims() const; ///< faults of each
         Counts& operator+=(const Counts& o);
     };
     std::map<std::pair<int, int>, Counts> by_kinds; ///< numbers of shape_kinds; from 8 on of ground_kinds
