@@ -48,9 +48,9 @@ ConvexDistance convex_distance(const ConvexDifference& cores, const DistanceGoal
     const double rounding = cores.rounding();
     ConvexDistance found{std::max(cores.least(), 0.0), std::numeric_limits<double>::infinity(), {}, {}};
     double nearest = std::numeric_limits<double>::infinity(); ///< distance of the simplex from 0
-    // A new point of a curved core may change the direction and not, within rounding, the distance; the next point may
+    // A new point may change the direction and not, within rounding, the distance; of a curved core, the next point may
     // then be much nearer.
-    int stalls = cores.flat_sided() ? 0 : 8; ///< steps without progress that are left
+    int stalls = cores.flat_sided() ? 2 : 8; ///< steps without progress that are left
     Simplex4 simplex;
     Eigen::Vector3d v = first ? *first : cores.middle();
     if (v.isZero(0)) v = Eigen::Vector3d::UnitX();

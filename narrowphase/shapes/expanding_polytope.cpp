@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include <Eigen/Geometry>
 
@@ -17,6 +18,8 @@ namespace {
 
 using Eigen::Vector3d;
 
+/// Roundings: the error of a plane that its face certainly determines.
+constexpr double well_shaped = 32;
 constexpr double endless = std::numeric_limits<double>::infinity();
 
 /// A closed surface of triangles around 0, whose corners are points of the difference. A face that sees a new corner is
@@ -46,7 +49,9 @@ private:
         return static_cast<int>(std::min_element(d_.begin(), d_.begin() + faces_) - d_.begin());
     }
     Vector3d normal(int f) const { return {x_[f], y_[f], z_[f]}; }
+    bool see(int corner);
     void set_points(LeastTranslation& found, int face) const;
+    Simplex4 nearest_of(std::span<const int> corners) const;
     double polish(Vector3d& n, ConvexDifference::Point& p) const;
 
     const ConvexDifference& cores_;
@@ -56,11 +61,14 @@ private:
     std::array<double, most_faces> x_, y_, z_, d_; ///< unit normals; heights of the planes over 0
     std::array<double, most_faces> error_;         ///< error bounds of the heights
     std::array<std::array<int, 3>, most_faces> of_;
-    std::array<bool, most_faces> sees_;
+    std::array<double, most_faces> height_; ///< of a new corner over each plane
+    std::array<bool, most_faces> sees_;     ///< the new corner
     struct Edge {
         int from, to;
+        bool operator==(const Edge&) const = default;
     };
     std::array<Edge, 3 * most_faces> border_;
+    int borders_ = 0;
 };
 
 /// Calls visit(normal) for normals of the flat and straight parts of a solid that face a direction, in its frame.
@@ -180,28 +188,51 @@ void ExpandingPolytope::add_face(int u, int v, int w)
     error_[f] = rounding_ * (2 + 4 * (p.norm() + edge) * edge * inverse);
 }
 
-/// Exchanges the faces that see a corner, and `face`. False, and nothing has changed: there is no room for as many
-/// faces.
-bool ExpandingPolytope::replace_visible(int corner, int face)
+/// Finds the border of the faces that see a corner. False: the polytope would fold over at a face in whose plane,
+/// within rounding, the corner is; now this face counts as seeing the corner.
+bool ExpandingPolytope::see(int corner)
 {
-    const Vector3d& p = corner_[corner].w;
-    int border = 0, visible = 0;
+    borders_ = 0;
     for (int f = 0; f < faces_; ++f) {
-        // A sliver's plane errs by more than a rounding.
-        sees_[f] = f == face || x_[f] * p.x() + y_[f] * p.y() + z_[f] * p.z() - d_[f] > error_[f];
         if (!sees_[f]) continue;
-        ++visible;
         for (int k = 0; k < 3; ++k) {
             const Edge edge{of_[f][k], of_[f][(k + 1) % 3]};
             int i = 0;
-            while (i < border && (border_[i].from != edge.to || border_[i].to != edge.from)) ++i;
-            if (i < border)
-                border_[i] = border_[--border];
+            while (i < borders_ && border_[i] != Edge{edge.to, edge.from}) ++i;
+            if (i < borders_)
+                border_[i] = border_[--borders_];
             else
-                border_[border++] = edge;
+                border_[borders_++] = edge;
         }
     }
-    if (faces_ - visible + border > most_faces) return false;
+    const Vector3d& p = corner_[corner].w;
+    for (int f = 0; f < faces_; ++f) {
+        if (sees_[f] || height_[f] < -error_[f] || error_[f] > well_shaped * rounding_) continue;
+        for (int k = 0; k < 3; ++k) {
+            const int from = of_[f][(k + 1) % 3], to = of_[f][k]; // as the face on the other side has them
+            const Vector3d& u = corner_[from].w;
+            if (!((corner_[to].w - u).cross(p - u).dot(normal(f)) < 0)) continue;
+            if (std::find(border_.begin(), border_.begin() + borders_, Edge{from, to}) == border_.begin() + borders_)
+                continue;
+            sees_[f] = true;
+            return false;
+        }
+    }
+    return true;
+}
+
+/// Exchanges the faces that see a corner, and `face`. False, and nothing has changed: rounding hides where the corner
+/// is, or there is no room for as many faces.
+bool ExpandingPolytope::replace_visible(int corner, int face)
+{
+    const Vector3d& p = corner_[corner].w;
+    for (int f = 0; f < faces_; ++f) {
+        height_[f] = x_[f] * p.x() + y_[f] * p.y() + z_[f] * p.z() - d_[f];
+        sees_[f] = f == face || height_[f] > error_[f]; // a sliver's plane errs by more than a rounding
+    }
+    while (!see(corner)) {}
+    const int visible = static_cast<int>(std::count(sees_.begin(), sees_.begin() + faces_, true));
+    if (borders_ < 3 || faces_ - visible + borders_ > most_faces) return false;
     for (int f = 0; f < faces_;) {
         if (!sees_[f]) {
             ++f;
@@ -211,16 +242,22 @@ bool ExpandingPolytope::replace_visible(int corner, int face)
         x_[f] = x_[faces_], y_[f] = y_[faces_], z_[f] = z_[faces_], d_[f] = d_[faces_], error_[f] = error_[faces_];
         of_[f] = of_[faces_], sees_[f] = sees_[faces_];
     }
-    for (int i = 0; i < border; ++i) add_face(border_[i].from, border_[i].to, corner);
+    for (int i = 0; i < borders_; ++i) add_face(border_[i].from, border_[i].to, corner);
     return true;
+}
+
+Simplex4 ExpandingPolytope::nearest_of(std::span<const int> corners) const
+{
+    Simplex4 simplex;
+    for (const int k : corners) simplex.corner[simplex.count++] = corner_[k];
+    simplex.reduce();
+    return simplex;
 }
 
 /// The point of the face nearest to 0, as points of the cores. May lower the bound of cores that may be apart.
 void ExpandingPolytope::set_points(LeastTranslation& found, int face) const
 {
-    Simplex4 simplex;
-    for (const int k : of_[face]) simplex.corner[simplex.count++] = corner_[k];
-    simplex.reduce();
+    const Simplex4 simplex = nearest_of(of_[face]);
     const Vector3d w = simplex.nearest();
     found.on_a = simplex.on_a(), found.on_b = found.on_a + w, found.has_points = true;
     found.lower = std::max(found.lower, -w.norm() - rounding_);
@@ -257,7 +294,11 @@ LeastTranslation ExpandingPolytope::find(double cutoff)
     if (!start(toward)) {
         const Vector3d n = normal(0);
         if (take(n, n.dot(cores_.support(n).w)) || take(-n, -n.dot(cores_.support(-n).w))) return found;
-        found.lower = -rounding_, found.normal_error = std::numbers::pi;
+        // 0 may be in the plane, or above it, or beside the points in it.
+        constexpr int first[] = {0, 1, 2};
+        found.lower =
+            std::min(-nearest_of(std::span(first, std::min(corners_, 3))).nearest().norm() - rounding_, found.upper);
+        found.normal_error = std::numbers::pi;
         return found;
     }
     if (curved) surround(toward);
@@ -298,7 +339,8 @@ LeastTranslation ExpandingPolytope::find(double cutoff)
     }
     found.lower = std::min(found.lower, found.upper);
     found.normal_error =
-        !curved
+        found.lower < -hidden_gap * rounding_ ? std::numbers::pi // they may be apart, in any direction
+        : !curved
             ? std::min(std::numbers::pi, error_[face] / cores_.size() * 4 + 8 * cores_.slack())
             : std::min(std::numbers::pi, std::sqrt(2 * std::max(found.upper - found.lower, 0.0) / cores_.size()) * 2);
     return found;

@@ -148,35 +148,31 @@ LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double
         }
         return by_axes();
     }
-    if (cores.radius() > 0 && by_distance(cores, rounding, cutoff, found)) {
-        if (found.beyond || found.upper - found.lower <= loose * std::abs(cores.radius() + found.upper)) return found;
-        // The distance of needles ends early; a plane may part the cores better.
-        const LeastTranslation plane = translation_by_polytope(cores, rounding, cutoff + cores.radius());
-        return plane.upper < found.upper && !plane.beyond ? plane : found;
-    }
+    LeastTranslation apart{};
+    const bool swept = cores.radius() > 0;
+    bool certain = swept && by_distance(cores, rounding, cutoff, apart);
+    if (certain && (apart.beyond || apart.upper - apart.lower <= loose * std::abs(cores.radius() + apart.upper)))
+        return apart; // the distance of needles ends early; a plane may part the cores better
     // Most triangles around a round shape are apart from it, which the distance finds sooner.
     const bool triangle = a.core == Convex::Core::points && a.count == 3;
-    if (triangle && !cores.flat_sided() && by_distance(cores, rounding, cutoff, found)) return found;
-    found = boxes                         ? translation_of_boxes(cores, rounding, cutoff)
-            : are_triangle_and_box(cores) ? translation_of_triangle_and_box(cores, rounding, cutoff)
-                                          : translation_by_polytope(cores, rounding, cutoff + cores.radius());
-    if (!found.beyond && found.upper - found.lower > loose * std::abs(found.upper) + 16 * rounding)
+    if (triangle && !swept && !cores.flat_sided() && by_distance(cores, rounding, cutoff, apart)) return apart;
+    const bool axes = boxes || are_triangle_and_box(cores);
+    found = boxes  ? translation_of_boxes(cores, rounding, cutoff)
+            : axes ? translation_of_triangle_and_box(cores, rounding, cutoff)
+                   : translation_by_polytope(cores, rounding, cutoff + cores.radius());
+    if (!certain && !found.beyond && found.upper - found.lower > loose * std::abs(found.upper) + 16 * rounding)
         improve_shallow(cores, rounding, found);
-    if (found.beyond || !(found.upper < 0) || cores.radius() > 0) return found;
     // Apart by a plane: the distance may be larger than the gap at the plane.
-    LeastTranslation apart{};
-    if (!by_distance(cores, rounding, cutoff, apart, &found.normal)) { // too near for a certain direction
-        if (apart.upper < found.upper) return apart;
-        found.lower = std::min(found.lower, apart.lower);
-        found.normal_error = std::max(found.normal_error, angle_to_shortest(-found.upper, -found.lower));
-        return found;
-    }
+    if (found.beyond || !(found.upper < 0 || found.lower < -hidden_gap * rounding)) return found;
+    if (!swept) certain = by_distance(cores, rounding, cutoff, apart, &found.normal);
     if (apart.beyond) return apart;
-    if (found.upper <= apart.upper + 8 * rounding) { // the plane's normal has less rounding in it
-        apart.normal = found.normal, apart.upper = found.upper, apart.lower = std::min(apart.lower, apart.upper);
-        apart.normal_error = angle_to_shortest(-apart.upper, -apart.lower);
-    }
-    return apart;
+    const double lower = axes ? apart.lower : std::max(found.lower, apart.lower); // axes bound the gap at a plane
+    if (certain && found.upper <= apart.upper + 8 * rounding) // the plane's normal has less rounding in it
+        apart.normal = found.normal, apart.upper = found.upper;
+    if (certain || apart.upper < found.upper) found = apart;
+    found.lower = std::min(lower, found.upper);
+    found.normal_error = angle_to_shortest(-found.upper, -found.lower);
+    return found;
 }
 
 /// A pose may stretch lengths by the slack.

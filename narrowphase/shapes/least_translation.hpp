@@ -12,6 +12,9 @@ inline double face_preference(double depth, double size)
     return 1.0 / 300 * std::abs(depth) + 0x1p-26 * size;
 }
 
+/// Roundings of the sizes and the distance. A gap that is not certainly larger may have any direction.
+constexpr double hidden_gap = 64;
+
 /// The least translation of B that parts two convex solids; for solids apart, their gap as a negative depth. In A's
 /// frame, metres.
 struct LeastTranslation {

@@ -245,6 +245,20 @@ TEST(ConvexPair, BoxesAndHullsThatTouchMeetAndAnUlpFartherTheyAreApart)
     EXPECT_EQ(sign_of(hull, small, {0.5, 0.25, -0.125}), -1);
 }
 
+/// The first two points of the search are the ends of an edge. The second one changes the direction by 3e-10, and the
+/// distance by less than a rounding.
+TEST(ConvexPair, ACapsuleBesideTheTipOfABoxsEdgeIsApart)
+{
+    const double across = std::hypot(0.1, 0.1), radius = across - 2e-11;
+    const Convex capsule = convex_of(Shape(Capsule{radius, 0.5})), box = convex_of(Shape(Box{{0.25, 0.875, 1}}));
+    for (const double beyond : {0x1p-34, 0x1p-36, -0x1p-35}) {
+        const RelativePose b_to_a(Isometry3d(Eigen::Translation3d(0.35, 0.975, 1.25 - beyond)), Isometry3d::Identity());
+        const ConvexPair pair(capsule, box, b_to_a, 1e-16); // as of rotated poses
+        EXPECT_EQ(pair.meeting().sign, 1) << beyond;
+        EXPECT_NEAR(pair.distance({}).lower, across - radius, 1e-13) << beyond;
+    }
+}
+
 TEST(ConvexPair, CylindersAreDecidedButForRounding)
 {
     const Shape cylinder = Cylinder{1, 2}, box = Box{{1, 1, 1}}, flat = Cylinder{0.5, 0.1};

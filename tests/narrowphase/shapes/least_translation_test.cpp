@@ -225,5 +225,54 @@ TEST(LeastTranslation, OfATriangleAndABoxIsThatOfThePolytope)
     EXPECT_GT(with_points, 1000u);
 }
 
+/// The difference of a triangle and a point is flat: no polytope has a volume.
+TEST(LeastTranslation, OfATriangleAndABallThatAllButTouchIsTheirGap)
+{
+    Drawing d{std::mt19937_64(11)};
+    const Convex ball = convex_of(Shape(Sphere{0.125}));
+    for (int trial = 0; trial < 500; ++trial) {
+        const Isometry3d pose = random_pose(d.random(), 1);
+        const double gap = std::ldexp(1.0, -20 - trial % 24), aside = trial % 2 ? 2.5 : 0;
+        const TrianglePoints triangle{pose * Vector3d(-3, -2, 0), pose * Vector3d(3, -2, 0), pose * Vector3d(0, 4, 0)};
+        const Convex flat = convex_of(triangle);
+        const Isometry3d at_ball(Eigen::Translation3d(pose * Vector3d(0, -aside, 0.125 + gap)));
+        const RelativePose b_to_a(Isometry3d::Identity(), at_ball);
+        const LeastTranslation found = least_translation(ConvexDifference(flat, ball, b_to_a, 0), 1);
+        const double apart = std::hypot(std::max(aside - 2, 0.0), 0.125 + gap) - 0.125;
+        EXPECT_LE(found.lower, found.upper) << trial;
+        EXPECT_NEAR(found.upper, -apart, 2e-13) << trial;
+        EXPECT_NEAR(found.lower, -apart, 2e-13) << trial;
+    }
+}
+
+/// Many points of the difference are in one plane, or nearly, where faces of the polytope could fold over.
+TEST(LeastTranslation, FindsTheFaceOfACylinderThatIsAlmostAlignedWithABox)
+{
+    Solid box(Box{{0.5, 0.75, 0.875}}), cylinder(Cylinder{0.875, 0.875});
+    Isometry3d of_box = Isometry3d::Identity(), pose = Isometry3d::Identity();
+    of_box.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+    pose.linear() << 1, 1.1303263906273207e-12, 6.9926565569841747e-13, //
+        6.9926565569841747e-13, -8.0980086852590902e-13, -1,            //
+        -1.1303263906273207e-12, 1, -8.0980086852590902e-13;
+    pose.translation() << -0.39381430704324893, 0.34793968463285269, -0.23010757242109098;
+    const LeastTranslation found = least(box.model, of_box, cylinder.model, pose);
+    EXPECT_NEAR(found.upper, 0.96456031536801523, 1e-9);
+    EXPECT_NEAR(found.lower, 0.96456031536801523, 1e-6);
+}
+
+/// Their gap is below the roundings of the cone's size. A polytope knows less of it than the distance.
+TEST(LeastTranslation, OfANeedleBesideALargeConeIsTheirGap)
+{
+    const double radius = 6.2080879983590727e-07;
+    Solid needle(Capsule{radius, 0.085649535530358825}), cone(Cone{11190.563783340398, 11190.563783340398});
+    Isometry3d of_needle = Isometry3d::Identity(), of_cone = Isometry3d::Identity();
+    of_needle.linear() << 0, 1, 0, 1, 0, 0, 0, 0, -1;
+    of_cone.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+    of_cone.translation() << 0, -5595.2818921091775, 11190.606608547141;
+    const LeastTranslation found = least(needle.model, of_needle, cone.model, of_cone);
+    EXPECT_LE(found.lower, 0);
+    EXPECT_LE(found.upper, 0.01 * radius);
+}
+
 } // namespace
 } // namespace oncollide::least_translation_test

@@ -109,10 +109,12 @@ bool ShapeRegion::set_kind(PairWorker& worker)
     if (gap > 0 && gap <= options_.margin + 4 * rounding_) return true; // as near as decide() may see it
     if (gap > unsure * size()) return false;
     // Rounding hides it: the decision counts, whose own bounds may be wider.
-    const Verdict verdict = tests_for(task_).decide(worker, task_, {}, nullptr).verdict;
-    meet_ = verdict == Verdict::colliding;
-    if (verdict != Verdict::separate && gap <= 0) kind_ = RegionKind::touching;
-    return verdict != Verdict::separate || (gap <= 0 && options_.margin > 0);
+    const Finding decided = tests_for(task_).decide(worker, task_, {}, nullptr);
+    const bool separate = decided.verdict == Verdict::separate;
+    meet_ = decided.verdict == Verdict::colliding;
+    // If the decision is open and they may be apart by more than rounding, they are only near.
+    if (gap <= 0 && (meet_ || (!separate && found_.lower >= -hidden_gap * rounding_))) kind_ = RegionKind::touching;
+    return !separate || (gap <= 0 && options_.margin > 0 && decided.bound <= options_.margin);
 }
 
 void ShapeRegion::find_faces()
