@@ -260,6 +260,22 @@ TEST(Manifolds, EnclosedBodiesLeaveThroughTheNearestSurface)
     EXPECT_NEAR(below.manifold().regions[0].depth_upper, 1.25, 1e-9);
 }
 
+/// The middle of the cell is in the ball, and the ball in the cell.
+TEST(Manifolds, ABallInACellIsWhatLeaves)
+{
+    OccupancyMap map = tools::one_cell(1);
+    const Vector3d middle(0.5, 0.5, 0.5);
+    map.set(std::vector{middle}, CellState::occupied);
+    const Vector3d at_ball(0.5, 0.5, 0.6);
+    const Two two(map, at(0, 0, 0), Shape(Sphere{0.25}), at(0.5, 0.5, 0.6));
+    const Manifold m = two.manifold();
+    ASSERT_EQ(m.regions.size(), 1u);
+    EXPECT_EQ(m.regions[0].kind, RegionKind::enclosed);
+    expect_near(m.regions[0].normal, {0, 0, 1}, 1e-2, "up");
+    EXPECT_NEAR((m.points[0].point_b - at_ball).norm(), 0.25, 1e-9);
+    EXPECT_NEAR(m.regions[0].depth_upper, 0.65, 1e-2);
+}
+
 TEST(Manifolds, WhatHasNoNormalSaysSo)
 {
     const Two rod(make_box_mesh({0.1, 0.1, 2}), at(0.01, 0.02, 0.1), make_box_mesh({2, 2, 0.05}), at(0, 0, 0));

@@ -50,6 +50,14 @@ bool is_held(const PlacedSurface& inner, const PlacedSurface& outer, PointLocato
            inner.any_part_point([&](const Vector3d& p) { return outer.holds(p, locator).value_or(false); });
 }
 
+/// The body of which a part is inside the other one: the smaller one, if both have such a part. Null: none.
+const PlacedSurface* held_of(const PlacedSurface& a, const PlacedSurface& b, PointLocator& locator)
+{
+    const bool a_first = a.extent() <= b.extent();
+    const PlacedSurface &first = a_first ? a : b, &second = a_first ? b : a;
+    return is_held(first, second, locator) ? &first : is_held(second, first, locator) ? &second : nullptr;
+}
+
 /// The body inside moves out through the nearest surface.
 void add_enclosed_region(PairWorker& worker, const ManifoldJob& job, bool inner_is_a, const RelativePose& b_to_a)
 {
@@ -94,6 +102,15 @@ void add_enclosed_region(PairWorker& worker, const ManifoldJob& job, bool inner_
     manifold.regions.push_back(region);
 }
 
+/// How far a common point of both bodies may be from the surface of one of them, which lies before it along a
+/// direction: a shape or a cell may have it inside.
+double behind_surface(const PlacedSurface& surface, const Vector3d& point, const Vector3d& out)
+{
+    const Kind kind = surface.model().kind();
+    if (kind == Kind::mesh || kind == Kind::terrain) return 0;
+    return std::max(out.dot(surface.farthest(out) - point), 0.0);
+}
+
 /// A region where none was found although the bodies are not certainly apart, or are within the margin: cells without
 /// an open side, gaps that rounding hides.
 void add_last_region(PairWorker& worker, const PairTask& task, const ManifoldJob& job)
@@ -130,8 +147,9 @@ void add_last_region(PairWorker& worker, const PairTask& task, const ManifoldJob
     region.centre = 0.5 * (on_a + on_b), region.lost = apart ? 0 : std::numeric_limits<double>::infinity();
     const double depth = region.normal.dot(on_a - on_b);
     constexpr FeatureBits whole = face_feature(0);
-    job.manifold.points.push_back(
-        {on_a, on_a - depth * region.normal, depth, (on_a - on_b).norm() + rounding, whole, whole, region.normal});
+    double error = (on_a - on_b).norm() + rounding;
+    if (!apart) error += std::max(behind_surface(a, on_a, region.normal), behind_surface(b, on_b, -region.normal));
+    job.manifold.points.push_back({on_a, on_a - depth * region.normal, depth, error, whole, whole, region.normal});
     job.manifold.regions.push_back(region);
 }
 
@@ -220,12 +238,11 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
         return r.kind == RegionKind::crossing || r.kind == RegionKind::enclosed;
     };
     if (std::ranges::none_of(manifold.regions, overlaps)) {
-        const bool a_in_b = is_held(a, b, worker.locator);
-        if (a_in_b || is_held(b, a, worker.locator)) {
+        if (const PlacedSurface* held = held_of(a, b, worker.locator)) {
             for (ManifoldRegion& r : manifold.regions)
                 // The body touches from inside.
                 r.normal_error = std::numbers::pi;
-            add_enclosed_region(worker, job, a_in_b, b_to_a);
+            add_enclosed_region(worker, job, held == &a, b_to_a);
         }
     }
     if (options.margin > 0 && !made) memory.near.add(job, !memory.meeting.empty(), memory.maker);

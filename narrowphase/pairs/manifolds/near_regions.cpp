@@ -30,6 +30,14 @@ NearGroups groups_of(const std::vector<NearPair>& near, double spread)
     return groups;
 }
 
+/// Moves the points of the last region from the middle onto both bodies.
+void move_onto_bodies(const ManifoldJob& job)
+{
+    const ManifoldRegion& region = job.manifold.regions.back();
+    for (ManifoldPoint& p : std::span(job.manifold.points).subspan(region.first))
+        p.point_a += 0.5 * p.depth * region.normal, p.point_b -= 0.5 * p.depth * region.normal;
+}
+
 } // namespace
 
 /// A region of the nearest two triangles, where no pair of features is certainly a minimum: slivers, and triangles that
@@ -56,7 +64,7 @@ void NearRegions::add_nearest(const ManifoldJob& job, RegionMaker& maker) const
     region.centre = 0.5 * (nearest.a + nearest.b), region.depth_upper = 2 * rounding - nearest.distance;
     draft.candidates.push_back({region.centre, ManifoldCandidate::of_both, a.face(found->a), b.face(found->b),
                                 -nearest.distance, 2 * rounding, true, region.normal});
-    maker.finish(job);
+    maker.finish(job), move_onto_bodies(job);
 }
 
 void NearRegions::add(const ManifoldJob& job, bool meets, RegionMaker& maker)
@@ -94,10 +102,7 @@ void NearRegions::add(const ManifoldJob& job, bool meets, RegionMaker& maker)
                                         (p->point_b - p->point_a) / p->distance});
         }
         region.centre = box.centre(), region.depth_upper = -least + 2 * rounding;
-        maker.finish(job);
-        for (ManifoldPoint& p : std::span(job.manifold.points).subspan(regions.back().first)) {
-            p.point_a += 0.5 * p.depth * region.normal, p.point_b -= 0.5 * p.depth * region.normal;
-        }
+        maker.finish(job), move_onto_bodies(job);
     }
     // Where edges are nearly parallel, a certain minimum may be not quite the least.
     const auto nearest = std::ranges::max_element(regions.begin() + std::ptrdiff_t(begin), regions.end(), {},
