@@ -323,7 +323,7 @@ LeastTranslation ExpandingPolytope::find(double cutoff)
     }
     double least = endless;
     for (int f = 0; f < faces_; ++f) least = std::min(least, d_[f] - error_[f]);
-    if (least > 0) found.lower = least;
+    if (least > 0 && found.upper > 0) found.lower = least; // else 0 is outside, where the planes bound nothing
     set_points(found, face);
     if (!ends) { // another face has the best normal
         const ConvexDifference::Point p = cores_.support(-found.normal);
