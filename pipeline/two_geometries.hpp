@@ -1,5 +1,7 @@
 #pragma once
 #include <concepts>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <variant>
 #include <vector>
@@ -8,6 +10,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/finding.hpp>
+#include <oncollide/pipeline/results.hpp>
 #include <oncollide/scenes/geometry.hpp>
 
 namespace oncollide {
@@ -55,5 +58,11 @@ ONCOLLIDE_API std::vector<Contact> contacts(const GeometryArgument& a, const Eig
 /// As Pairs::penetration().
 ONCOLLIDE_API Penetration penetration(const GeometryArgument& a, const Eigen::Isometry3d& pose_a,
                                       const GeometryArgument& b, const Eigen::Isometry3d& pose_b);
+
+// --- One mesh and itself.
+
+/// As Models::self_contacts(), on one thread. Throws Error{bad_data} for a mesh that Models::add() would refuse.
+ONCOLLIDE_API std::vector<PairOf<std::uint32_t>>
+self_contacts(const Mesh& mesh, std::size_t most = std::numeric_limits<std::size_t>::max());
 
 } // namespace oncollide
