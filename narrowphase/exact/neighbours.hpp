@@ -5,9 +5,9 @@
 namespace oncollide {
 
 /// True if some common point of the two triangles is on none of the corners and edges that they share. Corners at equal
-/// positions are shared, and so is an edge between two shared corners. True for two copies of a triangle with area.
-/// Triangles without area are the segments or points that they are, so what they share with another triangle may be all
-/// that they are. Exact. Cost: 0.05 to 1 microseconds.
+/// positions are shared, as is an edge between two shared corners. True for two copies of a triangle with area. A
+/// triangle without area is a segment or a point, all of which another triangle may share. Exact. Cost: 0.05 to 1
+/// microseconds.
 bool meet_beyond_shared(const TrianglePoints& a, const TrianglePoints& b);
 
 /// True if it is certain that triangles which share the corner p, with other corners a1, a2 and b1, b2, share nothing
@@ -17,7 +17,7 @@ bool certainly_share_corner_only(const Eigen::Vector3d& p, const Eigen::Vector3d
                                  const Eigen::Vector3d& b1, const Eigen::Vector3d& b2);
 
 /// True if it is certain that triangles which share the edge from p to q, with third corners r and s, share nothing
-/// else. Decides all pairs but those within rounding of a fold onto each other. Cost: 5 to 10 ns.
+/// else. Uncertain only within rounding of a fold onto each other. Cost: 5 to 10 ns.
 bool certainly_share_edge_only(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector3d& r,
                                const Eigen::Vector3d& s);
 

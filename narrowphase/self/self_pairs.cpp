@@ -46,7 +46,7 @@ bool all_spread(const KeyedTriangle& t)
     return (t.key[0] | t.key[1] | t.key[2]) < no_vertex;
 }
 
-/// What all parts read.
+/// The data that all parts of the search read.
 struct SelfSearch {
     const Mesh& mesh;
     AabbTree tree{AabbOrder::octree};

@@ -1,7 +1,7 @@
-// A fan is projected along the sum of its normals. If all its triangles are then counter-clockwise around the vertex,
-// and every edge from the vertex belongs to one triangle before it and one after it, then the same number of triangles
-// covers every direction, except those of edges; the edges of the triangles that end in a direction are the edges of
-// those that begin there. If this number is one, the fan is spread out.
+// A fan is projected along the sum of its normals. Let all of its triangles be counter-clockwise around the vertex, and
+// let every edge from the vertex end one triangle and begin another one. Then the same number of triangles covers every
+// direction between edges, and the triangles that end in one direction have the edges of the triangles that begin
+// there. If this number is one, the fan is spread out.
 #include <oncollide/narrowphase/self/spread_fans.hpp>
 
 #include <bit>
@@ -74,7 +74,7 @@ private:
     bool is_counter_clockwise(const Mesh& mesh, const Vector3d& at)
     {
         for (std::uint32_t i = 0; i < count_; ++i) edges_[i] = mesh.vertices[first_[i]] - at;
-        double x = 0, y = 0, z = 0; // no vector: reading what was just written in other pieces stalls the processor
+        double x = 0, y = 0, z = 0; // a vector in memory would stall the processor
         for (std::uint32_t i = 0; i < count_; ++i) {
             const Vector3d &u = edges_[i], &v = edges_[next_[i]];
             normals_[0][i] = u[1] * v[2] - u[2] * v[1], x += normals_[0][i];

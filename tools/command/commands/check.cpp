@@ -1,3 +1,5 @@
+#include "commands/check_self.hpp"
+
 #include "cli/command.hpp"
 #include "cli/log.hpp"
 #include "cli/options.hpp"
@@ -36,7 +38,7 @@ struct CheckOptions {
     CacheOptions cache;
     std::string json, contacts;
     std::optional<double> distance; ///< tolerance, metres
-    bool quiet = false;
+    bool self = false, quiet = false;
 };
 
 /// Warns if the quaternion was not of length 1.
@@ -207,6 +209,7 @@ std::string describe_distance(const Scene& scene, const World& world, double tol
 
 int check_pair(const CheckOptions& options)
 {
+    if (options.b.empty()) usage("check: B is missing: the second file; or --self: whether A meets itself");
     Settings settings = with_tried_backend(settings_from(options.settings));
     Settings plain = settings;
     plain.clearance = 0; // distances of one pair are cheap enough to be exact by default
@@ -262,17 +265,30 @@ int check_pair(const CheckOptions& options)
     return pair.verdict == Verdict::separate ? 0 : pair.verdict == Verdict::colliding ? 1 : 2;
 }
 
+int check_alone(const CheckOptions& options)
+{
+    for (const std::string* text :
+         {&options.b, &options.pose_a, &options.pose_b, &options.to_pose_a, &options.to_pose_b, &options.stop})
+        if (!text->empty() || options.distance)
+            usage("--self: is about A alone: not together with B, poses, --stop or --distance");
+    return check_self({options.a, options.json, options.contacts, options.quiet});
+}
+
 } // namespace
 
 void add_check(Arguments app)
 {
-    Arguments sub = app.add_command("check", "Check whether two files collide");
+    Arguments sub = app.add_command("check", "Check whether two files collide, or whether a mesh meets itself");
     auto options = std::make_shared<CheckOptions>();
     sub.add_option("A FILE", options->a,
                    "mesh (OBJ, STL, PLY, OFF, glTF, COLLADA, 3MF, cooked; '-': standard input), OctoMap (.bt, .ot) or "
                    "terrain (PGM, PNG, NumPy, GDAL's)")
         .required();
-    sub.add_option("B FILE", options->b, "the second body, in the same formats; may be the same file").required();
+    sub.add_option("B FILE", options->b, "the second body, in the same formats; may be the same file");
+    sub.add_flag(
+        "--self", options->self,
+        "without B: find the triangles of A that meet each other beyond the vertices and edges that they share; "
+        "exact with all settings. A may be a folder, whose mesh files are checked one by one");
     sub.add_option("--pose-a \"x y z qx qy qz qw\"", options->pose_a,
                    "pose of A, metres and unit quaternion (default: identity)");
     sub.add_option("--pose-b \"x y z qx qy qz qw\"", options->pose_b, "pose of B");
@@ -303,8 +319,9 @@ void add_check(Arguments app)
                "  oncollide check bunny.obj cow.obj --pose-b \"0.4 0 0 0 0 0 1\"\n"
                "  oncollide check bunny.obj cow.obj --pose-b \"2 0 0 0 0 0 1\" --to-pose-b \"-2 0 0 0 0 1 0\"\n"
                "  oncollide check part.stl fixture.stl --clearance 0.002 --json -\n"
-               "  oncollide check arm.stl bench.stl --pose-b \"0 0 0.5 0 0 0 1\" --distance 0.001");
-    sub.action([options] { return check_pair(*options); });
+               "  oncollide check arm.stl bench.stl --pose-b \"0 0 0.5 0 0 0 1\" --distance 0.001\n"
+               "  oncollide check scan.ply --self");
+    sub.action([options] { return options->self ? check_alone(*options) : check_pair(*options); });
 }
 
 } // namespace oncollide::tools

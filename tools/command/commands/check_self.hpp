@@ -1,0 +1,15 @@
+#pragma once
+#include <string>
+
+namespace oncollide::tools {
+
+struct SelfCheckOptions {
+    std::string input;          ///< a file, or a folder, whose mesh files are all checked
+    std::string json, contacts; ///< files to write; empty: none
+    bool quiet = false;
+};
+
+/// Whether meshes meet themselves, and where. Returns the exit code: 1 if one does.
+int check_self(const SelfCheckOptions& options);
+
+} // namespace oncollide::tools
