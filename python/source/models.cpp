@@ -3,6 +3,8 @@
 
 #include "held_world.hpp"
 
+#include <limits>
+
 namespace oncollide::python {
 
 namespace {
@@ -76,6 +78,20 @@ py::array model_bounds(ModelsView& models, py::handle model, py::handle at)
     const auto count = static_cast<py::ssize_t>(poses.size());
     if (poses.one()) return py::array_t<double>({2, 3}, made.data());
     return py::array_t<double>({count, py::ssize_t{2}, py::ssize_t{3}}, made.data());
+}
+
+/// None: no limit.
+std::size_t most_of(py::handle limit, const char* call)
+{
+    constexpr std::size_t no_limit = std::numeric_limits<std::size_t>::max();
+    return limit.is_none() ? no_limit : whole(limit, {call, "most"}, no_limit - 1);
+}
+
+py::array pairs_array(const std::vector<PairOf<std::uint32_t>>& pairs)
+{
+    static_assert(sizeof(PairOf<std::uint32_t>) == 2 * sizeof(std::uint32_t));
+    const auto count = static_cast<py::ssize_t>(pairs.size());
+    return py::array_t<std::uint32_t>({count, py::ssize_t{2}}, reinterpret_cast<const std::uint32_t*>(pairs.data()));
 }
 
 /// Lets `change` change the map of a model; other Python threads run meanwhile.
@@ -153,6 +169,22 @@ ModelId model_of(py::handle value, const Place& place)
 void bind_models(py::module_& m)
 {
     using namespace py::literals;
+    define(
+        m, "self_contacts",
+        [](py::handle mesh, py::handle limit) {
+            const char* const call = "self_contacts";
+            const GeometryHandle shared = geometry(mesh, {call, "mesh"});
+            const std::size_t most = most_of(limit, call);
+            std::vector<PairOf<std::uint32_t>> pairs;
+            {
+                const Released released;
+                World world({.threads = 0});
+                pairs = world.models().self_contacts(world.models().add(shared), most);
+            }
+            return pairs_array(pairs);
+        },
+        "The pairs of triangles of a mesh that meet each other, as models.self_contacts().", "mesh"_a,
+        "most"_a = py::none());
     py::class_<ModelHandle> model(m, "Model", R"(A geometry in one World, with all data derived from it.
 
 World.models.add() returns it. int(model) is its number, for arrays of models (uint64).)");
@@ -188,6 +220,20 @@ World.models.add() returns it. int(model) is its number, for arrays of models (u
             return computed(*view.held, "models.closed", false, [&](const World& w) { return w.models().closed(id); });
         },
         "True for a mesh with an inside, as Geometry.closed.", "model"_a);
+    define(
+        models, "self_contacts",
+        [](ModelsView& view, py::handle of, py::handle limit) {
+            const char* const call = "models.self_contacts";
+            const ModelId id = model_of(of, {call, "model"});
+            const std::size_t most = most_of(limit, call);
+            return pairs_array(
+                computed(*view.held, call, true, [&](const World& w) { return w.models().self_contacts(id, most); }));
+        },
+        R"(The pairs of triangles of a mesh that meet beyond the vertices and edges that they share, exactly.
+
+Returns uint32 (N, 2), each pair once and the smaller number first, sorted; no pair for other kinds of geometry.
+Vertices at equal positions count as one. most: the search ends with this many pairs.)",
+        "model"_a, "most"_a = py::none());
     define(models, "bounds", &model_bounds,
            R"(The AABB of a model at a pose, metres, as step() computes it for a body.
 

@@ -303,6 +303,21 @@ def test_two_geometries_at_two_poses_need_no_world(cubes):
     assert oncollide.collide(ball, None, cube, at(1.01))["verdict"] == Verdict.SEPARATE
 
 
+def test_the_triangles_of_a_mesh_that_meet_are_rows_of_an_array():
+    vertices = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, -1], [1, 1, 1], [2, 1, 1], [4, 4, 0]]
+    crossed = oncollide.mesh(vertices, [[0, 1, 2], [3, 4, 5], [1, 6, 2], [0, 1, 2]])
+    pairs = oncollide.self_contacts(crossed)
+    assert pairs.dtype == np.uint32
+    assert pairs.tolist() == [[0, 1], [0, 3], [1, 3]]
+    assert oncollide.self_contacts(crossed, most=1).shape == (1, 2)
+    assert oncollide.self_contacts(oncollide.box_mesh([1, 1, 1])).shape == (0, 2)
+    assert oncollide.self_contacts(oncollide.sphere(1.0)).shape == (0, 2)
+    world = oncollide.World(threads=2)
+    assert np.array_equal(world.models.self_contacts(world.models.add(crossed)), pairs)
+    with pytest.raises(TypeError, match="most"):
+        oncollide.self_contacts(crossed, most="one")
+
+
 def test_an_import_without_numpy_says_so_in_one_line():
     program = "import sys; sys.modules['numpy'] = None\ntry: import oncollide\nexcept ImportError as error: print(error)"
     ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
