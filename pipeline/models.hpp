@@ -56,7 +56,7 @@ public:
     /// do not meet themselves, so they have none. A mesh in a cooked file is read as a whole.
     ///
     /// @param most  the search ends with this many pairs, which depend on the mesh alone
-    /// Cost: about 0.2 microseconds per triangle, and one per pair; it uses the World's threads if there is no limit.
+    /// Cost: about 0.3 microseconds per triangle, and one per pair; it uses the World's threads if there is no limit.
     /// Nothing is kept.
     std::vector<PairOf<std::uint32_t>> self_contacts(ModelId model,
                                                      std::size_t most = std::numeric_limits<std::size_t>::max()) const;

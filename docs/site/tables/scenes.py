@@ -178,6 +178,17 @@ def shape_distances():
     return listed([dict(by, name=name) for name, by in made.items()], {"from": of("name", str), **DISTANCES})
 
 
+def self_contacts():
+    return listed([by for by in pivot(rows_of("self", "self_files"), "mesh", "contender").values() if "cgal" in by], {
+        "mesh": lambda by: by["oncollide"]["mesh"],
+        "triangles": lambda by: number(by["oncollide"]["triangles"]),
+        "pairs": lambda by: number(by["oncollide"]["pairs"]),
+        "oncollide, ms": lambda by: three(by["oncollide"]["ms"]),
+        "CGAL, ms": lambda by: three(by["cgal"]["ms"]),
+        "ratio": lambda by: f"{float(by['cgal']['ratio']):.1f}",
+    })
+
+
 def shapes():
     rows = {(r["a"], r["b"]): float(r["fcl_ns"]) / float(r["oncollide_ns"]) for r in rows_of("shapes")}
     names = list(dict.fromkeys([a for a, _ in rows] + [b for _, b in rows]))

@@ -110,6 +110,7 @@ void add_cgal(Contenders& all)
                               .what = "CGAL AABB_tree of A, searched for each triangle of B; exact predicates",
                               .has_all_pairs = true,
                               .make = maker<CgalNarrowPeer>()});
+    add_cgal_self(all);
 }
 
 } // namespace oncollide::tools

@@ -17,7 +17,7 @@ namespace {
 struct OptionalLibrary {
     const char *name, *package;   ///< Debian's
     void (*add)(Contenders& all); ///< null: this build lacks it
-    bool broad, narrow, rays, contacts, physics;
+    bool broad, narrow, rays, contacts, physics, self = false;
 };
 
 /// `add` refers to a function that is linked only if the library is there.
@@ -29,13 +29,14 @@ constexpr auto if_there(auto add) -> void (*)(Contenders&)
 }
 
 constexpr OptionalLibrary optional_libraries[] = {
-    // adds                                                                     broad, narrow, rays, contacts, physics
+    // adds                                                               broad, narrow, rays, contacts, physics, self
     {"Embree", "libembree-dev", if_there<WITH_EMBREE>([](auto& all) { add_embree(all); }), true, true, true, false,
      false},
     {"Bullet", "libbullet-dev", if_there<WITH_BULLET>([](auto& all) { add_bullet(all); }), true, true, true, true,
      true},
     {"ODE", "libode-dev", if_there<WITH_ODE>([](auto& all) { add_ode(all); }), false, true, false, true, false},
-    {"CGAL", "libcgal-dev", if_there<WITH_CGAL>([](auto& all) { add_cgal(all); }), true, true, false, false, false}};
+    {"CGAL", "libcgal-dev", if_there<WITH_CGAL>([](auto& all) { add_cgal(all); }), true, true, false, false, false,
+     true}};
 
 } // namespace
 
@@ -63,6 +64,7 @@ void ContenderList<Kind>::keep(const std::string& only)
 
 template struct ContenderList<BroadContender>;
 template struct ContenderList<NarrowContender>;
+template struct ContenderList<SelfContender>;
 template struct ContenderList<RayContender>;
 template struct ContenderList<ContactContender>;
 template struct ContenderList<PhysicsContender>;
@@ -82,7 +84,7 @@ Contenders all_contenders()
         };
         misses(library.broad, all.broad), misses(library.narrow, all.narrow);
         misses(library.rays, all.rays), misses(library.contacts, all.contacts);
-        misses(library.physics, all.physics);
+        misses(library.physics, all.physics), misses(library.self, all.self);
     }
     add_baselines(all);
     return all;

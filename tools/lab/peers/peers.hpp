@@ -95,6 +95,15 @@ public:
 };
 using NarrowContender = Contender<NarrowPeer, const Mesh&, const Mesh&>;
 
+/// Finds the triangles of a mesh that meet each other beyond the vertices and edges that they share.
+class SelfPeer {
+public:
+    virtual ~SelfPeer() = default;
+    /// Overwrites `found` with all pairs, a < b, each once, in any order.
+    virtual void pairs(std::vector<TrianglePair>& found) = 0;
+};
+using SelfContender = Contender<SelfPeer, const Mesh&>;
+
 /// Finds which segments meet a mesh.
 class RayPeer {
 public:
@@ -157,6 +166,7 @@ using PhysicsContender = Contender<PhysicsPeer, std::span<const PhysicsBody>, co
 
 using BroadContenders = ContenderList<BroadContender>;
 using NarrowContenders = ContenderList<NarrowContender>;
+using SelfContenders = ContenderList<SelfContender>;
 using RayContenders = ContenderList<RayContender>;
 using ContactContenders = ContenderList<ContactContender>;
 using PhysicsContenders = ContenderList<PhysicsContender>;
@@ -167,6 +177,7 @@ struct Contenders {
     RayContenders rays;         ///< of other libraries
     ContactContenders contacts; ///< of other libraries
     PhysicsContenders physics;  ///< of other libraries
+    SelfContenders self;        ///< of other libraries
 };
 
 /// All contenders of this build, and the libraries that it lacks.
@@ -179,6 +190,7 @@ void add_embree(Contenders& all);
 void add_bullet(Contenders& all);
 void add_ode(Contenders& all);
 void add_cgal(Contenders& all);
+void add_cgal_self(Contenders& all);
 void add_baselines(Contenders& all);
 
 /// Sphere-trees of this depth, and FCL for poses that are left over, if requested.

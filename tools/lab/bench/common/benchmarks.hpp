@@ -10,6 +10,7 @@ void add_narrow(Arguments bench);
 void add_poses(Arguments bench);
 void add_planner(Arguments bench);
 void add_continuous(Arguments bench);
+void add_self(Arguments bench);
 void add_shapes(Arguments bench);
 void add_rays(Arguments bench);
 void add_edges_bench(Arguments bench);
