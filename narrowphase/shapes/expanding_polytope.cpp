@@ -122,13 +122,14 @@ void ExpandingPolytope::surround(const Vector3d& n)
                                      // close_in_depth
     constexpr double narrow = 0.008; // corners of a flat or ruled part
     const double height = n.dot(corner_[0].w);
+    if (!(height > 0x1p-16 * cores_.size())) return; // faces from near to far corners would be slivers
     const Vector3d aside = corner_[0].w - height * n;
     const bool flat = aside.norm() > 0.125 * height;
     const Vector3d u = flat ? Vector3d(aside.normalized()) : n.unitOrthogonal(), v = n.cross(u);
     const auto add = [&](const Vector3d& along, double tilt) {
         const Vector3d& p = look((n + tilt * along).normalized()).w;
         int most = -1;
-        double above = 0;
+        double above = 0x1p-4 * close_in_depth * std::abs(height); // corners near each other make slivers
         for (int f = 0; f < faces_; ++f)
             if (const double here = normal(f).dot(p) - d_[f] - error_[f]; here > above) above = here, most = f;
         if (most >= 0 && replace_visible(corners_, most)) ++corners_;
