@@ -122,7 +122,6 @@ void ExpandingPolytope::surround(const Vector3d& n)
                                      // close_in_depth
     constexpr double narrow = 0.008; // corners of a flat or ruled part
     const double height = n.dot(corner_[0].w);
-    if (!(height > 0x1p-16 * cores_.size())) return; // faces from near to far corners would be slivers
     const Vector3d aside = corner_[0].w - height * n;
     const bool flat = aside.norm() > 0.125 * height;
     const Vector3d u = flat ? Vector3d(aside.normalized()) : n.unitOrthogonal(), v = n.cross(u);
@@ -288,9 +287,13 @@ LeastTranslation ExpandingPolytope::find(double cutoff)
     const bool curved = !cores_.flat_sided();
     Vector3d toward = -cores_.middle();
     if (!(toward.norm() > 0x1p-40 * cores_.size())) toward = Vector3d::UnitX();
+    bool seeded = false;
     if (curved) {
-        const double height = likely_height(toward);
-        if (take(toward, height)) return found;
+        Vector3d likely = toward;
+        const double height = likely_height(likely);
+        if (take(likely, height)) return found;
+        seeded = height > 0x1p-16 * cores_.size(); // otherwise faces from near to far corners would be slivers
+        if (seeded) toward = likely;
     }
     if (!start(toward)) {
         const Vector3d n = normal(0);
@@ -302,7 +305,7 @@ LeastTranslation ExpandingPolytope::find(double cutoff)
         found.normal_error = std::numbers::pi;
         return found;
     }
-    if (curved) surround(toward);
+    if (seeded) surround(toward);
     int face;
     bool ends; ///< the face has the best normal
     for (;;) {

@@ -59,6 +59,10 @@ TEST(ShapeManifolds, KeepTheirPromisesWhereTheyWereHard)
         {"capsule,map", 1003792},    // capsule between cells without an open side
         {"ellipsoid,map", 1002486},  //
         {"box,map", 1002960},        // measures, apart by 2e-11
+        {"hull,ellipsoid", 190},     // polytope with corners near each other
+        {"hull,ellipsoid", 6926},    //
+        {"hull,cone", 431},          // depth far below the sizes
+        {"hull,cone", 16234},        //
     };
     for (const auto& [kinds, seed] : hard) {
         const tools::ShapeManifoldTally tally = tools::try_shape_manifolds(
