@@ -38,13 +38,10 @@ bool decides_b_first(const PairTask& task)
 }
 
 PlacedPair::PlacedPair(const Eigen::Isometry3d& pose_a, const Eigen::Isometry3d& pose_b)
-    : b_to_a(pose_a, pose_b), slack(stretch(pose_a) + stretch(pose_b))
+    : PlacedPair(pose_a, pose_b, stretch(pose_a) + stretch(pose_b))
 {
 }
 
-PlacedPair::PlacedPair(const PairTask& task, const Eigen::Isometry3d& pose_a, const Eigen::Isometry3d& pose_b)
-    : b_to_a(pose_a, pose_b), slack(slack_of(task))
-{
-}
+PlacedPair::PlacedPair(const PairTask& task) : PlacedPair(*task.pose_a, *task.pose_b, slack_of(task)) {}
 
 } // namespace oncollide

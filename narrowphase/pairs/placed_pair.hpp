@@ -14,9 +14,11 @@ struct PlacedPair {
     double slack;
 
     PlacedPair(const Eigen::Isometry3d& pose_a, const Eigen::Isometry3d& pose_b);
-    explicit PlacedPair(const PairTask& task) : PlacedPair(task, *task.pose_a, *task.pose_b) {}
-    /// @param task  has these poses, in any order
-    PlacedPair(const PairTask& task, const Eigen::Isometry3d& pose_a, const Eigen::Isometry3d& pose_b);
+    PlacedPair(const Eigen::Isometry3d& pose_a, const Eigen::Isometry3d& pose_b, double slack_of_both)
+        : b_to_a(pose_a, pose_b), slack(slack_of_both)
+    {
+    }
+    explicit PlacedPair(const PairTask& task);
     double below(double bound) const { return bound * (1 - slack); }
     double above(double bound) const { return bound * (1 + slack); }
 };
@@ -55,7 +57,7 @@ struct OrderedPair {
 
     OrderedPair(const PairTask& task, bool swap)
         : a(swap ? *task.b : *task.a), b(swap ? *task.a : *task.b), pose_a(swap ? *task.pose_b : *task.pose_a),
-          pose_b(swap ? *task.pose_a : *task.pose_b), placed(task, pose_a, pose_b), swapped(swap)
+          pose_b(swap ? *task.pose_a : *task.pose_b), placed(pose_a, pose_b, slack_of(task)), swapped(swap)
     {
     }
     /// Undoes the swap.

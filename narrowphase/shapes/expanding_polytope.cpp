@@ -11,6 +11,7 @@
 
 #include <oncollide/narrowphase/shapes/newton_meeting.hpp>
 #include <oncollide/narrowphase/shapes/simplex.hpp>
+#include <oncollide/narrowphase/shapes/triangle_axes.hpp>
 
 namespace oncollide {
 
@@ -75,13 +76,13 @@ private:
 template <class Visit>
 void each_likely_normal(const Convex& c, const Vector3d& toward, Visit visit)
 {
-    const Vector3d sign = toward.unaryExpr([](double x) { return x < 0 ? -1.0 : 1.0; });
-    if (c.core == Convex::Core::ellipsoid || (c.core == Convex::Core::points && c.count != 3)) return;
-    if (c.core == Convex::Core::points) {
+    if (is_triangle(c)) {
         const Vector3d n = (c.points[1] - c.points[0]).cross(c.points[2] - c.points[0]);
         if (n.norm() > 0) visit((n.dot(toward) < 0 ? -1 : 1) * n.normalized());
         return;
     }
+    if (c.core == Convex::Core::ellipsoid || c.core == Convex::Core::points) return;
+    const Vector3d sign = toward.unaryExpr([](double x) { return x < 0 ? -1.0 : 1.0; });
     visit(sign.z() * Vector3d::UnitZ());
     if (c.flat_sided) return visit(sign.x() * Vector3d::UnitX()), visit(sign.y() * Vector3d::UnitY());
     const double across = std::hypot(toward.x(), toward.y());
@@ -91,11 +92,12 @@ void each_likely_normal(const Convex& c, const Vector3d& toward, Visit visit)
                                        : aside);
 }
 
-/// Sets `toward` to the best of some normals, improved by Newton's method. Returns the height of the surface along it.
+/// Exchanges a direction for the best normal on its side, improved by Newton's method. Returns the height of the
+/// surface along it.
 double ExpandingPolytope::likely_height(Vector3d& toward) const
 {
-    const Vector3d out = -cores_.middle();
-    Vector3d best = out.norm() > 0x1p-40 * cores_.size() ? Vector3d(out.normalized()) : Vector3d(Vector3d::UnitX());
+    const Vector3d out = toward;
+    Vector3d best = out.normalized();
     ConvexDifference::Point p = cores_.support(best);
     double height = best.dot(p.w);
     const auto compare = [&](const Vector3d& n) {
@@ -118,9 +120,9 @@ double ExpandingPolytope::likely_height(Vector3d& toward) const
 /// Adds corners around the one along n, so that the faces there are close to the surface.
 void ExpandingPolytope::surround(const Vector3d& n)
 {
-    constexpr double wide = 0.1;     // faces that touch the surface of a ball under 0 differ from it by half of
-                                     // close_in_depth
-    constexpr double narrow = 0.008; // corners of a flat or ruled part
+    // Radians. The faces around a point of a smooth surface are then as close to it as close_in_depth wants; the
+    // corners of a flat or ruled part are found by a smaller tilt, which leaves them in its plane.
+    constexpr double wide = 0.1, narrow = 0.008;
     const double height = n.dot(corner_[0].w);
     const Vector3d aside = corner_[0].w - height * n;
     const bool flat = aside.norm() > 0.125 * height;

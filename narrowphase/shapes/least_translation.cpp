@@ -154,8 +154,7 @@ LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double
     if (certain && (apart.beyond || apart.upper - apart.lower <= loose * std::abs(cores.radius() + apart.upper)))
         return apart; // the distance of needles ends early; a plane may part the cores better
     // Most triangles around a round shape are apart from it, which the distance finds sooner.
-    const bool triangle = a.core == Convex::Core::points && a.count == 3;
-    if (triangle && !swept && !cores.flat_sided() && by_distance(cores, rounding, cutoff, apart)) return apart;
+    if (is_triangle(a) && !swept && !cores.flat_sided() && by_distance(cores, rounding, cutoff, apart)) return apart;
     const bool axes = boxes || are_triangle_and_box(cores);
     found = boxes  ? translation_of_boxes(cores, rounding, cutoff)
             : axes ? translation_of_triangle_and_box(cores, rounding, cutoff)

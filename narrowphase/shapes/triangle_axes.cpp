@@ -135,8 +135,7 @@ LeastTranslation TriangleAndBox::find()
 bool are_triangle_and_box(const ConvexDifference& cores)
 {
     const Convex &a = cores.a(), &b = cores.b();
-    return a.core == Convex::Core::points && a.count == 3 && b.core == Convex::Core::box && b.inner > 0 &&
-           a.radius == 0 && b.radius == 0;
+    return is_triangle(a) && b.core == Convex::Core::box && b.inner > 0 && a.radius == 0 && b.radius == 0;
 }
 
 LeastTranslation translation_of_triangle_and_box(const ConvexDifference& cores, double rounding, double cutoff)

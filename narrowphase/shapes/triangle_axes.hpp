@@ -3,6 +3,11 @@
 
 namespace oncollide {
 
+inline bool is_triangle(const Convex& c)
+{
+    return c.core == Convex::Core::points && c.count == 3;
+}
+
 /// True if A is a triangle, and B a box with a volume.
 bool are_triangle_and_box(const ConvexDifference& cores);
 

@@ -33,7 +33,7 @@ public:
     /// run(), if all trees of the tasks exist; otherwise changes nothing and returns false.
     bool run_if_there(RefineContext& context, std::span<const PairTask> tasks, std::span<Finding> results);
     /// True if run() of the level `refine` changes nothing where all trees exist: the exact level decides all pairs.
-    bool leaves_to_exact() const { return dispatch_.leaves_to_exact(); }
+    bool leaves_to_exact() const { return level_ == Level::refine && dispatch_.leaves_to_exact(); }
     /// True if the trees of a and b exist.
     bool there(const Model& a, const Model& b) const { return dispatch_.there(level_, models_, a, b); }
     /// True if the last run() decided task i.

@@ -106,28 +106,44 @@ void each_hint(const PairTask& task, const PairMemory& memory, auto visit)
     }
 }
 
-/// True if the data of the pair's bodies will be read: a remembered gap or depth does not decide.
-bool will_walk(const PairTask& task, const PairMemory* memory)
-{
-    return !memory || !(std::max(memory->gap(task.travel), memory->depth(task.travel)) > 0);
-}
-
-/// Prefetches data of the pairs after number i, one level of pointers per step, because they are scattered in memory.
-/// @param walks  by task, for the 64 around i: whether their data will be read
-void fetch_ahead(std::span<const PairTask> tasks, PairCache* cache, std::size_t i, std::uint64_t& walks)
-{
-    constexpr std::size_t pairs_a_step = 4;
-    if (const std::size_t later = i + 6 * pairs_a_step; cache && later < tasks.size())
-        prefetch_all_of((*cache)[tasks[later].number]);
-    const auto memory_of = [&](std::size_t k) { return cache ? &(*cache)[tasks[k].number] : nullptr; };
-    if (const std::size_t later = i + 4 * pairs_a_step; later < tasks.size()) {
-        const std::uint64_t bit = std::uint64_t{1} << later % 64;
-        walks = will_walk(tasks[later], memory_of(later)) ? walks | bit : walks & ~bit;
+/// Prefetches data of the pairs that follow, one level of pointers per step, because they are scattered in memory.
+class FetchAhead {
+public:
+    /// @param begin  the first pair that will be tested
+    FetchAhead(std::span<const PairTask> tasks, PairCache* cache, std::size_t begin) : tasks_(tasks), cache_(cache)
+    {
+        for (std::size_t i = begin; i < begin + noted_ahead; ++i) note(i);
     }
-    if (walks == 0) return;
+    /// Fetches for the pairs after number i. Calls ascend by 1.
+    void after_pair(std::size_t i);
+
+private:
+    static constexpr std::size_t pairs_a_step = 4, noted_ahead = 4 * pairs_a_step;
+    const PairMemory* memory_of(std::size_t i) const { return cache_ ? &(*cache_)[tasks_[i].number] : nullptr; }
+    /// Notes whether the bodies' data will be read: a remembered gap or depth usually decides.
+    void note(std::size_t i)
+    {
+        if (i >= tasks_.size()) return;
+        const PairMemory* const memory = memory_of(i);
+        const double travel = tasks_[i].travel;
+        const bool reads = !memory || !(std::max(memory->gap(travel), memory->depth(travel)) > 0);
+        reads_ = (reads_ & ~(std::uint64_t{1} << i % 64)) | std::uint64_t{reads} << i % 64;
+    }
+
+    std::span<const PairTask> tasks_;
+    PairCache* cache_;
+    std::uint64_t reads_ = 0; ///< bit i % 64: of pair i, for the pairs noted last
+};
+
+void FetchAhead::after_pair(std::size_t i)
+{
+    if (const std::size_t later = i + 6 * pairs_a_step; cache_ && later < tasks_.size())
+        prefetch_all_of((*cache_)[tasks_[later].number]);
+    note(i + noted_ahead);
+    if (reads_ == 0) return;
     const auto after = [&](std::size_t steps, auto visit) {
         const std::size_t later = i + steps * pairs_a_step;
-        if (later < tasks.size() && walks >> later % 64 & 1) visit(tasks[later], memory_of(later));
+        if (later < tasks_.size() && reads_ >> later % 64 & 1) visit(tasks_[later], memory_of(later));
     };
     const auto trees = [](const PairTask& task, auto visit) {
         for (const Model* model : {task.a, task.b})
@@ -233,10 +249,10 @@ void ObbRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
     parallel_chunks(tasks.size(), pairs_per_chunk, context.threads,
                     [&](std::size_t begin, std::size_t end, int thread) {
                         Worker& worker = workers_[static_cast<std::size_t>(thread)];
-                        std::uint64_t walks = 0;
+                        FetchAhead ahead(tasks.first(end), cache, begin);
                         for (std::size_t i = begin; i < end; ++i) {
                             if (i % pairs_per_look == 0 && context.stopped()) return;
-                            fetch_ahead(tasks.first(end), cache, i, walks);
+                            ahead.after_pair(i);
                             PairMemory* memory = cache ? &(*cache)[tasks[i].number] : nullptr;
                             results[i] = refine_there(context, tasks[i], results[i], memory, worker);
                         }

@@ -62,8 +62,7 @@ private:
     /// True if the level would leave these pairs, of which only the boxes are known, to the exact level.
     bool leaves_all(const BodyTable& bodies, const Frame& frame, std::span<const std::uint32_t> pairs) const
     {
-        return stage_ == StageId::refine && level_.leaves_to_exact() &&
-               std::ranges::all_of(pairs, [&](std::uint32_t i) {
+        return level_.leaves_to_exact() && std::ranges::all_of(pairs, [&](std::uint32_t i) {
                    return level_.there(bodies.model(frame.pairs[i].a), bodies.model(frame.pairs[i].b));
                });
     }

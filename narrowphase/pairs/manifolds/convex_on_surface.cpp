@@ -55,7 +55,7 @@ struct ConvexOnSurface::Setup {
         : worker(w), task(t), job(j), of_a(t.a->is_bounded_shape()), surface(of_a ? j.b : j.a),
           model(of_a ? *t.a : *t.b),
           shape(model, of_a ? RelativePose(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity()) : b_to_a,
-                PlacedPair(*t.pose_a, *t.pose_b).slack),
+                slack_of(t)),
           round(model.kind() == Kind::round), size(shape.size()), margin(j.options.margin), error(surface.error())
     {
     }

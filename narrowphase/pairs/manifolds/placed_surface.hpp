@@ -86,8 +86,7 @@ public:
     Model& model() const { return model_; }
     bool solid() const { return solid_; } ///< it has an inside
     bool round() const { return model_.kind() == Kind::round; }
-    /// The diameter of a box around the body, metres.
-    double extent() const { return model_.bounds().box(Eigen::Isometry3d::Identity()).diagonal(); }
+    double extent() const { return model_.bounds().diagonal(); } ///< of the box around the body, metres
     double error() const { return error_; } ///< how far its points may be from the body's surface, metres
 
 private:

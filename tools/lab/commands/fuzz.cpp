@@ -30,7 +30,7 @@ struct FuzzOptions {
 };
 
 /// Prints the fault. Returns the exit code.
-int code_after(const FirstFault& first)
+int report_fault(const FirstFault& first)
 {
     if (first.what.empty()) return 0;
     say("FAULT      seed {}: {}\n", first.seed, first.what);
@@ -57,7 +57,7 @@ int fuzz_sweeps(const FuzzOptions& options, int threads)
         "of the bodies\n",
         options.sweeps, options.seed, options.seed + std::uint64_t(options.sweeps) - 1, all.contacts, all.at_start,
         all.clear, all.open, all.poses, all.truths, all.missed, all.early, all.wide, all.changed);
-    return code_after(tallies.first);
+    return report_fault(tallies.first);
 }
 
 /// Returns the exit code.
@@ -69,7 +69,7 @@ int fuzz_grazes(const FuzzOptions& options, int threads)
         "faults\n",
         all.sweeps, options.seed, options.seed + all.sweeps - 1, all.contacts, all.grazes, all.clear, all.open,
         all.faults);
-    return code_after(all.first);
+    return report_fault(all.first);
 }
 
 int fuzz(const FuzzOptions& options)
