@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/inside/parts.hpp>
 #include <oncollide/narrowphase/obb/obb_tree.hpp>
 #include <oncollide/scenes/cooked/cooked_format.hpp>
@@ -25,6 +26,15 @@ bool all_floats(const Mesh& mesh)
     });
 }
 
+/// Counts the triangles without area. Mesh::zero_area is no exact number if the vertices have moved.
+std::size_t zero_area(const Mesh& mesh)
+{
+    const auto flat = [&](const Triangle& t) {
+        return collinear(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]);
+    };
+    return static_cast<std::size_t>(std::ranges::count_if(mesh.triangles, flat));
+}
+
 class Cook {
 public:
     Cook(const Mesh& mesh, std::uint32_t chunk)
@@ -33,7 +43,7 @@ public:
     {
         file_.header.coordinate_bytes = all_floats(mesh) ? 4 : 8;
         file_.header.triangles = mesh.triangles.size(), file_.header.vertices = mesh.vertices.size();
-        file_.header.zero_area = mesh.zero_area;
+        file_.header.zero_area = zero_area(mesh);
         file_.set_bounds(mesh.bounds);
         file_.header.radius = tree_.radius();
     }

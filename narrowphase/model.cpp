@@ -107,6 +107,16 @@ bool Model::prepare_solids(bool near)
     return true;
 }
 
+/// Hulls and inner spheres would be made again and again.
+void Model::deform(std::uint32_t first, std::uint32_t count, double radius2)
+{
+    ONCOLLIDE_ASSERT(as<Mesh>());
+    bounds_.deform();
+    hull_.reset(), inner_spheres_.reset(), no_solids_ = true;
+    links_.reset(), closed_.reset(), parts_.reset(), fcl_.reset();
+    if (obb_tree_) obb_tree_->deform(first, count, radius2);
+}
+
 const Convex& Model::convex() const
 {
     return convex_.get([this] {

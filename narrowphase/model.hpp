@@ -158,6 +158,11 @@ public:
     /// Returns the first fault of the trees as text; empty: they have none. Assertions call it while no test runs.
     /// @param most  leaves out trees of more nodes or cells
     std::string validate(std::size_t most) const;
+    /// Call it after vertices [first, first + count) of the mesh have moved, while no test runs. Drops the data derived
+    /// from the old vertices, except the OBB tree, which follows them. The model must be a mesh in memory.
+    /// @param radius2  as VertexMove::radius2
+    void deform(std::uint32_t first, std::uint32_t count, double radius2);
+
     /// Prefetches the members that a pair reads first.
     void prefetch() const { oncollide::prefetch(this, 192); }
 
@@ -212,7 +217,7 @@ private:
     Once<std::vector<PartPoints>> parts_;
     Once<std::shared_ptr<const FclModel>> fcl_;
     std::uint64_t walks_ = 0; ///< traversals that the hull or the inner spheres might have saved
-    bool no_solids_ = false;  ///< the file cannot be read
+    bool no_solids_ = false;  ///< the file cannot be read, or the vertices move
 };
 
 /// The AABB of a moved box, rounded outward.

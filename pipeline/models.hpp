@@ -3,6 +3,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,24 @@ public:
     /// the World).
     void replace(ModelId model, GeometryData geometry);
     void replace(ModelId model, std::shared_ptr<const Geometry> geometry);
+    /// Gives the vertices of a mesh new positions, for all bodies of the model; the triangles stay. The World copies
+    /// the positions. Results are as in a World that had this mesh from the beginning; only verdicts with an error
+    /// allowed
+    /// (`max_error`, `clearance`) may differ within that error, and bounds within rounding.
+    ///
+    /// Cost: about two copies of the positions, O(bodies of the World), and an is_closed() in solid mode. OBB trees
+    /// stay: the nodes that tests reach are fitted anew. Sphere-trees and the neighbours of triangles are found anew
+    /// when they are needed. The first call also copies the mesh and drops its trees. Geometry::recipe becomes empty.
+    ///
+    /// Throws Error{usage} for a model that is not a mesh in memory, or another number of positions, and
+    /// Error{bad_data} that names a vertex that is not finite or farther than 1e15 m from the origin, or, in solid
+    /// mode, the edge at which a mesh with bodies would open.
+    ///
+    ///     world.models().set_vertices(cloth, positions);
+    ///     world.step();
+    void set_vertices(ModelId model, std::span<const Eigen::Vector3d> positions);
+    /// The same for vertices first, first + 1, ... Trees are fitted anew only where these vertices are.
+    void set_vertices(ModelId model, std::size_t first, std::span<const Eigen::Vector3d> positions);
     /// Lets `change` set cells of a map, for all bodies of the model; if it throws, the cells that it has set stay set.
     /// Cost: proportional to the change; the first change also copies the map, 8 bytes per inner node. Sphere-trees of
     /// the map grow anew. Throws Error{usage} for a model that is not a map.

@@ -1,5 +1,6 @@
 #pragma once
 #include <atomic>
+#include <memory>
 #include <mutex>
 #include <optional>
 
@@ -22,6 +23,12 @@ public:
     }
     /// The value, if it was made; else null.
     T* made() const { return made_.load(std::memory_order_acquire) ? &*value_ : nullptr; }
+    /// Drops the value; the next call of get() makes another one. Not concurrently with any other call.
+    void reset()
+    {
+        std::destroy_at(this);
+        std::construct_at(this);
+    }
 
 private:
     mutable std::once_flag once_;

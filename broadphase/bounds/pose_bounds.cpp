@@ -105,11 +105,39 @@ bool turns_by_quarters(const Eigen::Matrix3d& r)
 
 PoseBounds::PoseBounds(const GeometryData& geometry) : geometry_(geometry)
 {
-    const Aabb bounds = bounds_of(geometry);
+    set_size();
+}
+
+void PoseBounds::set_size()
+{
+    const Aabb bounds = bounds_of(geometry_);
     ONCOLLIDE_ASSERT(!bounds.empty());
     centre_ = bounds.centre(), half_ = bounds.half_extent();
     radius_ = bounds.half_extent().norm() * (1 + 1e-15);
     slack_ = 1e-15 * (radius_ + centre_.norm());
+}
+
+void PoseBounds::deform()
+{
+    const Mesh& mesh = std::get<Mesh>(geometry_);
+    if (moves_ == Moves::none) {
+        std::vector<bool> used(mesh.vertices.size());
+        for (const Triangle& t : mesh.triangles)
+            for (const std::uint32_t v : t) used[v] = true;
+        moves_ = std::ranges::find(used, false) == used.end() ? Moves::all_used : Moves::some_used;
+    }
+    set_size();
+    support_ = {}, requested_ = 0, final_ = false;
+}
+
+void PoseBounds::copy_moved_points()
+{
+    const Mesh& mesh = std::get<Mesh>(geometry_);
+    if (moves_ == Moves::all_used)
+        set_columns(points_, mesh.vertices, centre_);
+    else
+        points_ = used_points(mesh, centre_);
+    final_ = true;
 }
 
 void PoseBounds::expect(const Eigen::Isometry3d& pose)
@@ -121,6 +149,7 @@ void PoseBounds::expect(const Eigen::Isometry3d& pose)
     if (final_ || turns_by_quarters(pose.linear())) return;
     if (cooked && expect(*cooked, pose)) return;
     if (++requested_ == 1) {
+        if (moves_ != Moves::none) return copy_moved_points();
         const auto* mesh = std::get_if<Mesh>(&geometry_);
         try {
             points_ = mesh     ? used_points(*mesh, centre_)

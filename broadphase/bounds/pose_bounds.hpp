@@ -18,6 +18,10 @@ public:
     /// Keeps a reference to `geometry`. Cost: O(1).
     explicit PoseBounds(const GeometryData& geometry);
 
+    /// Call it after vertices of the mesh have moved and its bounds were renewed. Not concurrently with any other call.
+    /// From now on each expect() after a change of the vertices copies them, instead of sorting them into a map.
+    void deform();
+
     /// Announces that box() will be called at this pose, and prepares data if this pays off. Not concurrently with any
     /// other call. Affects only the tightness of results. Allocates no memory if no preparation pays off.
     void expect(const Eigen::Isometry3d& pose);
@@ -56,6 +60,8 @@ public:
     std::size_t bytes() const { return support_.bytes() + points_.bytes() + (cooked_ ? cooked_->bytes() : 0); }
 
 private:
+    void set_size();
+    void copy_moved_points();
     bool expect(const std::shared_ptr<const CookedMesh>& mesh, const Eigen::Isometry3d& pose);
     bool is_half_space() const;
 
@@ -69,6 +75,8 @@ private:
     std::unique_ptr<CookedSupport> cooked_; ///< replaces both for a mesh in a file with many chunks
     std::uint64_t requested_ = 0;           ///< number of boxes announced
     bool final_ = false;                    ///< true if there is nothing left to prepare
+    enum class Moves : std::uint8_t { none, all_used, some_used };
+    Moves moves_ = Moves::none; ///< the vertices of the mesh have moved, and triangles use all or some of them
 };
 
 } // namespace oncollide

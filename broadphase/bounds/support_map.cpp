@@ -35,13 +35,18 @@ void pad(PointColumns& points, std::size_t first)
 PointColumns point_columns(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& centre)
 {
     PointColumns columns;
-    for (std::vector<float>& column : columns.xyz) column.reserve((points.size() + 7) / 8 * 8);
+    set_columns(columns, points, centre);
+    return columns;
+}
+
+void set_columns(PointColumns& columns, std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& centre)
+{
+    for (std::vector<float>& column : columns.xyz) column.reserve((points.size() + 7) / 8 * 8), column.clear();
     for (const Eigen::Vector3d& point : points) {
         const Vector3f p = (point - centre).cast<float>();
         columns.add(p.x(), p.y(), p.z());
     }
     pad(columns, 0);
-    return columns;
 }
 
 PointColumns used_points(const Mesh& mesh, const Eigen::Vector3d& centre)

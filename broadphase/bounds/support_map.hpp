@@ -24,6 +24,8 @@ struct PointColumns {
 
 /// The points relative to a centre, padded with copies to a multiple of 8.
 PointColumns point_columns(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& centre);
+/// The same, in `columns`. Allocates nothing if there is room for them.
+void set_columns(PointColumns& columns, std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& centre);
 /// The mesh's vertices that triangles use.
 PointColumns used_points(const Mesh& mesh, const Eigen::Vector3d& centre);
 

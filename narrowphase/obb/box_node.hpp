@@ -15,11 +15,13 @@ struct alignas(64) BoxNode {
     std::uint16_t hx[8], hy[8], hz[8];
     float origin[3];
     float unit;
-    std::uint32_t begin;    ///< position in the tree's order of the triangles of the first box
-    std::uint8_t offset[8]; ///< box k's triangles begin at begin + offset[k], if all boxes are leaves
-    std::uint8_t lanes;     ///< number of boxes
-    std::uint8_t leaves;    ///< one bit for each box that is a leaf
-    std::uint8_t singles;   ///< one bit for each box of one triangle; other leaves have two
+    std::uint32_t begin; ///< position in the tree's order of the triangles of the first box
+    std::uint32_t
+        offsets;          ///< four bits per box: box k's triangles begin at begin + its offset, if all boxes are leaves
+    std::uint32_t fitted; ///< the version of the mesh (ObbTree::deform) that the boxes fit
+    std::uint8_t lanes;   ///< number of boxes
+    std::uint8_t leaves;  ///< one bit for each box that is a leaf
+    std::uint8_t singles; ///< one bit for each box of one triangle; other leaves have two
     bool inner;
 };
 static_assert(sizeof(BoxNode) == 192);

@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/obb/obb_tree.hpp>
+#include <oncollide/narrowphase/obb/obb_tree_deform.hpp>
 
 #include <algorithm>
 #include <array>
@@ -48,23 +48,19 @@ ObbTree::Growing& ObbTree::growing()
 ObbTree::ObbTree(const Mesh& mesh, BoxTotals* totals)
     : mesh_(&mesh), totals_(totals), identity_(trees_made.fetch_add(1, std::memory_order_relaxed)),
       centre_(mesh.bounds.centre()), radius_(radius_around(mesh)), large_(mesh.triangles.size() >= prefetched_from),
-      vertices_(mesh.vertices.data()), triangles_(mesh.triangles.data()),
-      own_blocks_(most_lines(mesh.triangles.size()) / lines_per_block + 1)
+      checks_(false), vertices_(mesh.vertices.data()), triangles_(mesh.triangles.data())
 {
-    blocks_ = own_blocks_.data();
-    count(0, own_blocks_.capacity() * sizeof(own_blocks_[0]));
-    add_node(mesh.triangles.size() > leaf_triangles);
-    make_root(mesh.bounds, mesh.triangles.size());
+    make_table();
     if (node(root).leaves) number_triangles();
 }
 
 ObbTree::ObbTree(std::shared_ptr<const CookedMesh> mesh, ChunkBudget& budget)
     : mesh_(nullptr), totals_(nullptr), chunked_(std::make_unique<MeshChunks>(std::move(mesh), budget)),
       identity_(trees_made.fetch_add(1, std::memory_order_relaxed)), centre_(chunked_->mesh().bounds().centre()),
-      radius_(chunked_->mesh().radius()), large_(false), vertices_(chunked_->vertices()),
+      radius_(chunked_->mesh().radius()), large_(false), checks_(true), vertices_(chunked_->vertices()),
       triangles_(chunked_->triangles()), order_(chunked_->order()), blocks_(chunked_->blocks())
 {
-    make_root(chunked_->mesh().bounds(), chunked_->mesh().triangles());
+    make_root(chunked_->mesh().triangles());
 }
 
 ObbTree::~ObbTree()
@@ -76,18 +72,41 @@ ObbTree::~ObbTree()
 double ObbTree::radius_around(const Mesh& mesh)
 {
     const Eigen::Vector3d centre = mesh.bounds.centre();
-    double radius = 0;
+    double radius2 = 0;
     const auto away = [&](std::uint32_t v) { return (mesh.vertices[v] - centre).squaredNorm(); };
     for (const Triangle& t : mesh.triangles)
-        radius = std::max(radius, std::max(away(t[0]), std::max(away(t[1]), away(t[2]))));
-    return std::sqrt(radius) * (1 + 0x1p-50) + 1e-150;
+        radius2 = std::max(radius2, std::max(away(t[0]), std::max(away(t[1]), away(t[2]))));
+    return radius_from(radius2);
 }
 
-void ObbTree::make_root(const Aabb& bounds, std::size_t triangles)
+/// Makes the tables of an empty tree, and its root.
+void ObbTree::make_table()
+{
+    const std::size_t triangles = mesh_->triangles.size();
+    own_blocks_.resize(most_lines(triangles) / lines_per_block + 1);
+    blocks_ = own_blocks_.data();
+    count(0, own_blocks_.capacity() * sizeof(own_blocks_[0]));
+    add_node(triangles > leaf_triangles);
+    make_root(triangles);
+}
+
+/// Drops all nodes and the table.
+void ObbTree::drop_table()
+{
+    const std::size_t before = bytes();
+    const std::uint64_t dropped = nodes();
+    for (NodeLine* block : own_blocks_) delete[] block;
+    std::vector<NodeLine*>().swap(own_blocks_);
+    lines_ = nodes_ = 0;
+    count(0 - dropped, bytes() - before);
+    identity_ = trees_made.fetch_add(1, std::memory_order_relaxed);
+}
+
+void ObbTree::make_root(std::size_t triangles)
 {
     BoxNode& node = node_at(blocks_, root);
     set_frame(node, Eigen::Vector3d::Zero(), 2 * radius_); // the corners of the box are farther out than radius_
-    const Eigen::Vector3d half = bounds.half_extent();
+    const Eigen::Vector3d half = bounds().half_extent();
     set_box(node, 0, {-half, half});
     node.lanes = 1;
     node.leaves = triangles <= leaf_triangles, node.singles = triangles == 1;
@@ -97,7 +116,7 @@ void ObbTree::make_root(const Aabb& bounds, std::size_t triangles)
 LaneMasks ObbTree::open(Node index, const BoxPlacement* placement, OpenBoxes& boxes) const
 {
     if (of_triangles(index)) return open_triangles(index, placement, boxes);
-    if (chunked_) chunked_->opened(index);
+    if (checks_) make_current(index);
     const BoxNode& from = node(index);
     oriented_box_kernel().open(from, placement, boxes);
     return {from.leaves, from.singles};
@@ -105,7 +124,7 @@ LaneMasks ObbTree::open(Node index, const BoxPlacement* placement, OpenBoxes& bo
 
 unsigned ObbTree::on_segment(Node index, const SegmentLine& line, float (&entry)[8], unsigned& leaves) const
 {
-    if (chunked_) chunked_->opened(index);
+    if (checks_) make_current(index);
     const BoxNode& from = node(index);
     leaves = from.leaves;
     return oriented_box_kernel().node_on_segment(from, line, entry);
@@ -182,13 +201,18 @@ ObbTree::Node ObbTree::add_node(bool inner)
     if (full) blocks_[block] = new NodeLine[room_in(block)];
     lines_ = index + lines_of(inner), ++nodes_;
     count(1, full ? room_in(block) * sizeof(NodeLine) : 0);
-    make_node(blocks_, index, inner);
+    make_node(blocks_, index, inner).fitted = deformation_ ? Deformation::never : 0;
     return index;
 }
 
 ObbTree::Node ObbTree::grow(Node parent, unsigned k)
 {
     const std::lock_guard lock(growing_);
+    return grow_locked(parent, k);
+}
+
+ObbTree::Node ObbTree::grow_locked(Node parent, unsigned k)
+{
     InnerNode& above = inner_at(blocks_, parent);
     if (above.child[k]) return above.child[k]; // another traversal grew it first
     const std::uint32_t begin = above.begin[k], count = above.count[k];
@@ -263,7 +287,7 @@ void ObbTree::add_lane(BoxNode& node, std::size_t from, std::size_t to, std::uin
         InnerNode& inner = reinterpret_cast<InnerNode&>(node);
         inner.begin[k] = begin + static_cast<std::uint32_t>(from), inner.count[k] = static_cast<std::uint32_t>(size);
     } else {
-        node.offset[k] = static_cast<std::uint8_t>(from);
+        node.offsets |= static_cast<std::uint32_t>(from) << 4 * k;
     }
     node.leaves |= static_cast<std::uint8_t>((size <= leaf_triangles) << k);
     node.singles |= static_cast<std::uint8_t>((size == 1) << k);
@@ -303,7 +327,7 @@ std::size_t ObbTree::bytes() const
     const std::size_t lines = std::min<std::size_t>((lines_ + lines_per_block - 1) / lines_per_block * lines_per_block,
                                                     most_lines(mesh_->triangles.size()));
     return lines * sizeof(NodeLine) + own_blocks_.capacity() * sizeof(own_blocks_[0]) +
-           own_order_.capacity() * sizeof(own_order_[0]);
+           own_order_.capacity() * sizeof(own_order_[0]) + (deformation_ ? deformation_->bytes() : 0);
 }
 
 void ObbTree::add_held(std::vector<Held>& to) const

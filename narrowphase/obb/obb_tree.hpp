@@ -1,5 +1,6 @@
 #pragma once
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -29,6 +30,9 @@ struct BoxTotals {
 /// The triangles of a box are split three times. Each split minimises the sum over both sides of box area times number
 /// of triangles, with at least two fifths of the triangles on each side, so the tree is at most 0.46 log2(n) + 3 nodes
 /// deep. A node depends on the mesh alone, not on the order of traversals. Traversals may grow the tree concurrently.
+///
+/// If the vertices of the mesh move (deform()), the nodes keep their triangles, and the nodes that a traversal opens
+/// get boxes that fit again. Which triangles meet does not depend on how the tree divides them.
 class ObbTree final : public HeldChunks {
 public:
     /// Keeps references to the mesh and to the totals. Cost: 5 ns per triangle; the first traversal costs about 50.
@@ -71,7 +75,7 @@ public:
     std::uint32_t begin_of(Node index, unsigned k) const
     {
         const BoxNode& from = node(index);
-        return from.inner ? inner_at(blocks_, index).begin[k] : from.begin + from.offset[k];
+        return from.inner ? inner_at(blocks_, index).begin[k] : from.begin + (from.offsets >> 4 * k & 15);
     }
     std::uint32_t count_of(Node index, unsigned k) const
     {
@@ -92,6 +96,13 @@ public:
     {
         prefetch_node(grown(index, k)); // node 0, the root, if the child is not grown yet
     }
+    /// Call it after vertices [first, first + count) of the mesh have moved and its bounds were renewed, while no
+    /// traversal runs. Not for a cooked mesh. @param radius2  as VertexMove::radius2. Cost: O(clusters). The first
+    /// traversal that opens a node of many triangles makes a pass over the vertices, 3 ns each.
+    void deform(std::uint32_t first, std::uint32_t count, double radius2);
+    /// How many boxes were fitted anew since the tree was made.
+    std::uint64_t boxes_refitted() const;
+
     /// Grows the nodes that a traversal with a body in this box of the mesh's frame would reach, down to boxes of
     /// `triangles` triangles. May run concurrently with traversals.
     void grow_in(const Aabb& box, std::uint32_t triangles);
@@ -157,13 +168,15 @@ public:
     void drop(std::uint32_t of_chunks) override;
 
     std::uint32_t nodes() const { return chunked_ ? chunked_->nodes() : nodes_.load(); }
-    /// Unique to this tree, and renewed when it drops a chunk: nodes of another tree, even of the same mesh, are not
-    /// its nodes.
+    /// Unique to this tree, and renewed when it drops a chunk or divides its triangles anew: nodes of another tree,
+    /// even of the same mesh, are not its nodes.
     std::uint32_t identity() const { return identity_; }
     std::size_t bytes() const;
     static std::uint64_t most_nodes(std::size_t triangles); ///< when fully grown
     static std::size_t most_bytes(std::size_t triangles);
     static double radius_around(const Mesh& mesh); ///< radius() of its tree
+    /// @param radius2  greatest squared distance of a triangle's corner from the centre
+    static double radius_from(double radius2) { return std::sqrt(radius2) * (1 + 0x1p-50) + 1e-150; }
     /// Returns the first fault of the whole tree as text; empty: it has none. Assertions and tests call it while no
     /// traversal runs. It examines no cooked mesh, whose chunks are checked when they are read. Cost: O(n log n).
     std::string validate() const;
@@ -184,9 +197,13 @@ private:
     {
         return std::atomic_ref(inner_at(blocks_, index).child[k]).load(std::memory_order_acquire);
     }
-    void make_root(const Aabb& bounds, std::size_t triangles);
+    void make_table();
+    void drop_table();
+    void make_root(std::size_t triangles);
     void number_triangles();
     Node grow(Node parent, unsigned k);
+    Node grow_locked(Node parent, unsigned k);
+    void make_current(Node index) const;
     Node add_node(bool inner);
     void count(std::uint64_t nodes, std::size_t bytes);
     Node grow_by_grid(InnerNode& above, unsigned k);
@@ -195,14 +212,17 @@ private:
     static Growing& growing();
     static void add_lane(BoxNode& node, std::size_t from, std::size_t to, std::uint32_t begin);
     static void fit_lanes(Growing& g, BoxNode& node);
+    class Deformation; // obb_tree_deform.cpp
 
     const Mesh* const mesh_; ///< null for a cooked mesh
     BoxTotals* const totals_;
     const std::unique_ptr<MeshChunks> chunked_;
+    std::unique_ptr<Deformation> deformation_; ///< null: the vertices have not moved
     std::uint32_t identity_;
     Eigen::Vector3d centre_;
     double radius_;
     const bool large_;
+    bool checks_; ///< make_current() prepares a node before it is opened
     const Eigen::Vector3d* vertices_;
     const Triangle* triangles_;
     std::uint32_t* order_ = nullptr;       ///< null until a box grows

@@ -1,4 +1,4 @@
-#include <oncollide/narrowphase/obb/obb_tree.hpp>
+#include <oncollide/narrowphase/obb/obb_tree_deform.hpp>
 
 #include <algorithm>
 #include <vector>
@@ -16,6 +16,7 @@ std::string ObbTree::fault_of_node(Node index, std::uint32_t begin, std::uint32_
     const BoxNode& from = node(index);
     if (from.lanes < 1 || from.lanes > most_lanes) return fault(0, "is not one of eight boxes");
     if ((from.leaves >> from.lanes) || (from.singles & ~from.leaves)) return fault(0, "has marks of absent boxes");
+    const bool fits = !deformation_ || deformation_->fits(index);
     std::uint32_t next = begin;
     for (unsigned k = 0; k < from.lanes; ++k) {
         const std::uint32_t first = begin_of(index, k), size = count_of(index, k);
@@ -23,7 +24,7 @@ std::string ObbTree::fault_of_node(Node index, std::uint32_t begin, std::uint32_
             return fault(k, "does not continue the triangles of the box before it");
         next += size;
         if ((from.leaves >> k & 1) != (size <= leaf_triangles)) return fault(k, "has a wrong mark of a leaf");
-        for (std::uint32_t i = first; order_ && i < first + size; ++i)
+        for (std::uint32_t i = first; order_ && fits && i < first + size; ++i)
             for (const Eigen::Vector3d& corner : corners(order_[i]))
                 if (!oncollide::holds(from, k, corner - centre_)) return fault(k, "does not hold its triangles");
     }

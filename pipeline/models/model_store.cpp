@@ -31,6 +31,16 @@ void ModelStore::replace(ModelId id, std::shared_ptr<const Geometry> geometry)
     obbs_.add(models_[id]);
 }
 
+double ModelStore::move_vertices(ModelId id, const std::string& name, std::size_t first,
+                                 std::span<const Eigen::Vector3d> positions)
+{
+    const VertexMove moved = models_.move_vertices(id, name, first, positions);
+    if (moved.distance == 0) return 0;
+    spheres_.drop(models_[id]);
+    models_[id].deform(static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(positions.size()), moved.radius2);
+    return moved.distance;
+}
+
 void ModelStore::remove(ModelId id)
 {
     drop(models_[id]);

@@ -20,8 +20,14 @@ public:
     ModelId add(std::shared_ptr<const Geometry> geometry);
     /// Gives the model another geometry; drops all data derived from the old one.
     void replace(ModelId id, std::shared_ptr<const Geometry> geometry);
+    /// As ModelTable::move_vertices(); the data derived from the old vertices is dropped, or follows them. Returns
+    /// an upper bound of the distance that a vertex moved; 0: none did.
+    double move_vertices(ModelId id, const std::string& name, std::size_t first,
+                         std::span<const Eigen::Vector3d> positions);
     void remove(ModelId id);
     // The functions of ModelTable.
+    bool owns_vertices(ModelId id) const { return models_.owns_vertices(id); }
+    void own_vertices(ModelId id) { models_.own_vertices(id); }
     std::shared_ptr<Geometry> own(ModelId id) { return models_.own(id); }
     bool valid(ModelId id) const { return models_.valid(id); }
     ModelId id(std::uint32_t slot) const { return models_.id(slot); }

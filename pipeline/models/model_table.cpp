@@ -18,6 +18,7 @@ void ModelTable::replace(ModelId id, std::shared_ptr<const Geometry> geometry)
 {
     Slot& slot = slots_[id.slot];
     if (geometry != slot.own) slot.own.reset();
+    slot.mover.reset();
     slot.model = std::make_unique<Model>(std::move(geometry), 2 * id.slot);
 }
 
@@ -28,10 +29,25 @@ std::shared_ptr<Geometry> ModelTable::own(ModelId id)
     return slot.own;
 }
 
+void ModelTable::own_vertices(ModelId id)
+{
+    Slot& slot = slots_[id.slot];
+    ONCOLLIDE_ASSERT(&slot.model->geometry() == slot.own.get());
+    slot.own->recipe.clear();
+    slot.mover.emplace(std::get<Mesh>(slot.own->data));
+}
+
+VertexMove ModelTable::move_vertices(ModelId id, const std::string& name, std::size_t first,
+                                     std::span<const Eigen::Vector3d> positions)
+{
+    Slot& slot = slots_[id.slot];
+    return slot.mover->move(name, std::get<Mesh>(slot.own->data), first, positions);
+}
+
 void ModelTable::remove(ModelId id)
 {
     Slot& slot = slots_[id.slot];
-    slot.model.reset(), slot.own.reset();
+    slot.model.reset(), slot.own.reset(), slot.mover.reset();
     if (slot.generation++ < last_generation) free_.push_back(id.slot);
     --size_;
 }

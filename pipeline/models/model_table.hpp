@@ -1,10 +1,13 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include <oncollide/narrowphase/model.hpp>
 #include <oncollide/pipeline/results.hpp>
+#include <oncollide/scenes/model/vertex_mover.hpp>
 
 namespace oncollide {
 
@@ -19,6 +22,13 @@ public:
     void replace(ModelId id, std::shared_ptr<const Geometry> geometry);
     /// The model's geometry, to be changed and passed to replace(): a copy, unless the table already owns one.
     std::shared_ptr<Geometry> own(ModelId id);
+    /// True after own_vertices(), until the model is replaced.
+    bool owns_vertices(ModelId id) const { return slots_[id.slot].mover.has_value(); }
+    /// Lets move_vertices() change the mesh in own(), which must be the model's geometry.
+    void own_vertices(ModelId id);
+    /// As VertexMover::move(). Call Model::deform() after it.
+    VertexMove move_vertices(ModelId id, const std::string& name, std::size_t first,
+                             std::span<const Eigen::Vector3d> positions);
     void remove(ModelId id);
     bool valid(ModelId id) const { return alive(id.slot) && this->id(id.slot) == id; }
     ModelId id(std::uint32_t slot) const { return {slot, slots_[slot].generation, world_}; }
@@ -41,6 +51,7 @@ private:
     struct Slot {
         std::unique_ptr<Model> model;  ///< null: free
         std::shared_ptr<Geometry> own; ///< the model's geometry, if it is the table's own copy
+        std::optional<VertexMover> mover;
         std::uint16_t generation = 1;
     };
 

@@ -149,6 +149,13 @@ void BodyTable::set_model(std::uint32_t slot, Model* model, ModelId id)
     mark(slot, fresh_bit);
 }
 
+void BodyTable::deform(std::uint32_t slot, double moved)
+{
+    constexpr double rigid = 0x1p-18; // poses may be 2^-20 from rigid
+    travel_[slot] = (travel_[slot] + moved * (1 + rigid)) * (1 + 0x1p-52);
+    mark(slot, moved_bit);
+}
+
 void BodyTable::exclude(std::uint32_t a, std::uint32_t b)
 {
     if (!excluded_.insert(key(a, b)).second) return;

@@ -59,6 +59,8 @@ public:
     void set_static(std::uint32_t slot, bool is_static);
     void set_asleep(std::uint32_t slot, bool asleep);
     void set_model(std::uint32_t slot, Model* model, ModelId id);
+    /// The vertices of the body's mesh have moved by at most this distance.
+    void deform(std::uint32_t slot, double moved);
     void set_user(std::uint32_t slot, std::uint64_t user);
 
     void exclude(std::uint32_t a, std::uint32_t b);

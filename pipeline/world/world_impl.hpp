@@ -73,6 +73,12 @@ struct ONCOLLIDE_LOCAL WorldImpl {
     BodyId add_checked(const BodySpec& body);
     void remove_checked(std::uint32_t slot);
     void replace(ModelId id, std::shared_ptr<const Geometry> geometry);
+    const Mesh& check_vertices(ModelId id); ///< throws for a model whose vertices cannot move
+    /// Moves vertices [first, first + positions.size()), which must exist.
+    void set_vertices(ModelId id, std::size_t first, std::span<const Eigen::Vector3d> positions);
+    /// Calls visit(slot) for the bodies of a model.
+    template <class Visit>
+    void each_body(ModelId id, Visit visit);
     void changed()
     {
         changed_since_step = true;

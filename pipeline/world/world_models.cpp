@@ -25,14 +25,58 @@ std::shared_ptr<const Geometry> checked(std::shared_ptr<const Geometry> geometry
 
 } // namespace
 
+template <class Visit>
+void WorldImpl::each_body(ModelId id, Visit visit)
+{
+    std::uint32_t left = id.slot < users.size() ? users[id.slot] : 0;
+    for (std::uint32_t slot = 0; left > 0; ++slot)
+        if (bodies.alive(slot) && bodies.model_id(slot) == id) visit(slot), --left;
+}
+
 void WorldImpl::replace(ModelId id, std::shared_ptr<const Geometry> geometry)
 {
     model_of(id);
     if (settings.mode == Mode::solid && id.slot < users.size() && users[id.slot]) check_inside(Model(geometry));
     models.replace(id, std::move(geometry));
-    std::uint32_t left = id.slot < users.size() ? users[id.slot] : 0;
-    for (std::uint32_t slot = 0; left > 0; ++slot)
-        if (bodies.alive(slot) && bodies.model_id(slot) == id) bodies.set_model(slot, &models[id], id), --left;
+    each_body(id, [&](std::uint32_t slot) { bodies.set_model(slot, &models[id], id); });
+    changed();
+}
+
+const Mesh& WorldImpl::check_vertices(ModelId id)
+{
+    const Model& model = model_of(id);
+    const auto refuse = [&](const char* why) {
+        throw Error(ErrorKind::usage, text_of("model", id.slot, id.generation) + why);
+    };
+    if (model.cooked())
+        refuse(": is a mesh in a cooked file, whose vertices are fixed; add CookedMesh::whole() instead");
+    if (!model.is_mesh()) refuse(": is not a mesh, so it has no vertices to set; replace() gives it another geometry");
+    return std::get<Mesh>(model.geometry().data);
+}
+
+void WorldImpl::set_vertices(ModelId id, std::size_t first, std::span<const Eigen::Vector3d> positions)
+{
+    const std::string& given = models[id].geometry().name;
+    const std::string name = given.empty() ? "mesh" : given;
+    const bool solid = settings.mode == Mode::solid;
+    if (solid && id.slot < users.size() && users[id.slot]) {
+        const auto moved = std::make_shared<Geometry>(models[id].geometry());
+        auto& mesh = std::get<Mesh>(moved->data);
+        VertexMover(mesh).move(name, mesh, first, positions);
+        check_inside(Model(moved));
+    }
+    if (!models.owns_vertices(id)) {
+        oncollide::check_vertices(name, positions, first); // before anything changes
+        replace(id, models.own(id));
+        models.own_vertices(id);
+    }
+    const double moved = models.move_vertices(id, name, first, positions);
+    if (moved == 0) return;
+    each_body(id, [&](std::uint32_t slot) {
+        // The memory of solid bodies does not hold for as long as their surfaces are apart: an open mesh may now be
+        // closed.
+        solid ? bodies.set_model(slot, &models[id], id) : bodies.deform(slot, moved);
+    });
     changed();
 }
 
@@ -51,6 +95,26 @@ void Models::replace(ModelId model, GeometryData geometry)
 void Models::replace(ModelId model, std::shared_ptr<const Geometry> geometry)
 {
     world_->replace(model, checked(std::move(geometry)));
+}
+
+void Models::set_vertices(ModelId model, std::span<const Eigen::Vector3d> positions)
+{
+    const std::size_t vertices = world_->check_vertices(model).vertices.size();
+    if (positions.size() != vertices)
+        throw Error(ErrorKind::usage,
+                    fmt::format("{}: {} positions are given for {} vertices; give one for each vertex, or the first "
+                                "vertex of a range",
+                                text_of("model", model.slot, model.generation), positions.size(), vertices));
+    world_->set_vertices(model, 0, positions);
+}
+void Models::set_vertices(ModelId model, std::size_t first, std::span<const Eigen::Vector3d> positions)
+{
+    const std::size_t vertices = world_->check_vertices(model).vertices.size();
+    if (first > vertices || positions.size() > vertices - first)
+        throw Error(ErrorKind::usage,
+                    fmt::format("{}: {} positions from vertex {} are given, but the mesh has {} vertices",
+                                text_of("model", model.slot, model.generation), positions.size(), first, vertices));
+    world_->set_vertices(model, first, positions);
 }
 
 void Models::edit(ModelId map, const std::function<void(OccupancyMap&)>& change)

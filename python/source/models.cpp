@@ -94,6 +94,26 @@ py::array pairs_array(const std::vector<PairOf<std::uint32_t>>& pairs)
     return py::array_t<std::uint32_t>({count, py::ssize_t{2}}, reinterpret_cast<const std::uint32_t*>(pairs.data()));
 }
 
+void set_vertices(ModelsView& models, py::handle model, py::handle positions, py::handle first)
+{
+    const char* const call = "models.set_vertices";
+    const Place place{call, "positions"};
+    const ModelId id = model_of(model, {call, "model"});
+    const py::array array = doubles(positions, place);
+    if (!has_shape(array, {-1, 3})) refuse_value(place, "expected shape (N, 3), got " + shape_of(array));
+    static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double));
+    const std::span vertices(static_cast<const Eigen::Vector3d*>(array.data()),
+                             static_cast<std::size_t>(array.shape(0)));
+    const bool all = first.is_none();
+    const std::size_t from = all ? 0 : whole(first, {call, "first"}, std::numeric_limits<std::uint32_t>::max());
+    const Inside inside(*models.held, call);
+    const Released released;
+    if (all)
+        models.held->world.models().set_vertices(id, vertices);
+    else
+        models.held->world.models().set_vertices(id, from, vertices);
+}
+
 /// Lets `change` change the map of a model; other Python threads run meanwhile.
 template <class Change>
 void edit(ModelsView& models, const char* call, py::handle map, Change change)
@@ -212,7 +232,14 @@ World.models.add() returns it. int(model) is its number, for arrays of models (u
            "geometry"_a);
     define(models, "remove", &remove_model, "Removes a model. Raises Error while a body uses it.", "model"_a);
     define(models, "geometry", &geometry_of,
-           "The Geometry of a model; a copy if set_cells() and others have changed its cells.", "model"_a);
+           "The Geometry of a model; a copy if set_cells(), set_vertices() or others have changed it.", "model"_a);
+    define(models, "set_vertices", &set_vertices,
+           R"(Gives the vertices of a mesh new positions, for all bodies of the model; the triangles stay.
+
+positions: (N, 3) metres, in the mesh's frame, read where they are if they are contiguous float64. first: the number of
+the first vertex that they replace; None: they are all vertices. Trees stay, and are fitted anew where tests reach them.
+The Geometry does not change; this World uses a copy from now on.)",
+           "model"_a, "positions"_a, "first"_a = py::none());
     define(
         models, "closed",
         [](ModelsView& view, py::handle of) {

@@ -7,25 +7,21 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/scenes/model/exact_area.hpp>
+#include <oncollide/scenes/model/vertex_mover.hpp>
 
 namespace oncollide {
 
-namespace {
-
-constexpr double largest_coordinate = 1e15;
-
-void check_vertices(const std::string& name, const std::vector<Eigen::Vector3d>& vertices)
+void check_vertices(const std::string& name, std::span<const Eigen::Vector3d> vertices, std::size_t first)
 {
     for (std::size_t i = 0; i < vertices.size(); ++i) {
         const Eigen::Vector3d& v = vertices[i];
-        if (!v.allFinite()) refuse(name, fmt::format("vertex {} is not finite: ({}, {}, {})", i, v.x(), v.y(), v.z()));
+        if (!v.allFinite())
+            refuse(name, fmt::format("vertex {} is not finite: ({}, {}, {})", first + i, v.x(), v.y(), v.z()));
         if (v.cwiseAbs().maxCoeff() > largest_coordinate)
-            refuse(name, fmt::format("vertex {} is too far from the origin: ({}, {}, {}), at most {} m are allowed", i,
-                                     v.x(), v.y(), v.z(), largest_coordinate));
+            refuse(name, fmt::format("vertex {} is too far from the origin: ({}, {}, {}), at most {} m are allowed",
+                                     first + i, v.x(), v.y(), v.z(), largest_coordinate));
     }
 }
-
-} // namespace
 
 Mesh make_mesh(const std::string& name, std::vector<Eigen::Vector3d> vertices, std::vector<Triangle> triangles)
 {

@@ -20,7 +20,8 @@ struct Mesh {
     std::vector<Eigen::Vector3d> vertices;
     std::vector<Triangle> triangles;
     Aabb bounds;               ///< bounds of the vertices that triangles use
-    std::size_t zero_area = 0; ///< triangles without area: kept, they still collide
+    std::size_t zero_area = 0; ///< triangles without area: kept, they still collide. If vertices were moved
+                               ///< (Models::set_vertices), it is an upper bound
 };
 
 /// Checks a mesh and computes its bounds. Unused vertices stay but are not part of the bounds.

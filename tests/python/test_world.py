@@ -322,3 +322,27 @@ def test_an_import_without_numpy_says_so_in_one_line():
     program = "import sys; sys.modules['numpy'] = None\ntry: import oncollide\nexcept ImportError as error: print(error)"
     ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert ran.stdout == "oncollide needs NumPy: apt install python3-numpy, or pip install numpy\n", ran.stderr
+
+
+def test_vertices_move_from_an_array_that_stays_where_it_is():
+    world = oncollide.World()
+    grid = np.array([[x, y, 0.0] for y in range(3) for x in range(3)])
+    faces = [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [3, 4, 7], [3, 7, 6], [4, 5, 8], [4, 8, 7]]
+    sheet = world.models.add(oncollide.mesh(grid, faces))
+    world.bodies.add(sheet)
+    world.bodies.add(world.models.add(oncollide.sphere(0.2)), at(1, 1, 1))
+    assert Verdict.COLLIDING not in world.step().pairs["verdict"]
+    grid[4, 2] = 0.9
+    world.models.set_vertices(sheet, grid)
+    assert Verdict.COLLIDING in world.step().pairs["verdict"]
+    assert np.array_equal(world.models.geometry(sheet).vertices, grid)
+    world.models.set_vertices(sheet, [[1, 1, 0]], first=4)
+    assert Verdict.COLLIDING not in world.step().pairs["verdict"]
+    with pytest.raises(ValueError, match=r"models.set_vertices: positions: expected shape \(N, 3\)"):
+        world.models.set_vertices(sheet, [1, 2, 3])
+    with pytest.raises(oncollide.Error, match="8 positions are given for 9 vertices"):
+        world.models.set_vertices(sheet, grid[:8])
+    with pytest.raises(oncollide.Error, match="vertex 7 is not finite"):
+        world.models.set_vertices(sheet, [[np.inf, 0, 0]], first=7)
+    with pytest.raises(TypeError, match="first"):
+        world.models.set_vertices(sheet, grid, first="one")

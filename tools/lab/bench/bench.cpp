@@ -12,7 +12,7 @@ void add_bench(Arguments app)
     bench.at_most_one_command();
     bench.action([]() -> int {
         usage("bench: choose a benchmark: broad, narrow, planner, continuous, rays, edges, contacts, avalanche, robot, "
-              "world, environment, distances, self, shapes, clash, read, scale, many, gpu, poses or scene "
+              "world, environment, distances, self, deform, shapes, clash, read, scale, many, gpu, poses or scene "
               "(oncollide-lab bench --help)");
     });
     add_broad(bench);
@@ -28,6 +28,7 @@ void add_bench(Arguments app)
     add_environment(bench);
     add_distances(bench);
     add_self(bench);
+    add_deform_bench(bench);
     add_shapes(bench);
     add_clash_bench(bench);
     add_read(bench);

@@ -1,9 +1,6 @@
-#include "peers/bullet_world.hpp"
-#include "peers/peers.hpp"
+#include "peers/bullet_gimpact.hpp"
 
 #include <BulletCollision/BroadphaseCollision/btAxisSweep3.h>
-#include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
-#include <BulletCollision/Gimpact/btGImpactShape.h>
 
 namespace oncollide::tools {
 
@@ -77,27 +74,6 @@ private:
     std::vector<btBroadphaseProxy*> proxies_;
 };
 
-/// A mesh as one part of a GImpact shape.
-class GImpactMesh {
-public:
-    explicit GImpactMesh(const Mesh& mesh)
-        : mesh_(mesh), part(std::make_unique<btGImpactMeshShapePart>(mesh_.arrays(), 0))
-    {
-        part->setMargin(0);
-        part->updateBound();
-        part->lockChildShapes();
-    }
-    ~GImpactMesh() { part->unlockChildShapes(); }
-    GImpactMesh(const GImpactMesh&) = delete;
-    GImpactMesh& operator=(const GImpactMesh&) = delete;
-
-private:
-    BulletMesh mesh_;
-
-public:
-    std::unique_ptr<btGImpactMeshShapePart> part; ///< declared last: destroyed before the data it points to
-};
-
 /// The two levels of btGImpactCollisionAlgorithm without contacts: all pairs of AABBs, then triangles pair by pair.
 class BulletNarrowPeer final : public NarrowPeer {
 public:
@@ -129,16 +105,7 @@ private:
                                         candidates_);
     }
 
-    bool meet(const GIM_PAIR& pair) const
-    {
-        btPrimitiveTriangle p, q;
-        a_.part->getPrimitiveTriangle(pair.m_index1, p), b_.part->getPrimitiveTriangle(pair.m_index2, q);
-        p.m_margin = q.m_margin = 0;
-        q.applyTransform(pose_);
-        p.buildTriPlane(), q.buildTriPlane();
-        GIM_TRIANGLE_CONTACT contact;
-        return p.overlap_test_conservative(q) && p.find_triangle_collision_clip_method(q, contact);
-    }
+    bool meet(const GIM_PAIR& pair) const { return gimpact_triangles_meet(a_, b_, pose_, pair); }
 
     GImpactMesh a_, b_;
     btTransform pose_ = btTransform::getIdentity(); ///< of b
@@ -203,7 +170,7 @@ void add_bullet(Contenders& all)
          .promise = Promise::approximate,
          .most = std::size_t{1} << 21, // bits of a triangle's index in btQuantizedBvh; it crashes with more
          .make = maker<BulletRayPeer>()});
-    add_bullet_contacts(all), add_bullet_physics(all);
+    add_bullet_contacts(all), add_bullet_deform(all), add_bullet_physics(all);
 }
 
 } // namespace oncollide::tools

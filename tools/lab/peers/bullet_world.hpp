@@ -9,6 +9,7 @@
 namespace oncollide::tools {
 
 void add_bullet_contacts(Contenders& all);
+void add_bullet_deform(Contenders& all);
 void add_bullet_physics(Contenders& all);
 
 namespace bullet {
@@ -29,10 +30,9 @@ inline btTransform transform_of(const Eigen::Isometry3d& pose)
 /// A mesh in Bullet's form and precision. Bullet's shapes keep pointers into it.
 class BulletMesh {
 public:
-    explicit BulletMesh(const Mesh& mesh)
+    explicit BulletMesh(const Mesh& mesh) : vertices_(3 * mesh.vertices.size())
     {
-        for (const Eigen::Vector3d& v : mesh.vertices)
-            for (int axis = 0; axis < 3; ++axis) vertices_.push_back(btScalar(v[axis]));
+        set_vertices(mesh.vertices);
         for (const Triangle& t : mesh.triangles) indices_.insert(indices_.end(), t.begin(), t.end());
         arrays_ = std::make_unique<btTriangleIndexVertexArray>(int(mesh.triangles.size()), indices_.data(),
                                                                int(3 * sizeof(int)), int(mesh.vertices.size()),
@@ -40,6 +40,11 @@ public:
     }
     BulletMesh(const BulletMesh&) = delete;
     BulletMesh& operator=(const BulletMesh&) = delete;
+    void set_vertices(std::span<const Eigen::Vector3d> positions)
+    {
+        for (std::size_t v = 0; v < positions.size(); ++v)
+            for (std::size_t axis = 0; axis < 3; ++axis) vertices_[3 * v + axis] = btScalar(positions[v][int(axis)]);
+    }
     btTriangleIndexVertexArray* arrays() const { return arrays_.get(); }
 
 private:

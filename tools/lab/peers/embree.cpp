@@ -1,82 +1,17 @@
 // Embree's rtcCollide over boxes as user geometry, and its tests of rays against triangle meshes.
-#include "peers/peers.hpp"
+#include "peers/embree_boxes.hpp"
 
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <limits>
-#include <numeric>
 
-#include <embree3/rtcore.h>
 #include <tbb/task_arena.h>
 
-#include <oncollide/narrowphase/exact/triangle_test.hpp>
-
 namespace oncollide::tools {
+
+using namespace embree_boxes;
+
 namespace {
-
-float float_below(double x)
-{
-    const float f = static_cast<float>(x);
-    return f <= x ? f : std::nextafter(f, -std::numeric_limits<float>::infinity());
-}
-float float_above(double x)
-{
-    return -float_below(-x);
-}
-
-/// The box, rounded outwards.
-RTCBounds float_bounds(const Aabb& box)
-{
-    RTCBounds b{};
-    b.lower_x = float_below(box.min.x()), b.lower_y = float_below(box.min.y()), b.lower_z = float_below(box.min.z());
-    b.upper_x = float_above(box.max.x()), b.upper_y = float_above(box.max.y()), b.upper_z = float_above(box.max.z());
-    return b;
-}
-
-/// Some of the boxes as an Embree scene. Embree uses a geometry's build quality only in scenes of low quality: "refit"
-/// then builds a good tree once, "low" a Morton tree every time. In other scenes all trees are rebuilt at high quality.
-class EmbreeBoxes {
-public:
-    EmbreeBoxes(RTCDevice device, RTCBuildQuality scene_quality, RTCBuildQuality quality,
-                std::vector<std::uint32_t> numbers)
-        : members(std::move(numbers)), scene(rtcNewScene(device)),
-          geometry_(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER)), bounds_(members.size())
-    {
-        rtcSetSceneFlags(scene, RTC_SCENE_FLAG_DYNAMIC);
-        rtcSetSceneBuildQuality(scene, scene_quality);
-        rtcSetGeometryBuildQuality(geometry_, quality);
-        rtcSetGeometryUserPrimitiveCount(geometry_, unsigned(members.size()));
-        rtcSetGeometryUserData(geometry_, this);
-        rtcSetGeometryBoundsFunction(geometry_, give_bounds, nullptr);
-        rtcAttachGeometry(scene, geometry_);
-    }
-    ~EmbreeBoxes() { rtcReleaseGeometry(geometry_), rtcReleaseScene(scene); }
-    EmbreeBoxes(const EmbreeBoxes&) = delete;
-    EmbreeBoxes& operator=(const EmbreeBoxes&) = delete;
-
-    void set(std::uint32_t member, const Aabb& box) { set(member, float_bounds(box)); }
-    void set(std::uint32_t member, const RTCBounds& bounds) { bounds_[member] = bounds; }
-
-    void commit()
-    {
-        rtcCommitGeometry(geometry_);
-        rtcCommitScene(scene);
-    }
-
-    const std::vector<std::uint32_t> members; ///< indices of the boxes
-    const RTCScene scene;
-
-private:
-    static void give_bounds(const RTCBoundsFunctionArguments* arguments)
-    {
-        *arguments->bounds_o = static_cast<const EmbreeBoxes*>(arguments->geometryUserPtr)->bounds_[arguments->primID];
-    }
-
-    RTCGeometry geometry_;
-    std::vector<RTCBounds> bounds_; ///< by member
-};
 
 /// Embree calls back from several threads, so each thread collects its own pairs. Threads are few and live until exit.
 constexpr std::size_t most_threads = 256;
@@ -174,34 +109,13 @@ private:
     std::array<std::vector<BodyPair>, most_threads> parts_;
 };
 
-TrianglePoints points_of(const Triangle& t, const std::vector<Eigen::Vector3d>& vertices)
-{
-    return {vertices[t[0]], vertices[t[1]], vertices[t[2]]};
-}
-
-Aabb box_of(const TrianglePoints& t)
-{
-    Aabb box;
-    for (const Eigen::Vector3d& corner : t) box.add(corner);
-    return box;
-}
-
-RTCBounds around(const RTCBounds& a, const RTCBounds& b)
-{
-    RTCBounds both{};
-    both.lower_x = std::min(a.lower_x, b.lower_x), both.upper_x = std::max(a.upper_x, b.upper_x);
-    both.lower_y = std::min(a.lower_y, b.lower_y), both.upper_y = std::max(a.upper_y, b.upper_y);
-    both.lower_z = std::min(a.lower_z, b.lower_z), both.upper_z = std::max(a.upper_z, b.upper_z);
-    return both;
-}
-
 /// It does not support moving instances, so the second mesh's boxes are computed again for every pose. Timed: moving
 /// the vertices, new boxes, the tree of the second mesh (refitted or rebuilt), and the exact test of all pairs of
 /// boxes. Collision queries need only the first contact, but rtcCollide cannot be stopped.
 class EmbreeNarrowPeer final : public NarrowPeer {
 public:
     EmbreeNarrowPeer(const Mesh& a, const Mesh& b, RTCBuildQuality quality)
-        : a_(a), b_(b), moved_(b.vertices), bounds_(b.vertices.size()), device_(rtcNewDevice("threads=1")), arena_(1)
+        : a_(a), b_(b), moved_(b.vertices), device_(rtcNewDevice("threads=1")), arena_(1)
     {
         arena_.execute([&] {
             boxes_a_ = std::make_unique<EmbreeBoxes>(device_, RTC_BUILD_QUALITY_MEDIUM, RTC_BUILD_QUALITY_MEDIUM,
@@ -235,23 +149,10 @@ public:
     }
 
 private:
-    static std::vector<std::uint32_t> numbers(std::size_t count)
-    {
-        std::vector<std::uint32_t> result(count);
-        std::iota(result.begin(), result.end(), 0u);
-        return result;
-    }
-
     void take_in(const Eigen::Isometry3d& b)
     {
-        for (std::size_t v = 0; v < moved_.size(); ++v) {
-            moved_[v] = b * b_.vertices[v];
-            bounds_[v] = float_bounds({moved_[v], moved_[v]});
-        }
-        for (std::uint32_t j = 0; j < b_.triangles.size(); ++j) {
-            const Triangle& t = b_.triangles[j];
-            boxes_b_->set(j, around(around(bounds_[t[0]], bounds_[t[1]]), bounds_[t[2]]));
-        }
+        for (std::size_t v = 0; v < moved_.size(); ++v) moved_[v] = b * b_.vertices[v];
+        boxes_b_->set_triangles(b_.triangles, moved_, bounds_);
         boxes_b_->commit();
     }
 
@@ -279,7 +180,7 @@ private:
 
     const Mesh &a_, &b_;
     std::vector<Eigen::Vector3d> moved_; ///< the second mesh's vertices
-    std::vector<RTCBounds> bounds_;      ///< of each triangle, rounded outwards
+    std::vector<RTCBounds> bounds_;      ///< working memory
     RTCDevice device_;
     tbb::task_arena arena_;
     std::unique_ptr<EmbreeBoxes> boxes_a_, boxes_b_;
@@ -345,6 +246,7 @@ private:
 
 void add_embree(Contenders& all)
 {
+    add_embree_deform(all);
     const auto add_broad = [&](const char* name, const char* what, RTCBuildQuality quality) {
         all.broad.all.push_back({.name = name, .what = what, .threaded = true, .make = [quality](int threads) {
                                      return std::make_unique<EmbreeBroadPeer>(quality, threads);

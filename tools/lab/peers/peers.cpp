@@ -17,7 +17,7 @@ namespace {
 struct OptionalLibrary {
     const char *name, *package;   ///< Debian's
     void (*add)(Contenders& all); ///< null: this build lacks it
-    bool broad, narrow, rays, contacts, physics, self = false;
+    bool broad, narrow, rays, contacts, physics, self = false, deform = false;
 };
 
 /// `add` refers to a function that is linked only if the library is there.
@@ -29,11 +29,12 @@ constexpr auto if_there(auto add) -> void (*)(Contenders&)
 }
 
 constexpr OptionalLibrary optional_libraries[] = {
-    // adds                                                               broad, narrow, rays, contacts, physics, self
+    // adds                                                               broad, narrow, rays, contacts, physics, self,
+    // deform
     {"Embree", "libembree-dev", if_there<WITH_EMBREE>([](auto& all) { add_embree(all); }), true, true, true, false,
-     false},
-    {"Bullet", "libbullet-dev", if_there<WITH_BULLET>([](auto& all) { add_bullet(all); }), true, true, true, true,
-     true},
+     false, false, true},
+    {"Bullet", "libbullet-dev", if_there<WITH_BULLET>([](auto& all) { add_bullet(all); }), true, true, true, true, true,
+     false, true},
     {"ODE", "libode-dev", if_there<WITH_ODE>([](auto& all) { add_ode(all); }), false, true, false, true, false},
     {"CGAL", "libcgal-dev", if_there<WITH_CGAL>([](auto& all) { add_cgal(all); }), true, true, false, false, false,
      true}};
@@ -65,6 +66,7 @@ void ContenderList<Kind>::keep(const std::string& only)
 template struct ContenderList<BroadContender>;
 template struct ContenderList<NarrowContender>;
 template struct ContenderList<SelfContender>;
+template struct ContenderList<DeformContender>;
 template struct ContenderList<RayContender>;
 template struct ContenderList<ContactContender>;
 template struct ContenderList<PhysicsContender>;
@@ -73,7 +75,8 @@ Contenders all_contenders()
 {
     Contenders all;
     add_oncollide(all);
-    add_fcl(all);
+    add_deform(all);
+    add_fcl(all), add_fcl_deform(all);
     for (const OptionalLibrary& library : optional_libraries) {
         if (library.add) {
             library.add(all);
@@ -85,6 +88,7 @@ Contenders all_contenders()
         misses(library.broad, all.broad), misses(library.narrow, all.narrow);
         misses(library.rays, all.rays), misses(library.contacts, all.contacts);
         misses(library.physics, all.physics), misses(library.self, all.self);
+        misses(library.deform, all.deform);
     }
     add_baselines(all);
     return all;

@@ -104,6 +104,23 @@ public:
 };
 using SelfContender = Contender<SelfPeer, const Mesh&>;
 
+/// Two meshes in one frame, whose vertices move.
+class DeformPeer {
+public:
+    virtual ~DeformPeer() = default;
+    /// @param which  0: the first mesh, 1: the second
+    virtual void set_vertices(int which, std::span<const Eigen::Vector3d> positions) = 0;
+    /// Finds all pairs of triangles that meet, each once, in any order; overwrites `pairs`.
+    virtual void all_pairs(std::vector<TrianglePair>& pairs) = 0;
+    /// The first mesh's tree counts the boxes that it fitted anew since it was made, and the boxes that it has; 0:
+    /// unknown.
+    virtual std::uint64_t boxes_refitted() const { return 0; }
+    virtual std::uint64_t boxes() const { return 0; }
+    /// Bytes of the first mesh with its tree; 0: unknown.
+    virtual std::size_t bytes() const { return 0; }
+};
+using DeformContender = Contender<DeformPeer, const Mesh&, const Mesh&>;
+
 /// Finds which segments meet a mesh.
 class RayPeer {
 public:
@@ -167,6 +184,7 @@ using PhysicsContender = Contender<PhysicsPeer, std::span<const PhysicsBody>, co
 using BroadContenders = ContenderList<BroadContender>;
 using NarrowContenders = ContenderList<NarrowContender>;
 using SelfContenders = ContenderList<SelfContender>;
+using DeformContenders = ContenderList<DeformContender>;
 using RayContenders = ContenderList<RayContender>;
 using ContactContenders = ContenderList<ContactContender>;
 using PhysicsContenders = ContenderList<PhysicsContender>;
@@ -178,6 +196,7 @@ struct Contenders {
     ContactContenders contacts; ///< of other libraries
     PhysicsContenders physics;  ///< of other libraries
     SelfContenders self;        ///< of other libraries
+    DeformContenders deform;
 };
 
 /// All contenders of this build, and the libraries that it lacks.
@@ -186,6 +205,8 @@ Contenders all_contenders();
 // Each adds the contenders of one library.
 void add_oncollide(Contenders& all);
 void add_fcl(Contenders& all);
+void add_fcl_deform(Contenders& all);
+void add_deform(Contenders& all); ///< oncollide's
 void add_embree(Contenders& all);
 void add_bullet(Contenders& all);
 void add_ode(Contenders& all);

@@ -11,6 +11,7 @@ void add_poses(Arguments bench);
 void add_planner(Arguments bench);
 void add_continuous(Arguments bench);
 void add_self(Arguments bench);
+void add_deform_bench(Arguments bench);
 void add_shapes(Arguments bench);
 void add_rays(Arguments bench);
 void add_edges_bench(Arguments bench);
