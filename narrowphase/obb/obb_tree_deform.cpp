@@ -81,24 +81,20 @@ bool ObbTree::Deformation::moved(Node index, const Range& range) const
 
 void ObbTree::Deformation::fit_to_triangles(BoxNode& node, const Range& range) const
 {
-    struct Work {
-        BoxFit fit;
-        std::vector<TrianglePoints> corners;
+    const auto corners_at = [&](std::uint32_t place) {
+        TrianglePoints t = tree_.corners(tree_.order_[place]);
+        for (Eigen::Vector3d& p : t) p -= tree_.centre_;
+        return t;
     };
-    static thread_local Work work;
-    work.corners.clear();
     Aabb around;
-    for (std::uint32_t i = 0; i < range.count; ++i) {
-        TrianglePoints& t = work.corners.emplace_back(tree_.corners(tree_.triangle(range.begin + i)));
-        for (Eigen::Vector3d& p : t) around.add(p -= tree_.centre_);
-    }
+    for (std::uint32_t place = range.begin; place < range.begin + range.count; ++place)
+        for (const Eigen::Vector3d& p : corners_at(place)) around.add(p);
     set_frame(node, around.centre(), around.half_extent().norm());
-    std::array<std::uint32_t, most_lanes> first{};
+    std::array<std::uint32_t, most_lanes> first{range.begin};
     for (unsigned k = 1; k < most_lanes; ++k) first[k] = first[k - 1] + range.counts[k - 1];
-    set_boxes(node,
-              work.fit.fit(range.counts, frame_of(node), [&](unsigned k, std::uint32_t i) -> const TrianglePoints& {
-                  return work.corners[first[k] + i];
-              }));
+    static thread_local BoxFit fit;
+    set_boxes(node, fit.fit(range.counts, frame_of(node),
+                            [&](unsigned k, std::uint32_t i) { return corners_at(first[k] + i); }));
 }
 
 void ObbTree::Deformation::fit_to_clusters(BoxNode& node, const Range& range) const

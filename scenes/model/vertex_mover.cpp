@@ -1,53 +1,39 @@
 #include <oncollide/scenes/model/vertex_mover.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <limits>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/simd/cpu_features.hpp>
+#include <oncollide/scenes/model/vertex_kernel.hpp>
 
 namespace oncollide {
 
 namespace {
 
-/// Bounds of some vertices, and how far they are from others. Two vertices at a time, which compiles to vector
-/// instructions.
-struct Extent {
-    using Two = Eigen::Array<double, 6, 1>;
-    using Load = Eigen::Map<const Two, Eigen::Unaligned>;
-    Two low = Two::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    Two moved = Two::Zero(); ///< greatest magnitudes
-    Two odd = Two::Zero();   ///< not a number if any coordinate is not finite
-
-    void add(const Eigen::Vector3d* at, const Eigen::Vector3d* from)
-    {
-        const Load now(at->data()), before(from->data());
-        low = low.min(now), high = high.max(now), moved = moved.max((now - before).abs()), odd += now * 0.0;
-    }
-    Aabb bounds() const
-    {
-        Aabb box;
-        box.min = low.head<3>().min(low.tail<3>()), box.max = high.head<3>().max(high.tail<3>());
-        return box;
-    }
-    double distance() const
-    {
-        const Eigen::Vector3d most = moved.head<3>().max(moved.tail<3>());
-        return most.stableNorm() * (1 + 0x1p-50);
-    }
-};
-
-Extent extent_of(std::span<const Eigen::Vector3d> vertices, std::span<const Eigen::Vector3d> from)
+const VertexKernel& vertex_kernel()
 {
-    Extent extent;
-    std::size_t i = 0;
-    for (; i + 2 <= vertices.size(); i += 2) extent.add(&vertices[i], &from[i]);
-    if (i < vertices.size()) {
-        const Eigen::Vector3d last[2] = {vertices[i], vertices[i]}, before[2] = {from[i], from[i]};
-        extent.add(last, before);
-    }
+    static const VertexKernel kernel = ONCOLLIDE_CHOOSE_TO_AVX2(vertex_kernel);
+    return kernel;
+}
+
+using Vertices = std::span<const Eigen::Vector3d>;
+static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double));
+
+VertexExtent extent_of(Vertices vertices, Vertices before)
+{
+    VertexExtent extent;
+    vertex_kernel().extent(vertices.data()->data(), before.data()->data(), vertices.size(), extent);
     return extent;
+}
+Aabb bounds_of(const VertexExtent& extent)
+{
+    return {Eigen::Vector3d(extent.low), Eigen::Vector3d(extent.high)};
+}
+bool is_allowed(const VertexExtent& extent)
+{
+    return extent.finite && std::ranges::all_of(extent.low, [](double x) { return x >= -largest_coordinate; }) &&
+           std::ranges::all_of(extent.high, [](double x) { return x <= largest_coordinate; });
 }
 
 } // namespace
@@ -64,35 +50,38 @@ VertexMover::VertexMover(const Mesh& mesh)
 /// Calls visit(vertices) for runs of vertices that triangles use.
 void VertexMover::each_used(const Mesh& mesh, auto visit) const
 {
-    const std::span<const Eigen::Vector3d> vertices = mesh.vertices;
+    const Vertices vertices = mesh.vertices;
     std::size_t begin = 0;
-    for (const std::uint32_t v : unused_) visit(vertices.subspan(begin, v - begin)), begin = v + std::size_t{1};
-    visit(vertices.subspan(begin));
+    const auto visit_until = [&](std::size_t end) {
+        if (begin < end) visit(vertices.subspan(begin, end - begin));
+        begin = end + 1;
+    };
+    for (const std::uint32_t v : unused_) visit_until(v);
+    visit_until(vertices.size());
 }
 
-VertexMove VertexMover::move(const std::string& name, Mesh& mesh, std::size_t first,
-                             std::span<const Eigen::Vector3d> positions) const
+VertexMove VertexMover::move(const std::string& name, Mesh& mesh, std::size_t first, Vertices positions) const
 {
     ONCOLLIDE_ASSERT(first + positions.size() <= mesh.vertices.size());
     if (positions.empty()) return {};
-    const Extent extent = extent_of(positions, std::span(mesh.vertices).subspan(first, positions.size()));
-    if (!(extent.odd == 0).all() || !(extent.low >= -largest_coordinate).all() ||
-        !(extent.high <= largest_coordinate).all())
-        check_vertices(name, positions, first);
-    VertexMove moved{.distance = extent.distance()};
+    const VertexExtent extent = extent_of(positions, Vertices(mesh.vertices).subspan(first, positions.size()));
+    if (!is_allowed(extent)) check_vertices(name, positions, first);
+    VertexMove moved{.distance = Eigen::Vector3d(extent.moved).stableNorm() * (1 + 0x1p-50)};
     if (moved.distance == 0) return {};
     std::memmove(static_cast<void*>(&mesh.vertices[first]), positions.data(), positions.size_bytes());
     mesh.zero_area = mesh.triangles.size();
     if (positions.size() == mesh.vertices.size() && unused_.empty()) {
-        mesh.bounds = extent.bounds();
+        mesh.bounds = bounds_of(extent);
     } else {
         Aabb bounds;
-        each_used(mesh, [&](auto vertices) { bounds.add(extent_of(vertices, vertices).bounds()); });
+        each_used(mesh, [&](Vertices vertices) { bounds.add(bounds_of(extent_of(vertices, vertices))); });
         mesh.bounds = bounds;
     }
     const Eigen::Vector3d centre = mesh.bounds.centre();
-    each_used(mesh, [&](auto vertices) {
-        for (const Eigen::Vector3d& v : vertices) moved.radius2 = std::max(moved.radius2, (v - centre).squaredNorm());
+    const double middle[3] = {centre.x(), centre.y(), centre.z()};
+    each_used(mesh, [&](Vertices vertices) {
+        moved.radius2 =
+            std::max(moved.radius2, vertex_kernel().radius2(vertices.data()->data(), vertices.size(), middle));
     });
     return moved;
 }

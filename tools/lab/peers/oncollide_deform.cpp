@@ -27,12 +27,7 @@ public:
                           RelativePose(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity()), pairs);
     }
     std::uint64_t boxes_refitted() const override { return sides_[0].tree.boxes_refitted(); }
-    std::uint64_t boxes() const override
-    {
-        std::uint64_t sum = 0;
-        count(sides_[0].tree, ObbTree::root, sum);
-        return sum;
-    }
+    std::uint64_t boxes() override { return boxes_below(sides_[0].tree, ObbTree::root); }
     std::size_t bytes() const override
     {
         const Mesh& mesh = sides_[0].mesh;
@@ -48,12 +43,12 @@ private:
         explicit Side(const Mesh& m) : mesh(m), mover(mesh), tree(mesh) {}
         Side(const Side&) = delete;
     };
-    /// Adds the boxes of the nodes that exist.
-    static void count(const ObbTree& tree, ObbTree::Node node, std::uint64_t& sum)
+    static std::uint64_t boxes_below(ObbTree& tree, ObbTree::Node node)
     {
-        sum += tree.node(node).lanes;
+        std::uint64_t boxes = tree.node(node).lanes;
         for (unsigned k = 0; k < tree.node(node).lanes; ++k)
-            if (tree.is_grown(node, k)) count(tree, const_cast<ObbTree&>(tree).child(node, k), sum);
+            if (!(tree.node(node).leaves >> k & 1)) boxes += boxes_below(tree, tree.child(node, k));
+        return boxes;
     }
 
     Side sides_[2];

@@ -112,10 +112,10 @@ public:
     virtual void set_vertices(int which, std::span<const Eigen::Vector3d> positions) = 0;
     /// Finds all pairs of triangles that meet, each once, in any order; overwrites `pairs`.
     virtual void all_pairs(std::vector<TrianglePair>& pairs) = 0;
-    /// The first mesh's tree counts the boxes that it fitted anew since it was made, and the boxes that it has; 0:
-    /// unknown.
+    /// The boxes that the first mesh's tree fitted anew since it was made, and the boxes of the whole tree; 0: unknown.
+    /// The tree may grow whole.
     virtual std::uint64_t boxes_refitted() const { return 0; }
-    virtual std::uint64_t boxes() const { return 0; }
+    virtual std::uint64_t boxes() { return 0; }
     /// Bytes of the first mesh with its tree; 0: unknown.
     virtual std::size_t bytes() const { return 0; }
 };

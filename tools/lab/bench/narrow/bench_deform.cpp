@@ -12,7 +12,7 @@ namespace oncollide::tools {
 namespace {
 
 struct DeformOptions : SharedOptions {
-    int triangles = 100'000, frames = 20;
+    int triangles = 100'000, frames = 40;
 };
 
 using TrianglePairs = std::vector<TrianglePair>;
@@ -44,9 +44,9 @@ Measured play(const DeformContender& contender, const ClothScene& scene)
         measured.pairs.push_back(std::move(found));
     }
     measured.update_ms /= scene.frames(), measured.query_ms /= scene.frames();
+    measured.bytes = double(peer->bytes()) / double(a.triangles.size());
     if (const double boxes = double(peer->boxes()) * scene.frames())
         measured.refitted = double(peer->boxes_refitted() - refitted) / boxes;
-    measured.bytes = double(peer->bytes()) / double(a.triangles.size());
     return measured;
 }
 
