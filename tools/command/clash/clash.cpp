@@ -37,7 +37,7 @@ struct ClashOptions {
     std::string clearance = "0", tolerance = "0", ignore, baseline, bcf, view;
     int list = 20, pictures = 40, threads = 0, view_limit = 40, most_parts = int(AssemblyOptions{}.most_parts),
         most_pairs = int(ClashSettings{}.most_pairs);
-    bool touching = false, quiet = false;
+    bool touching = false, self = false, quiet = false;
 };
 
 using Write = void (*)(OutputFile&, const ClashReport&);
@@ -172,6 +172,7 @@ int clash(const ClashOptions& o)
     const ClashSettings settings{.clearance = length_from("--clearance", o.clearance, units.reported()),
                                  .tolerance = length_from("--tolerance", o.tolerance, units.reported()),
                                  .touching = o.touching,
+                                 .self = o.self,
                                  .most_pairs = std::uint64_t(o.most_pairs),
                                  .threads = o.threads};
     std::vector<std::string> warnings;
@@ -209,6 +210,8 @@ void add_comparing_options(Arguments sub, ClashOptions* o)
                    "parts that overlap, or are apart, by no more than this count as touching: the overlap is at most "
                    "this thick, or moving one part by this much separates them (default 0)");
     sub.add_flag("--touching", o->touching, "parts that only touch also clash, for example bolted faces");
+    sub.add_flag("--self", o->self,
+                 "also name the parts whose triangles meet each other; no clash, and no part of the exit code");
     sub.add_option("--group file|node|PATTERN", o->groups,
                    "do not compare parts of the same group: file (parts of a file), node (parts below a node of an "
                    "assembly), or a pattern of names, 'bolt*' (repeatable; the first match counts)")

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -12,6 +11,7 @@
 
 #include "cli/progress.hpp"
 #include "common/text.hpp"
+#include "render/framing.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -19,13 +19,6 @@ namespace {
 constexpr int side = 360; ///< pixels, of each of the two panels
 constexpr Colour colour_a{60, 120, 200}, colour_b{225, 160, 50}, red{215, 25, 30};
 constexpr Colour paper{250, 250, 250};
-constexpr double view_angle = 0.35; ///< like a long lens, so that near parts hide little
-
-Camera camera_from(const Eigen::Vector3d& direction, const Eigen::Vector3d& middle, double radius)
-{
-    return {
-        .eye = middle + direction * (radius / std::sin(0.5 * view_angle)), .look_at = middle, .view_angle = view_angle};
-}
 
 /// The contents of a picture.
 struct Subject {
@@ -70,14 +63,13 @@ Eigen::Vector3d good_side(const std::vector<Eigen::Vector3d>& points, const Eige
     Eigen::Vector3d best = Eigen::Vector3d(0.45, -1, 0.45).normalized();
     if (!(spread.trace() > 0) || !spread.allFinite()) return best;
     spread /= spread.trace();
-    double most = -1;
-    for (int k = 0; k < 16; ++k) {
-        const double turn = (k % 8 + 0.35) * std::numbers::pi / 4, height = k < 8 ? 0.45 : 1.1;
-        const Eigen::Vector3d from = Eigen::Vector3d(std::sin(turn), -std::cos(turn), height).normalized();
+    double most = -1, later = 0;
+    for (const Eigen::Vector3d& from : good_sides()) {
         const Eigen::Vector3d x = Eigen::Vector3d(0, 0, 1).cross(from).normalized(), y = from.cross(x);
         const double xx = x.dot(spread * x), yy = y.dot(spread * y), xy = x.dot(spread * y);
         // The area of the spread; for points on a line, its length.
-        const double seen = std::sqrt(std::max(xx * yy - xy * xy, 0.0)) + 0.1 * (xx + yy) - 0.002 * k;
+        const double seen = std::sqrt(std::max(xx * yy - xy * xy, 0.0)) + 0.1 * (xx + yy) - later;
+        later += 0.002;
         if (seen > most) most = seen, best = from;
     }
     return best;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <tuple>
 
 #include <oncollide/base/threads/parallel.hpp>
@@ -10,6 +11,7 @@
 #include "clash/pair_limit.hpp"
 #include "clash/parts/part_ids.hpp"
 #include "clash/tolerance.hpp"
+#include "self/self_places.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -22,7 +24,8 @@ ClashKind kind_of(ContactKind kind)
                                            : ClashKind::near;
 }
 
-void add_parts(const PartList& list, Clashes& found)
+/// Returns the models, by mesh.
+std::vector<ModelId> add_parts(const PartList& list, Clashes& found)
 {
     World& world = *found.world;
     std::vector<ModelId> models(list.meshes.size());
@@ -48,6 +51,7 @@ void add_parts(const PartList& list, Clashes& found)
     });
     for (const Part& part : list.parts)
         if (!closed[part.mesh]) found.open.push_back(part.name);
+    return models;
 }
 
 /// The common part of duplicates is the whole of each, so there is nothing to search for.
@@ -113,6 +117,23 @@ void apply_tolerance(const Clashes& found, const ClashSettings& settings, Clash&
     if (clash.kind == ClashKind::touching && !settings.touching) clash.status = ClashStatus::contact;
 }
 
+void find_self(const PartList& list, const std::vector<ModelId>& models, Clashes& found)
+{
+    std::vector<std::optional<PartMeetsItself>> by_mesh(list.meshes.size());
+    for (std::size_t i = 0; i < list.meshes.size(); ++i) {
+        if (!list.meshes[i]) continue;
+        const auto pairs = found.world->models().self_contacts(models[i]);
+        if (pairs.empty()) continue;
+        const SelfPlace worst = std::move(places_of(std::get<Mesh>(list.meshes[i]->data), pairs)[0]);
+        by_mesh[i] = {0, pairs.size(), {worst.pairs[0].a, worst.pairs[0].b}, worst.box.centre()};
+    }
+    for (std::uint32_t i = 0; i < list.parts.size(); ++i)
+        if (const auto& meets = by_mesh[list.parts[i].mesh]) {
+            found.self.push_back(*meets);
+            found.self.back().part = i, found.self.back().where = list.parts[i].pose * meets->where;
+        }
+}
+
 } // namespace
 
 std::string_view name_of(ClashKind kind)
@@ -161,7 +182,8 @@ Clashes find_clashes(const PartList& parts, const ClashSettings& settings)
     Clashes found;
     found.world = std::make_unique<World>(settings_of(settings));
     World& world = *found.world;
-    add_parts(parts, found);
+    const std::vector<ModelId> models = add_parts(parts, found);
+    if (settings.self) find_self(parts, models, found);
     const FrameView frame = world.step();
     found.pairs = frame.pairs.size();
     for (const PairResult& pair : frame.pairs) {

@@ -58,8 +58,17 @@ struct ClashSettings {
     double clearance = 0;                 ///< parts closer than this are near
     double tolerance = 0;                 ///< parts that certainly overlap, or are apart, by no more than this touch
     bool touching = false;                ///< touching is a clash
+    bool self = false;                    ///< also find the parts that meet themselves
     std::uint64_t most_pairs = 2'000'000; ///< most pairs of parts whose AABBs overlap
     int threads = 0;
+};
+
+/// A part whose triangles meet each other.
+struct PartMeetsItself {
+    std::uint32_t part;
+    std::size_t pairs;                  ///< of triangles
+    std::array<std::uint32_t, 2> worst; ///< triangles of one pair, where most pairs are connected
+    Eigen::Vector3d where;              ///< the middle of these pairs
 };
 
 /// A World that holds the parts, and the pairs of parts that are too close, the most severe first.
@@ -67,8 +76,9 @@ struct Clashes {
     std::unique_ptr<World> world;
     std::vector<BodyId> bodies; ///< by part
     std::vector<Clash> list;
-    std::vector<std::string> open; ///< names of parts that are not closed: parts inside them are not found
-    std::size_t pairs = 0;         ///< number of pairs whose AABBs overlap
+    std::vector<std::string> open;     ///< names of parts that are not closed: parts inside them are not found
+    std::vector<PartMeetsItself> self; ///< if requested
+    std::size_t pairs = 0;             ///< number of pairs whose AABBs overlap
 
     PairOfBodies pair(const Clash& clash) const { return {bodies[clash.a], bodies[clash.b]}; }
 };

@@ -33,6 +33,23 @@ std::string reviews_text(const ClashReport& r)
     return texts.empty() ? "" : fmt::format(" ({})", fmt::join(texts, ", "));
 }
 
+/// "2 parts meet themselves: 'bolt' (3 pairs of triangles, around 10 0 5), ..."
+std::string self_text(const ClashReport& r)
+{
+    constexpr std::size_t most = 5;
+    std::vector<std::string> texts;
+    for (const PartMeetsItself& of : r.found.self) {
+        texts.push_back(texts.size() < most
+                            ? fmt::format("'{}' ({}, around {})", r.name(of.part),
+                                          plural(of.pairs, "pair") + " of triangles", point_text(of.where))
+                            : "...");
+        if (texts.size() > most) break;
+    }
+    if (texts.empty()) return "no part meets itself";
+    return fmt::format("{} {}: {}", plural(r.found.self.size(), "part"),
+                       r.found.self.size() == 1 ? "meets itself" : "meet themselves", fmt::join(texts, ", "));
+}
+
 } // namespace
 
 std::size_t ClashReport::count(ClashStatus status) const
@@ -94,6 +111,7 @@ std::vector<std::string> summary(const ClashReport& r)
             "{} not closed ('{}'{}): parts wholly inside {} are not found",
             r.found.open.size() == 1 ? "1 part is" : grouped(r.found.open.size()) + " parts are", r.found.open.front(),
             r.found.open.size() > 1 ? ", ..." : "", r.found.open.size() == 1 ? "it" : "them"));
+    if (r.settings.self) lines.push_back(self_text(r));
     return lines;
 }
 

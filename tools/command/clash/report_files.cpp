@@ -93,6 +93,12 @@ void write_json(OutputFile& file, const ClashReport& r)
     }
     head["warnings"] = r.warnings;
     head["open"] = r.found.open;
+    head["self"] = r.settings.self ? Json::array() : Json(nullptr);
+    for (const PartMeetsItself& of : r.found.self) {
+        Json j = json_of(r, of.part);
+        j["pairs"] = of.pairs, j["triangles"] = of.worst, j["where"] = json_of(of.where);
+        head["self"].push_back(std::move(j));
+    }
     const auto text = [](const Json& j) { return j.dump(-1, ' ', false, Json::error_handler_t::replace); };
     const std::string begin = text(head);
     file.write(begin.substr(0, begin.size() - 1));

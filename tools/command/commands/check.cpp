@@ -1,5 +1,3 @@
-#include "commands/check_self.hpp"
-
 #include "cli/command.hpp"
 #include "cli/log.hpp"
 #include "cli/options.hpp"
@@ -9,6 +7,8 @@
 #include "common/numbers.hpp"
 #include "play/play.hpp"
 #include "render/backend_trial.hpp"
+#include "self/check_self.hpp"
+#include "view/view_page.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -36,7 +36,8 @@ struct CheckOptions {
     std::string a, b, pose_a, pose_b, to_pose_a, to_pose_b, stop;
     SettingsOptions settings;
     CacheOptions cache;
-    std::string json, contacts;
+    std::string json, contacts, picture, view;
+    int view_limit = 40;
     std::optional<double> distance; ///< tolerance, metres
     bool self = false, quiet = false;
 };
@@ -210,6 +211,7 @@ std::string describe_distance(const Scene& scene, const World& world, double tol
 int check_pair(const CheckOptions& options)
 {
     if (options.b.empty()) usage("check: B is missing: the second file; or --self: whether A meets itself");
+    if (!options.picture.empty() || !options.view.empty()) usage("--picture, --view: need --self");
     Settings settings = with_tried_backend(settings_from(options.settings));
     Settings plain = settings;
     plain.clearance = 0; // distances of one pair are cheap enough to be exact by default
@@ -271,7 +273,13 @@ int check_alone(const CheckOptions& options)
          {&options.b, &options.pose_a, &options.pose_b, &options.to_pose_a, &options.to_pose_b, &options.stop})
         if (!text->empty() || options.distance)
             usage("--self: is about A alone: not together with B, poses, --stop or --distance");
-    return check_self({options.a, options.json, options.contacts, options.quiet});
+    return check_self({.input = options.a,
+                       .json = options.json,
+                       .contacts = options.contacts,
+                       .picture = options.picture,
+                       .view = options.view,
+                       .view_limit = options.view_limit,
+                       .quiet = options.quiet});
 }
 
 } // namespace
@@ -307,6 +315,12 @@ void add_check(Arguments app)
     sub.add_option(
         "--contacts FILE.csv", options->contacts,
         "write each pair of triangles or cells that meet, with its position and normals, as CSV; not with --exact off");
+    sub.add_option("--picture FILE.png", options->picture,
+                   "with --self: draw the mesh with the triangles that meet in red, and the worst place close up");
+    sub.add_option("--view FILE.html", options->view,
+                   "with --self: write the mesh as a page in 3D with the triangles that meet in red; needs Debian's "
+                   "libjs-three");
+    add_view_limit(sub, options->view_limit);
     sub.add_option("--distance", options->distance,
                    "also print the distance of two meshes or terrains as two bounds that differ by at most M metres; "
                    "0: as close as double precision allows")
@@ -320,7 +334,7 @@ void add_check(Arguments app)
                "  oncollide check bunny.obj cow.obj --pose-b \"2 0 0 0 0 0 1\" --to-pose-b \"-2 0 0 0 0 1 0\"\n"
                "  oncollide check part.stl fixture.stl --clearance 0.002 --json -\n"
                "  oncollide check arm.stl bench.stl --pose-b \"0 0 0.5 0 0 0 1\" --distance 0.001\n"
-               "  oncollide check scan.ply --self");
+               "  oncollide check scan.ply --self --picture scan.png");
     sub.action([options] { return options->self ? check_alone(*options) : check_pair(*options); });
 }
 

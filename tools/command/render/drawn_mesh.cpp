@@ -39,4 +39,22 @@ Mesh drawn_mesh(const Shape& shape, const Scene& scene)
     return std::holds_alternative<HalfSpace>(shape) ? square_below(scene) : bounding_mesh_of(shape).mesh;
 }
 
+Mesh part_of(const Mesh& mesh, std::span<const std::uint32_t> triangles)
+{
+    if (triangles.empty()) return {};
+    constexpr std::uint32_t none = ~0u;
+    std::vector<std::uint32_t> number(mesh.vertices.size(), none); // of a vertex in the part
+    std::vector<Eigen::Vector3d> vertices;
+    std::vector<Triangle> part;
+    for (const std::uint32_t t : triangles) {
+        Triangle& made = part.emplace_back(mesh.triangles[t]);
+        for (std::uint32_t& v : made) {
+            if (number[v] == none)
+                number[v] = static_cast<std::uint32_t>(vertices.size()), vertices.push_back(mesh.vertices[v]);
+            v = number[v];
+        }
+    }
+    return make_mesh("part", std::move(vertices), std::move(part));
+}
+
 } // namespace oncollide::tools

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace oncollide::tools {
 
@@ -9,7 +10,27 @@ namespace {
 
 constexpr double border = 1.06; ///< factor by which the view is larger than its contents
 
+constexpr double view_angle = 0.35; ///< like a long lens, so that near parts hide little
+
 } // namespace
+
+Camera camera_from(const Eigen::Vector3d& from, const Eigen::Vector3d& middle, double radius)
+{
+    return {.eye = middle + from * (radius / std::sin(0.5 * view_angle)), .look_at = middle, .view_angle = view_angle};
+}
+
+const std::array<Eigen::Vector3d, 16>& good_sides()
+{
+    static const auto sides = [] {
+        std::array<Eigen::Vector3d, 16> made;
+        for (std::size_t k = 0; k < made.size(); ++k) {
+            const double turn = (double(k % 8) + 0.35) * std::numbers::pi / 4, height = k < 8 ? 0.45 : 1.1;
+            made[k] = Eigen::Vector3d(std::sin(turn), -std::cos(turn), height).normalized();
+        }
+        return made;
+    }();
+    return sides;
+}
 
 Framing::Framing(int width, int height)
 {

@@ -6,6 +6,12 @@
 
 namespace oncollide::tools {
 
+/// A camera that shows the ball of this radius around `middle`.
+/// @param from  unit, towards the camera
+Camera camera_from(const Eigen::Vector3d& from, const Eigen::Vector3d& middle, double radius);
+/// Sixteen directions all around, from slightly and from far above, the best ones first.
+const std::array<Eigen::Vector3d, 16>& good_sides();
+
 /// Finds the camera from which a set of pictures of equal size is seen whole and as large as possible: from the front,
 /// slightly from the right and above.
 class Framing {

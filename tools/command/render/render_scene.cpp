@@ -118,11 +118,11 @@ void ScenePictures::add_mesh(ScenePicture& picture, std::uint32_t body)
     const Eigen::Isometry3d& pose = scene_.poses[body];
     const std::vector<std::uint32_t>& meeting = meeting_of_[body];
     const auto add_part = [&](bool red) {
-        std::vector<Triangle> triangles;
+        std::vector<std::uint32_t> triangles;
         for (std::uint32_t t = 0; t < whole->triangles.size(); ++t)
-            if (std::binary_search(meeting.begin(), meeting.end(), t) == red) triangles.push_back(whole->triangles[t]);
+            if (std::binary_search(meeting.begin(), meeting.end(), t) == red) triangles.push_back(t);
         if (triangles.empty()) return;
-        picture.made.push_back(std::make_unique<Mesh>(make_mesh("part", whole->vertices, std::move(triangles))));
+        picture.made.push_back(std::make_unique<Mesh>(part_of(*whole, triangles)));
         picture.bodies.push_back({picture.made.back().get(), pose, red ? touching : surface_colour(body)});
     };
     meeting_ += meeting.size();

@@ -247,6 +247,27 @@ TEST_F(ClashCommand, OpenPartsAreNamed)
     EXPECT_EQ(read_json("r.json")["open"], json{"sheet"});
 }
 
+TEST_F(ClashCommand, PartsThatMeetThemselvesAreNamedOnRequest)
+{
+    folder_.write("crossed.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 -1\n1 1 1\n2 1 1\n3 0 1 2\n3 3 4 5\n");
+    write_box("a.off", {10, 10, 10}, {12, 12, 12});
+    const Outcome outcome = run({"clash", "a.off", "crossed.off", "--self", "-o", "r.json"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("1 part meets itself: 'crossed' (1 pair of triangles, around 1.25 1 0)"),
+              std::string::npos)
+        << outcome.out;
+    const json found = read_json("r.json")["self"];
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found[0]["name"], "crossed");
+    EXPECT_EQ(found[0]["pairs"], 1);
+    EXPECT_EQ(found[0]["triangles"], json({0, 1}));
+    EXPECT_EQ(found[0]["where"], json({1.25, 1.0, 0.0}));
+    write_box("b.off", {20, 10, 10}, {22, 12, 12});
+    EXPECT_NE(run({"clash", "a.off", "b.off", "--self"}).out.find("no part meets itself"), std::string::npos);
+    run({"clash", "a.off", "crossed.off", "-o", "r.json"});
+    EXPECT_EQ(read_json("r.json")["self"], nullptr);
+}
+
 TEST_F(ClashCommand, NamesHarmNoReport)
 {
     const std::vector<std::string> names{"<script>alert(1)</script>.off", "a,\"b\"\n#.off", "]]>&'.off",

@@ -1,10 +1,8 @@
 // oncollide check --self: the triangles of a mesh that meet each other.
-#include "commands/check_self.hpp"
+#include "self/check_self.hpp"
 
 #include <algorithm>
-#include <map>
 #include <memory>
-#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -14,10 +12,7 @@
 #include <oncollide/base/files/paths.hpp>
 #include <oncollide/base/text/csv_writer.hpp>
 #include <oncollide/base/text/json_writer.hpp>
-#include <oncollide/base/text/plain_number.hpp>
 #include <oncollide/base/text/printable.hpp>
-#include <oncollide/narrowphase/exact/exact_predicates.hpp>
-#include <oncollide/narrowphase/exact/triangle_test.hpp>
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
@@ -29,12 +24,11 @@
 #include "cli/progress.hpp"
 #include "cli/standard_output.hpp"
 #include "cli/system.hpp"
-#include "common/numbers.hpp"
+#include "self/self_pictures.hpp"
+#include "view/view_page.hpp"
 
 namespace oncollide::tools {
 namespace {
-
-using TrianglesThatMeet = PairOf<std::uint32_t>;
 
 constexpr std::size_t most_printed = 10; ///< places of a mesh
 
@@ -43,18 +37,12 @@ std::string counted(std::size_t count, const char* one, const char* many)
     return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
-/// Pairs that triangles with common vertices connect.
-struct Place {
-    std::size_t pairs = 0;
-    TrianglesThatMeet first; ///< one of them
-    Aabb box;                ///< around the common points of its triangles
-};
-
 struct CheckedMesh {
     std::string file;
-    std::size_t triangles;
-    std::vector<TrianglesThatMeet> pairs;
-    std::vector<Place> places; ///< of the most pairs first
+    Aabb bounds;
+    std::size_t triangles = 0;
+    std::vector<TrianglesThatMeet> pairs{};
+    std::vector<SelfPlace> places{};
 };
 
 /// The mesh in a file; none: the geometry in it is of a kind that does not meet itself.
@@ -64,47 +52,6 @@ std::optional<Mesh> mesh_in(const std::string& file)
     if (Mesh* mesh = std::get_if<Mesh>(&geometry->data)) return std::move(*mesh);
     if (const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry->data)) return (*cooked)->whole();
     return std::nullopt;
-}
-
-TrianglePoints points_of(const Mesh& mesh, std::uint32_t triangle)
-{
-    const auto& [a, b, c] = mesh.triangles[triangle];
-    return {mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
-}
-
-CommonSegment segment_of(const Mesh& mesh, TrianglesThatMeet pair)
-{
-    return common_segment(points_of(mesh, pair.a), points_of(mesh, pair.b));
-}
-
-std::vector<Place> places_of(const Mesh& mesh, const std::vector<TrianglesThatMeet>& pairs)
-{
-    std::vector<std::uint32_t> above(mesh.vertices.size()); // a forest of vertices, one tree for each place
-    std::iota(above.begin(), above.end(), 0u);
-    const auto root = [&](std::uint32_t v) {
-        while (above[v] != v) v = above[v] = above[above[v]];
-        return v;
-    };
-    for (const TrianglesThatMeet& pair : pairs)
-        for (const std::uint32_t triangle : {pair.a, pair.b})
-            for (const std::uint32_t v : mesh.triangles[triangle]) above[root(v)] = root(mesh.triangles[pair.a][0]);
-    std::map<std::uint32_t, Place> by_root;
-    for (const TrianglesThatMeet& pair : pairs) {
-        Place& place = by_root[root(mesh.triangles[pair.a][0])];
-        if (place.pairs++ == 0) place.first = pair;
-        for (const Eigen::Vector3d& end : segment_of(mesh, pair).ends) place.box.add(end);
-    }
-    std::vector<Place> places;
-    for (const auto& [vertex, place] : by_root) places.push_back(place);
-    std::ranges::sort(places, [](const Place& a, const Place& b) {
-        return a.pairs != b.pairs ? a.pairs > b.pairs : a.first < b.first;
-    });
-    return places;
-}
-
-std::string text_of(const Eigen::Vector3d& v)
-{
-    return fmt::format("({}, {}, {})", plain_number(v.x(), 6), plain_number(v.y(), 6), plain_number(v.z(), 6));
 }
 
 void print(const CheckedMesh& mesh, bool on_stderr)
@@ -118,14 +65,8 @@ void print(const CheckedMesh& mesh, bool on_stderr)
                         counted(mesh.pairs.size(), "pair", "pairs"), counted(mesh.places.size(), "place", "places"));
     else
         text += fmt::format(": '{}' does not meet itself.\n", name);
-    for (std::size_t i = 0; i < std::min(mesh.places.size(), most_printed); ++i) {
-        const Place& place = mesh.places[i];
-        const Eigen::Vector3d size = place.box.max - place.box.min;
-        text +=
-            fmt::format("  {} around {}, in a box of {} x {} x {} m, such as triangles {} and {}\n",
-                        counted(place.pairs, "pair", "pairs"), text_of(place.box.centre()), plain_measure(size.x(), 3),
-                        plain_measure(size.y(), 3), plain_measure(size.z(), 3), place.first.a, place.first.b);
-    }
+    for (std::size_t i = 0; i < std::min(mesh.places.size(), most_printed); ++i)
+        text += fmt::format("  {}\n", place_text(mesh.places[i], mesh.bounds, "m"));
     if (mesh.places.size() > most_printed)
         text += fmt::format("  and {} more, with fewer pairs\n",
                             counted(mesh.places.size() - most_printed, "place", "places"));
@@ -142,11 +83,11 @@ void write_json(const std::vector<CheckedMesh>& meshes, const std::string& file)
         json.line(1), json.begin_object();
         json.members("file", mesh.file, "triangles", mesh.triangles, "pairs", mesh.pairs.size());
         json.key("places"), json.begin_array();
-        for (const Place& place : mesh.places) {
+        for (const SelfPlace& place : mesh.places) {
             json.line(2), json.begin_object();
             json.members(
-                "pairs", place.pairs, "triangles", [&] { json.array(place.first.a, place.first.b); }, "min",
-                [&] { point(place.box.min); }, "max", [&] { point(place.box.max); });
+                "pairs", place.pairs.size(), "triangles", [&] { json.array(place.pairs[0].a, place.pairs[0].b); },
+                "min", [&] { point(place.box.min); }, "max", [&] { point(place.box.max); });
             json.end_object();
         }
         json.end_array(), json.end_object();
@@ -174,6 +115,18 @@ void write_contacts(const std::vector<TrianglesThatMeet>& pairs, const Mesh& mes
     file.commit();
 }
 
+void check_options(const SelfCheckOptions& options, const std::vector<std::string>& files)
+{
+    const std::pair<const char*, std::string> of_one_mesh[] = {
+        {"--contacts", options.contacts}, {"--picture", options.picture}, {"--view", options.view}};
+    for (const auto& [option, file] : of_one_mesh)
+        if (!file.empty() && files.size() > 1)
+            usage(fmt::format("{}: shows one mesh, and {} has {}", option, options.input, files.size()));
+    if (!options.picture.empty() && options.picture != "-") check_extension("--picture", options.picture, {".png"});
+    check_files({{"--json", options.json}, of_one_mesh[0], of_one_mesh[1], of_one_mesh[2]}, files);
+    check_view("--view", options.view, options.view_limit, {}, files);
+}
+
 } // namespace
 
 int check_self(const SelfCheckOptions& options)
@@ -181,32 +134,43 @@ int check_self(const SelfCheckOptions& options)
     std::vector<std::string> warnings;
     const std::vector<std::string> files =
         is_folder(options.input) ? files_of({options.input}, &warnings) : std::vector{options.input};
-    if (!options.contacts.empty() && files.size() > 1)
-        usage(fmt::format("--contacts: lists the triangles of one mesh, and {} has {}", options.input, files.size()));
-    check_files({{"--json", options.json}, {"--contacts", options.contacts}}, files);
+    check_options(options, files);
     std::optional<OutputFile> contacts;
     if (!options.contacts.empty()) contacts.emplace(options.contacts);
     if (!options.quiet)
         for (const std::string& warning : warnings) log(LogLevel::warning, warning);
     show_reading(options.quiet);
-    const bool taken = options.json == "-" || options.contacts == "-";
+    const bool taken = options.json == "-" || options.contacts == "-" || options.picture == "-";
     std::vector<CheckedMesh> checked;
     std::size_t meeting = 0;
     for (const std::string& file : files) {
-        std::optional<Mesh> mesh = mesh_in(file);
-        CheckedMesh& result = checked.emplace_back(CheckedMesh{file, mesh ? mesh->triangles.size() : 0, {}, {}});
-        if (mesh) {
-            World world({.threads = 0});
-            const ModelId model = world.models().add(std::move(*mesh));
-            const Mesh& kept = std::get<Mesh>(world.models().geometry(model).data);
+        std::optional<Mesh> read = mesh_in(file);
+        CheckedMesh& result = checked.emplace_back(CheckedMesh{file, {}});
+        if (!read && (!options.picture.empty() || !options.view.empty()))
+            usage(fmt::format("--picture, --view: show a mesh, and '{}' is none", file));
+        World world({.threads = 0});
+        Mesh mesh;
+        if (read) {
+            const ModelId model = world.models().add(std::move(*read));
             result.pairs = world.models().self_contacts(model);
-            result.places = places_of(kept, result.pairs);
-            if (contacts) write_contacts(result.pairs, kept, *contacts);
-        } else if (contacts) {
-            write_contacts({}, {}, *contacts);
+            mesh = std::get<Mesh>(world.models().geometry(model).data);
         }
+        result.bounds = mesh.bounds, result.triangles = mesh.triangles.size();
+        result.places = places_of(mesh, result.pairs);
         meeting += !result.pairs.empty();
         if (!options.quiet) print(result, taken);
+        write_all({[&] {
+                       if (contacts) write_contacts(result.pairs, mesh, *contacts);
+                   },
+                   [&] {
+                       if (!options.picture.empty()) save_png(draw_self(mesh, result.places), options.picture);
+                   },
+                   [&] {
+                       if (options.view.empty()) return;
+                       const std::string summary = write_self_view(options.view, file, mesh, result.places,
+                                                                   std::size_t(options.view_limit) * 1'000'000);
+                       if (!options.quiet) log(LogLevel::note, summary);
+                   }});
     }
     if (!options.quiet && files.size() > 1)
         write_to_stdout(fmt::format("{} of {} meet themselves.\n", meeting, counted(files.size(), "mesh", "meshes")),

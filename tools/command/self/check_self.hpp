@@ -4,8 +4,9 @@
 namespace oncollide::tools {
 
 struct SelfCheckOptions {
-    std::string input;          ///< a file, or a folder, whose mesh files are all checked
-    std::string json, contacts; ///< files to write; empty: none
+    std::string input;                         ///< a file, or a folder, whose mesh files are all checked
+    std::string json, contacts, picture, view; ///< files to write; empty: none
+    int view_limit = 40;                       ///< MB
     bool quiet = false;
 };
 

@@ -1,0 +1,33 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <oncollide/narrowphase/exact/exact_predicates.hpp>
+#include <oncollide/narrowphase/exact/triangle_test.hpp>
+#include <oncollide/pipeline/world.hpp>
+
+namespace oncollide::tools {
+
+using TrianglesThatMeet = PairOf<std::uint32_t>;
+
+/// Pairs of triangles of one mesh that meet, connected by triangles with a common vertex. Vertices at one position are
+/// one vertex.
+struct SelfPlace {
+    std::vector<TrianglesThatMeet> pairs; ///< sorted
+    Aabb box;                             ///< around the common points of its triangles
+};
+
+/// The places of all pairs, those of the most pairs first.
+std::vector<SelfPlace> places_of(const Mesh& mesh, const std::vector<TrianglesThatMeet>& pairs);
+
+TrianglePoints points_of(const Mesh& mesh, std::uint32_t triangle);
+CommonSegment segment_of(const Mesh& mesh, TrianglesThatMeet pair);
+
+/// One line about a place: its number of pairs, where it is, and two of its triangles. Coordinates that are 0 but for
+/// rounding, compared with the size of the mesh, are 0.
+/// @param bounds  of the mesh
+/// @param unit    "m"
+std::string place_text(const SelfPlace& place, const Aabb& bounds, std::string_view unit);
+
+} // namespace oncollide::tools
