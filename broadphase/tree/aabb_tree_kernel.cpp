@@ -19,20 +19,35 @@ inline Query query_of(const AabbLevelView& level, std::uint32_t i)
     return {{p[0], p[16], p[32]}, {p[48], p[64], p[80]}};
 }
 
+/// A block that several queries are compared with: in registers where they suffice, as results that are stored between
+/// comparisons might change what is in memory.
+struct Block {
+    Block(const AabbLevelView& level, std::uint32_t block) : p(level.blocks + std::size_t{block} * aabb_block)
+    {
+#if defined(__AVX512F__)
+        for (int c = 0; c < 6; ++c) columns[c] = _mm512_loadu_ps(p + 16 * c);
+#endif
+    }
+    const float* p;
+#if defined(__AVX512F__)
+    __m512 columns[6];
+#endif
+};
+
 /// Bit k is set if box k of the block overlaps the query.
-inline unsigned hits(const AabbLevelView& level, std::uint32_t block, const Query& q)
+inline unsigned hits(const Block& block, const Query& q)
 {
-    const float* p = level.blocks + std::size_t{block} * aabb_block;
 #if defined(__AVX512F__)
     const auto low = [&](int axis, __mmask16 m) {
-        return _mm512_mask_cmp_ps_mask(m, _mm512_loadu_ps(p + 16 * axis), _mm512_set1_ps(q.hi[axis]), _CMP_LE_OQ);
+        return _mm512_mask_cmp_ps_mask(m, block.columns[axis], _mm512_set1_ps(q.hi[axis]), _CMP_LE_OQ);
     };
     const auto high = [&](int axis, __mmask16 m) {
-        return _mm512_mask_cmp_ps_mask(m, _mm512_loadu_ps(p + 48 + 16 * axis), _mm512_set1_ps(q.lo[axis]), _CMP_GE_OQ);
+        return _mm512_mask_cmp_ps_mask(m, block.columns[3 + axis], _mm512_set1_ps(q.lo[axis]), _CMP_GE_OQ);
     };
     // Two dependency chains, so that a comparison does not wait for all previous ones.
     return static_cast<__mmask16>(low(0, low(1, low(2, 0xffff))) & high(0, high(1, high(2, 0xffff))));
 #elif defined(__AVX2__) || !defined(__SSE2__)
+    const float* const p = block.p;
     const auto half = [&](const float* v) {
         return bits((load(v) <= splat(q.hi[0])) & (load(v + 48) >= splat(q.lo[0])) & (load(v + 16) <= splat(q.hi[1])) &
                     (load(v + 64) >= splat(q.lo[1])) & (load(v + 32) <= splat(q.hi[2])) &
@@ -40,6 +55,7 @@ inline unsigned hits(const AabbLevelView& level, std::uint32_t block, const Quer
     };
     return half(p) | half(p + 8) << 8;
 #else
+    const float* const p = block.p;
     const auto quarter = [&](const float* v) {
         const auto low = [&](int axis) { return _mm_cmple_ps(_mm_loadu_ps(v + 16 * axis), _mm_set1_ps(q.hi[axis])); };
         const auto high = [&](int axis) {
@@ -50,6 +66,10 @@ inline unsigned hits(const AabbLevelView& level, std::uint32_t block, const Quer
     };
     return quarter(p) | quarter(p + 4) << 4 | quarter(p + 8) << 8 | quarter(p + 12) << 12;
 #endif
+}
+inline unsigned hits(const AabbLevelView& level, std::uint32_t block, const Query& q)
+{
+    return hits(Block(level, block), q);
 }
 
 /// Pairs found while descending, from at most two nodes.
@@ -91,9 +111,10 @@ inline void expand(const AabbTreeView& tree, int level, std::uint32_t a, std::ui
     const unsigned moving_a = below.moving[a], moving_b = below.moving[b];
     unsigned of_a = hits(below, a, query_of(tree.level[level], b));
     if (!moving_b) of_a &= moving_a;
+    const Block block_b(below, b);
     for (; of_a; of_a &= of_a - 1) {
         const auto k = static_cast<unsigned>(__builtin_ctz(of_a));
-        unsigned of_b = hits(below, b, query_of(below, first_a + k));
+        unsigned of_b = hits(block_b, query_of(below, first_a + k));
         if (!(moving_a >> k & 1)) of_b &= moving_b;
         make_room(list);
         append(list, first_a + k, first_b, of_b);
@@ -124,8 +145,9 @@ inline void expand_within(const AabbLevelView& below, std::uint32_t node, List& 
     const std::uint32_t first = node * width;
     const std::uint32_t count = below.count - first < width ? below.count - first : width;
     const unsigned moving = below.moving[node];
+    const Block block(below, node);
     for (std::uint32_t k = 0; k < count; ++k) {
-        unsigned others = hits(below, node, query_of(below, first + k)) & ~((2u << k) - 1);
+        unsigned others = hits(block, query_of(below, first + k)) & ~((2u << k) - 1);
         if (!(moving >> k & 1)) others &= moving;
         make_room(list);
         append(list, first + k, first, others);

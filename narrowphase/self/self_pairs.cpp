@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
-#include <numeric>
+#include <memory>
 #include <span>
 #include <utility>
 
-#include <oncollide/base/memory/large_vector.hpp>
 #include <oncollide/base/threads/parallel.hpp>
-#include <oncollide/broadphase/tree/aabb_tree.hpp>
-#include <oncollide/broadphase/tree/pair_lists.hpp>
 #include <oncollide/narrowphase/exact/neighbours.hpp>
 #include <oncollide/narrowphase/self/spread_fans.hpp>
+#include <oncollide/narrowphase/self/triangle_boxes.hpp>
 
 namespace oncollide {
 
@@ -21,14 +19,10 @@ namespace {
 using Eigen::Vector3d;
 using FourKeys = std::uint32_t __attribute__((vector_size(16)));
 
-/// Two nodes of the AABB tree at one level, or one node twice. Parts of the search may run at the same time.
-using Part = std::pair<std::uint32_t, std::uint32_t>;
-constexpr int level_of_parts = 3; ///< 4,096 triangles
-
 /// A triangle, with a key for each corner. The corners of two triangles have equal keys if they are one vertex, whose
 /// fan is spread.
 struct KeyedTriangle {
-    std::uint32_t key[3], number;
+    std::uint32_t key[4]; ///< the last one is no other triangle's
 };
 constexpr std::uint32_t no_vertex = 1u << 31; ///< keys from here on belong to one corner alone
 
@@ -37,7 +31,9 @@ bool have_equal_keys(const KeyedTriangle& a, const KeyedTriangle& b)
     FourKeys of_b;
     __builtin_memcpy(&of_b, &b, sizeof of_b);
     const auto equal = (of_b == a.key[0]) | (of_b == a.key[1]) | (of_b == a.key[2]);
-    return equal[0] | equal[1] | equal[2];
+    std::uint64_t halves[2];
+    __builtin_memcpy(halves, &equal, sizeof halves);
+    return (halves[0] | halves[1]) != 0;
 }
 
 /// True if the triangle shares no vertex with any triangle whose keys all differ from its own.
@@ -49,49 +45,31 @@ bool all_spread(const KeyedTriangle& t)
 /// The data that all parts of the search read.
 struct SelfSearch {
     const Mesh& mesh;
-    AabbTree tree{AabbOrder::octree};
-    LargeVector<KeyedTriangle> triangles; ///< by place in the tree
-    std::vector<Part> parts;              ///< sorted; one without nodes: the whole tree
+    const std::vector<std::uint8_t> spread; ///< by vertex; comes first, as boxes then take its scratch memory
+    const TriangleBoxes boxes;
+    std::unique_ptr<KeyedTriangle[]> triangles; ///< by place in the boxes
 
-    SelfSearch(const Mesh& of, int threads) : mesh(of)
+    SelfSearch(const Mesh& of, int threads)
+        : mesh(of), spread(spread_fans(of, threads)), boxes(of, 0, threads),
+          triangles(std::make_unique_for_overwrite<KeyedTriangle[]>(of.triangles.size()))
     {
-        const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
-        LargeVector<Aabb> boxes(count);
-        for (std::uint32_t t = 0; t < count; ++t)
-            for (const std::uint32_t v : mesh.triangles[t]) boxes[t].add(mesh.vertices[v]);
-        std::vector<std::uint32_t> all(count);
-        std::iota(all.begin(), all.end(), 0u);
-        tree.build(boxes, all, 0, threads);
-        tree.set_moving(std::vector<std::uint8_t>(count, 1).data(), 1);
-        key_triangles();
-        if (tree.view().levels <= level_of_parts) {
-            parts.push_back({});
-            return;
-        }
-        for (std::uint32_t node = 0; node < tree.view().level[level_of_parts].count; ++node)
-            parts.push_back({node, node});
-        find_in_chunks(
-            [&](const std::uint32_t* i, const std::uint32_t* j, std::uint64_t found) {
-                for (std::uint64_t k = 0; k < found; ++k) parts.push_back({i[k], j[k]});
-            },
-            [&](PairSink& sink) { aabb_tree_kernel().all(tree.view(), level_of_parts, sink); });
-        std::ranges::sort(parts);
+        key_triangles(threads);
     }
 
-    void key_triangles()
+    void key_triangles(int threads)
     {
-        const std::vector<std::uint8_t> spread = spread_fans(mesh);
-        triangles.resize(tree.size());
-        for (std::uint32_t place = 0; place < tree.size(); ++place) {
-            KeyedTriangle& keyed = triangles[place];
-            keyed.number = tree.body_at(place);
-            if (keyed.number == no_body) continue;
-            for (std::uint32_t k = 0; k < 3; ++k) {
-                const std::uint32_t v = mesh.triangles[keyed.number][k];
-                // Two corners of one place never meet, so they may have one key.
-                keyed.key[k] = spread[v] && v < no_vertex ? v : no_vertex | place;
+        parallel_chunks(mesh.triangles.size(), 4096, threads, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t place = begin; place < end; ++place) {
+                const Triangle& triangle = mesh.triangles[boxes.triangle_at(static_cast<std::uint32_t>(place))];
+                // Keys of one place are not compared, so they may be equal.
+                const std::uint32_t own = no_vertex | static_cast<std::uint32_t>(place);
+                for (std::uint32_t k = 0; k < 3; ++k) {
+                    const std::uint32_t v = triangle[k];
+                    triangles[place].key[k] = spread[v] && v < no_vertex ? v : own;
+                }
+                triangles[place].key[3] = own;
             }
-        }
+        });
     }
 };
 
@@ -101,24 +79,17 @@ public:
     explicit PartSearch(const SelfSearch& in) : in_(in) {}
 
     /// Appends the pairs of a part to `found`, in any order.
-    void run(const Part& part, std::vector<TrianglePair>& found)
+    void run(std::size_t part, std::vector<TrianglePair>& found)
     {
-        const AabbTreeKernel& kernel = aabb_tree_kernel();
-        const AabbTreeView& view = in_.tree.view();
         found_ = &found;
-        const auto take = [&](const std::uint32_t* i, const std::uint32_t* j, std::uint64_t count) {
+        in_.boxes.find(part, [&](const std::uint32_t* i, const std::uint32_t* j, std::uint64_t count) {
             left_.resize(count);
             std::size_t left = 0; // no branch on the keys, which is unpredictable
             for (std::uint32_t k = 0; k < count; ++k) {
                 left_[left] = k;
                 left += !have_equal_keys(in_.triangles[i[k]], in_.triangles[j[k]]);
             }
-            for (const std::uint32_t k : std::span(left_).first(left)) test(in_.triangles[i[k]], in_.triangles[j[k]]);
-        };
-        find_in_chunks(take, [&](PairSink& sink) {
-            if (view.levels <= level_of_parts) return kernel.all(view, 0, sink);
-            if (part.first == part.second) return kernel.within(view, level_of_parts, part.first, sink);
-            kernel.between(view, level_of_parts, part.first, part.second, sink);
+            for (const std::uint32_t k : std::span(left_).first(left)) test(i[k], j[k]);
         });
         test_apart();
     }
@@ -126,12 +97,18 @@ public:
 private:
     const Vector3d& at(std::uint32_t vertex) const { return in_.mesh.vertices[vertex]; }
 
+    /// @param i, j  places in the boxes
+    void test(std::uint32_t i, std::uint32_t j)
+    {
+        const auto [s, t] = std::minmax({in_.boxes.triangle_at(i), in_.boxes.triangle_at(j)});
+        const TrianglePair pair{s, t};
+        if (all_spread(in_.triangles[i]) || all_spread(in_.triangles[j])) return test_later(pair);
+        decide_neighbours(pair);
+    }
     /// Decides neighbours by the vertices that they share, where that is certain. Vertices at one position with
     /// different indices are left to the exact test.
-    void test(const KeyedTriangle& s, const KeyedTriangle& t)
+    void decide_neighbours(TrianglePair pair)
     {
-        const TrianglePair pair{std::min(s.number, t.number), std::max(s.number, t.number)};
-        if (all_spread(s) || all_spread(t)) return test_later(pair);
         const Triangle &a = in_.mesh.triangles[pair.a], &b = in_.mesh.triangles[pair.b];
         unsigned same = 0; // bit 3 i + j: corner i of a is corner j of b
         for (unsigned i = 0; i < 3; ++i)
@@ -198,17 +175,17 @@ std::vector<TrianglePair> self_pairs(const Mesh& mesh, std::size_t most, int thr
     const SelfSearch search(mesh, threads);
     if (most != std::numeric_limits<std::size_t>::max()) { // which parts run must not depend on their speed
         PartSearch worker(search);
-        for (std::size_t i = 0; i < search.parts.size() && all.size() < most; ++i) {
+        for (std::size_t i = 0; i < search.boxes.parts() && all.size() < most; ++i) {
             const auto begin = static_cast<std::ptrdiff_t>(all.size());
-            worker.run(search.parts[i], all);
+            worker.run(i, all);
             std::sort(all.begin() + begin, all.end());
         }
         all.resize(std::min(all.size(), most));
     } else {
-        std::vector<std::vector<TrianglePair>> found(search.parts.size());
-        parallel_chunks(search.parts.size(), 1, threads, [&](std::size_t begin, std::size_t end, int) {
+        std::vector<std::vector<TrianglePair>> found(search.boxes.parts());
+        parallel_chunks(search.boxes.parts(), 1, threads, [&](std::size_t begin, std::size_t end, int) {
             PartSearch worker(search);
-            for (std::size_t i = begin; i < end; ++i) worker.run(search.parts[i], found[i]);
+            for (std::size_t i = begin; i < end; ++i) worker.run(i, found[i]);
         });
         for (const std::vector<TrianglePair>& pairs : found) all.insert(all.end(), pairs.begin(), pairs.end());
     }

@@ -9,7 +9,6 @@
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/narrowphase/exact/neighbours.hpp>
 #include <oncollide/narrowphase/self/self_pairs.hpp>
-#include <oncollide/narrowphase/self/spread_fans.hpp>
 #include <oncollide/samples/generators.hpp>
 
 namespace oncollide::self_pairs_test {
@@ -173,33 +172,6 @@ TEST(SelfPairs, DoNotDependOnThreadsAndEndAtTheLimit)
         EXPECT_TRUE(std::ranges::includes(pairs, some));
         EXPECT_EQ(self_pairs(mesh, most, 1), some);
     }
-}
-
-/// A vertex with a fan of `blades` triangles around it, over points that `place` gives for their angles.
-Mesh fan(int blades, auto place)
-{
-    std::vector<Vector3d> vertices{Vector3d::Zero()};
-    std::vector<Triangle> triangles;
-    for (int k = 0; k < blades; ++k) {
-        vertices.push_back(place(2 * M_PI * k / blades));
-        triangles.push_back({0, static_cast<std::uint32_t>(1 + k), static_cast<std::uint32_t>(1 + (k + 1) % blades)});
-    }
-    return make_mesh("fan", vertices, triangles);
-}
-
-TEST(SelfPairs, AreNotTestedOneByOneAroundMostVertices)
-{
-    const auto spread = [](const Mesh& mesh) { return spread_fans(mesh).front(); };
-    const auto around = [](double angle) { return Vector3d(std::cos(angle), std::sin(angle), 0.5); };
-    EXPECT_TRUE(spread(fan(3, around)));
-    EXPECT_TRUE(spread(fan(4, around)));
-    EXPECT_TRUE(spread(fan(7, around)));
-    EXPECT_FALSE(spread(fan(7, [&](double angle) { return around(2 * angle); }))) << "goes round twice";
-    EXPECT_FALSE(spread(fan(5, [&](double angle) { return around(2 * angle); }))) << "a pentagram";
-    const auto folded = [](double angle) { return Vector3d(std::abs(std::cos(angle)), std::sin(angle), 0); };
-    EXPECT_FALSE(spread(fan(6, folded)));
-    const Mesh sphere = make_sphere_mesh(1, 8000);
-    EXPECT_GT(std::ranges::count(spread_fans(sphere), 1), std::ptrdiff_t(sphere.vertices.size()) - 10);
 }
 
 struct NamedCase {
