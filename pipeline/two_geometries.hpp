@@ -10,7 +10,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/finding.hpp>
-#include <oncollide/pipeline/results.hpp>
+#include <oncollide/pipeline/models.hpp>
 #include <oncollide/scenes/geometry.hpp>
 
 namespace oncollide {
@@ -64,5 +64,9 @@ ONCOLLIDE_API Penetration penetration(const GeometryArgument& a, const Eigen::Is
 /// As Models::self_contacts(), on one thread. Throws Error{bad_data} for a mesh that Models::add() would refuse.
 ONCOLLIDE_API std::vector<PairOf<std::uint32_t>>
 self_contacts(const Mesh& mesh, std::size_t most = std::numeric_limits<std::size_t>::max());
+
+/// As Models::near_features(), on one thread.
+ONCOLLIDE_API std::vector<NearFeatures> near_features(const Mesh& mesh, double dhat,
+                                                      const SelfNearOptions& options = {});
 
 } // namespace oncollide

@@ -19,8 +19,8 @@ inline Query query_of(const AabbLevelView& level, std::uint32_t i)
     return {{p[0], p[16], p[32]}, {p[48], p[64], p[80]}};
 }
 
-/// A block that several queries are compared with: in registers where they suffice, as results that are stored between
-/// comparisons might change what is in memory.
+/// A block, which is compared with several queries. With AVX-512 it is in registers: the compiler would load it again
+/// after each result that is stored.
 struct Block {
     Block(const AabbLevelView& level, std::uint32_t block) : p(level.blocks + std::size_t{block} * aabb_block)
     {

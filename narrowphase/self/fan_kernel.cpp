@@ -5,8 +5,8 @@
 // direction between edges, and the triangles that end in one direction have the edges of the triangles that begin
 // there. If one triangle covers some direction, the fan is spread out.
 //
-// Edges are differences of doubles, scaled to about 1 and rounded to floats. All signs are those of sums of products
-// that are rounded at most eight times by 2^-24 each; the bounds have twice that.
+// Edges are differences of doubles, scaled to about 1 and rounded to floats. The test needs signs of sums of products.
+// At most eight roundings by 2^-24 enter each of these sums; the bounds have twice as many.
 #include <cstddef>
 
 #include <oncollide/base/simd/simd.hpp>
@@ -125,7 +125,7 @@ private:
             for (unsigned g = 0; g < groups; ++g) second_[c][g] = where(there_[g], next_of(first_[c], g));
         return true;
     }
-    /// The values of the triangles that follow those of group g.
+    /// For each triangle of group g, the value of the next triangle.
     F32x8 next_of(const F32x8 (&values)[groups], unsigned g) const
     {
         F32x8 all = permuted(values[0], next_[g] & 7);

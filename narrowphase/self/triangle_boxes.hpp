@@ -11,7 +11,7 @@
 
 namespace oncollide {
 
-/// The AABBs of all triangles of a mesh, for one search of those that overlap. AabbTree also holds boxes that change,
+/// The AABBs of all triangles of a mesh, for one search of all overlaps. AabbTree also holds boxes that change,
 /// come and go; this takes a third of its time to build and half of its memory. Not for a mesh without triangles.
 class TriangleBoxes {
 public:

@@ -261,6 +261,27 @@ The Geometry does not change; this World uses a copy from now on.)",
 Returns uint32 (N, 2), each pair once and the smaller number first, sorted; no pair for other kinds of geometry.
 Vertices at equal positions count as one. most: the search ends with this many pairs.)",
         "model"_a, "most"_a = py::none());
+    define(
+        models, "near_features",
+        [](ModelsView& view, py::handle of, py::handle dhat, py::handle rings, py::handle rest, py::handle distance) {
+            const char* const call = "models.near_features";
+            const ModelId id = model_of(of, {call, "model"});
+            const double within = number(dhat, {call, "dhat"});
+            SelfNearOptions options;
+            options.rings = static_cast<std::uint32_t>(whole(rings, {call, "rings"}, 0xffffffff));
+            options.rest_distance = number(distance, {call, "rest_distance"});
+            std::vector<Eigen::Vector3d> positions;
+            if (!rest.is_none()) positions = points(rest, {call, "rest"});
+            options.rest = positions;
+            return array_of(computed(*view.held, call, true,
+                                     [&](const World& w) { return w.models().near_features(id, within, options); }));
+        },
+        R"(All pairs of features of one mesh at most `dhat` metres apart that are not neighbours, for a barrier.
+
+Structured (N,), as pairs.near_features(), with a < b, sorted, in the frame of the mesh. rings: features that fewer edges of
+the mesh connect are neighbours; with 1, neighbours share a vertex. rest: float64 (vertices, 3), positions in a rest shape;
+features that are at most rest_distance metres apart there are neighbours, too.)",
+        "model"_a, "dhat"_a, "rings"_a = 1, "rest"_a = py::none(), "rest_distance"_a = 0.0);
     define(models, "bounds", &model_bounds,
            R"(The AABB of a model at a pose, metres, as step() computes it for a body.
 

@@ -318,6 +318,29 @@ def test_the_triangles_of_a_mesh_that_meet_are_rows_of_an_array():
         oncollide.self_contacts(crossed, most="one")
 
 
+def test_near_features_of_a_mesh_leave_out_its_neighbours():
+    # Two triangles, 0.1 apart, and a third one that joins them.
+    vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.2, 0.2, 0.1], [1.2, 0.2, 0.1], [0.2, 1.2, 0.1]]
+    triangles = [[0, 1, 2], [3, 4, 5], [1, 4, 2]]
+    world = oncollide.World(threads=1)
+    model = world.models.add(oncollide.mesh(vertices, triangles))
+    near = world.models.near_features(model, 0.11)
+    assert near.dtype.names == ("a", "b", "lower", "upper", "point_a", "point_b")
+    kinds = set(zip((near["a"] >> np.uint64(62)).tolist(), (near["b"] >> np.uint64(62)).tolist()))
+    assert (1, 3) in kinds and (2, 2) in kinds  # a vertex over a face, edges that cross
+    assert np.all(near["lower"] <= 0.11) and np.all(near["upper"] > 0.09)
+    assert len(world.models.near_features(model, 0.11, rings=9)) == 0
+    rest = np.array(vertices) * [1, 1, 100]
+    assert len(world.models.near_features(model, 0.11, rest=rest, rest_distance=5.0)) == len(near)
+    assert len(world.models.near_features(model, 0.11, rest=rest, rest_distance=20.0)) == 0
+    with pytest.raises(oncollide.Error, match="rings"):
+        world.models.near_features(model, 0.11, rings=0)
+    with pytest.raises(oncollide.Error, match="rest"):
+        world.models.near_features(model, 0.11, rest=rest[1:], rest_distance=1.0)
+    with pytest.raises(oncollide.Error, match="mesh"):
+        world.models.near_features(world.models.add(oncollide.sphere(1.0)), 0.1)
+
+
 def test_an_import_without_numpy_says_so_in_one_line():
     program = "import sys; sys.modules['numpy'] = None\ntry: import oncollide\nexcept ImportError as error: print(error)"
     ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)

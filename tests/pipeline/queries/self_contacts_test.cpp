@@ -1,6 +1,10 @@
 // Meshes that meet themselves, as models of a World and without one.
+#include <cmath>
+#include <map>
+
 #include <gtest/gtest.h>
 
+#include <oncollide/base/numbers/random.hpp>
 #include <oncollide/narrowphase/cook_mesh.hpp>
 #include <oncollide/pipeline/two_geometries.hpp>
 #include <oncollide/pipeline/world.hpp>
@@ -54,6 +58,60 @@ TEST(SelfContacts, RefuseIdsAndMeshesThatAreNotValid)
     Mesh broken = make_box_mesh({1, 1, 1});
     broken.triangles[0][0] = 100;
     EXPECT_THROW(self_contacts(broken), Error);
+}
+
+TEST(NearFeaturesOfAMesh, AreThoseOfTwoBodiesInOnePlaceWithoutNeighbours)
+{
+    Mesh mesh = make_torus_knot_mesh(3, 7, 1, 0.4, 0.35, 3000);
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) // edges that are not parallel
+        mesh.vertices[v] += 0.02 * Eigen::Vector3d(u01(1, v, 0), u01(1, v, 1), u01(1, v, 2));
+    mesh = make_mesh("knot", mesh.vertices, mesh.triangles);
+    constexpr double dhat = 0.03;
+    World world({.threads = 2});
+    const ModelId model = world.models().add(mesh);
+    const auto found = world.models().near_features(model, dhat);
+    const PlacedModel here{model, Eigen::Isometry3d::Identity()};
+    std::map<std::pair<FeatureBits, FeatureBits>, double> of_copies;
+    for (const NearFeatures& f : world.pairs().near_features(here, here, dhat))
+        of_copies.emplace(std::minmax(f.a, f.b), f.upper);
+    std::size_t same = 0;
+    for (const NearFeatures& f : found) {
+        const auto at = of_copies.find({f.a, f.b});
+        ASSERT_NE(at, of_copies.end());
+        EXPECT_NEAR(f.upper, at->second, 1e-12);
+        ++same;
+    }
+    EXPECT_GT(same, 1000u);
+    // The copies also list features that share a vertex.
+    EXPECT_LT(found.size(), of_copies.size());
+    EXPECT_EQ(near_features(mesh, dhat).size(), found.size());
+}
+
+TEST(NearFeaturesOfAMesh, RefuseOptionsOutOfRangeAndOtherKinds)
+{
+    World world;
+    const Mesh box = make_box_mesh({1, 1, 1});
+    const ModelId model = world.models().add(box);
+    const auto fault = [&](double dhat, const SelfNearOptions& options) -> std::string {
+        try {
+            world.models().near_features(model, dhat, options);
+        } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), ErrorKind::usage);
+            return error.what();
+        }
+        return {};
+    };
+    std::vector<Eigen::Vector3d> rest = box.vertices;
+    EXPECT_EQ(fault(0.1, {.rest = rest, .rest_distance = 1}), "");
+    EXPECT_NE(fault(-1, {}).find("dhat"), std::string::npos);
+    EXPECT_NE(fault(NAN, {}).find("dhat"), std::string::npos);
+    EXPECT_NE(fault(1, {.rings = 0}).find("rings"), std::string::npos);
+    EXPECT_NE(fault(1, {.rest_distance = 1}).find("rest"), std::string::npos);
+    EXPECT_NE(fault(1, {.rest = std::span(rest).first(3)}).find("3 positions"), std::string::npos);
+    EXPECT_NE(fault(1, {.rest = rest, .rest_distance = NAN}).find("rest_distance"), std::string::npos);
+    rest[2].y() = NAN;
+    EXPECT_NE(fault(1, {.rest = rest}).find("position 2"), std::string::npos);
+    EXPECT_THROW(world.models().near_features(world.models().add(Box{{1, 1, 1}}), 0.1), Error);
 }
 
 } // namespace

@@ -47,7 +47,7 @@ std::ptrdiff_t red_pixels(const Image& image)
     return count;
 }
 
-/// What is around a ball, from the side that shows most red.
+/// Draws the surroundings of a ball from the side that shows most red.
 Image best_view(Picture picture, const Eigen::Vector3d& middle, double radius)
 {
     std::ptrdiff_t most = 0;

@@ -18,14 +18,14 @@ struct SelfPlace {
     Aabb box;                             ///< around the common points of its triangles
 };
 
-/// The places of all pairs, those of the most pairs first.
+/// The places of all pairs; places with more pairs come first.
 std::vector<SelfPlace> places_of(const Mesh& mesh, const std::vector<TrianglesThatMeet>& pairs);
 
 TrianglePoints points_of(const Mesh& mesh, std::uint32_t triangle);
 CommonSegment segment_of(const Mesh& mesh, TrianglesThatMeet pair);
 
-/// One line about a place: its number of pairs, where it is, and two of its triangles. Coordinates that are 0 but for
-/// rounding, compared with the size of the mesh, are 0.
+/// One line about a place: its number of pairs, where it is, and two of its triangles. Coordinates below the rounding
+/// errors of a mesh of this size are printed as 0.
 /// @param bounds  of the mesh
 /// @param unit    "m"
 std::string place_text(const SelfPlace& place, const Aabb& bounds, std::string_view unit);
