@@ -49,7 +49,7 @@ LAYERS = {
                                     "pairs/depth", "pairs/manifolds/points", "pairs/manifolds/shapes"],
     "narrowphase/pairs/manifolds/shapes": ["", "exact", "shapes", "pairs", "pairs/manifolds/points"],
     "narrowphase/pairs/manifolds/points": ["", "exact", "shapes", "pairs"],
-    "narrowphase/self": ["exact", "exact/kernels", "walks"],
+    "narrowphase/self": ["", "exact", "exact/kernels", "walks", "pairs/manifolds", "pairs/manifolds/points"],
     "narrowphase/rays": ["", "exact", "shapes", "obb", "inside"],
     "pipeline": [],
     "pipeline/models": [""],
