@@ -119,17 +119,20 @@ LeastTranslation translation_of_boxes(const ConvexDifference& cores, double roun
     return found;
 }
 
-bool nearest_of_point_and_box(const ConvexDifference& cores, Vector3d& on_a, Vector3d& on_b)
+bool nearest_of_point_and_box(const ConvexDifference& cores, Vector3d& on_a, Vector3d& on_b, Vector3d& toward)
 {
     const Convex &a = cores.a(), &b = cores.b();
     const RelativePose& into = cores.b_to_a();
     if (a.core != Convex::Core::box || b.core != Convex::Core::box) return false;
-    if (b.low == b.high)
-        on_b = into(b.low), on_a = on_b.cwiseMax(a.low).cwiseMin(a.high);
-    else if (a.low == a.high)
-        on_a = a.low, on_b = into(cores.into_b(on_a - into.translation).cwiseMax(b.low).cwiseMin(b.high));
-    else
+    if (b.low == b.high) {
+        on_b = into(b.low), on_a = on_b.cwiseMax(a.low).cwiseMin(a.high), toward = on_b - on_a;
+    } else if (a.low == a.high) {
+        on_a = a.low;
+        const Vector3d at = cores.into_b(on_a - into.translation), nearest = at.cwiseMax(b.low).cwiseMin(b.high);
+        on_b = into(nearest), toward = into.rotation * (nearest - at);
+    } else {
         return false;
+    }
     return true;
 }
 

@@ -59,10 +59,14 @@ ConvexDistance convex_distance(const ConvexDifference& cores, const DistanceGoal
         return found;
     }
     double length = v.norm();
+    const auto look = [&](const Eigen::Vector3d& along, double its_length) {
+        const ConvexDifference::Point p = cores.support(-along);
+        if (const double apart = along.dot(p.w) / its_length - rounding; apart > found.lower)
+            found.lower = apart, found.toward = along;
+        return p;
+    };
     for (int step = 0; step < most_steps && length > 0; ++step) {
-        const ConvexDifference::Point p = cores.support(-v);
-        if (const double apart = v.dot(p.w) / length - rounding; apart > found.lower)
-            found.lower = apart, found.toward = v;
+        const ConvexDifference::Point p = look(v, length);
         if (goal.is_met(found.lower, found.upper, rounding)) break;
         if (simplex.holds(p.w)) break;
         simplex.corner[simplex.count++] = p;
@@ -74,6 +78,12 @@ ConvexDistance convex_distance(const ConvexDifference& cores, const DistanceGoal
         nearest = std::min(nearest, upper);
         if (upper < found.upper) found.upper = upper, found.on_a = simplex.on_a(), found.on_b = found.on_a + v;
         if (upper <= goal.below || simplex.count == 4) break;
+    }
+    if (length > 0 && !goal.is_met(found.lower, found.upper, rounding)) {
+        // The nearest point has the rounding of the corners in it, which turns it where the distance is far smaller
+        // than the corners' sizes.
+        const Eigen::Vector3d across = simplex.across(v);
+        if (const double size = across.norm(); size > 0) look(across, size);
     }
     found.lower = std::min(found.lower, found.upper);
     return found;

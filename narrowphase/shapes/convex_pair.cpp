@@ -87,11 +87,10 @@ bool ConvexPair::nearest_of_boxes(const DistanceGoal& goal, ConvexDistance& foun
 /// The centre of a sphere and the core of a box, a sphere or a capsule, in closed form. False: the cores are others.
 bool ConvexPair::distance_of_point_and_box(ConvexDistance& found) const
 {
-    if (!nearest_of_point_and_box(cores_, found.on_a, found.on_b)) return false;
+    if (!nearest_of_point_and_box(cores_, found.on_a, found.on_b, found.toward)) return false;
     double off = cores_.rounding();
     // A point moved into B's frame errs by as much again, and by the rotation's deviation from rigid.
     if (b_.low != b_.high) off = 2 * off + 2 * cores_.slack() * (cores_.size() + cores_.radius());
-    found.toward = found.on_b - found.on_a;
     const double length = found.toward.norm();
     found.lower = std::max(length - off, 0.0), found.upper = length + off;
     return true;

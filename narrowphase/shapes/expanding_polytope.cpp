@@ -28,18 +28,26 @@ constexpr double endless = std::numeric_limits<double>::infinity();
 class ExpandingPolytope {
 public:
     ExpandingPolytope(const ConvexDifference& cores, double rounding) : cores_(cores), rounding_(rounding) {}
-    LeastTranslation find(double cutoff);
+    /// @param first  the direction of the first corner; null: a likely one
+    LeastTranslation find(double cutoff, const Vector3d* first);
+    /// How close the bounds of curved cores get, metres.
+    double close(double upper) const
+    {
+        const double smaller = std::min(cores_.a().extent, cores_.b().extent);
+        return std::max({4 * rounding_, close_in_depth * std::abs(upper), close_in_size * smaller});
+    }
 
 private:
     static constexpr int most_corners = 112, most_faces = 2 * most_corners;
-    /// Shares of the depth and of the smaller size: how close the bounds of curved cores get.
+    /// Shares of the depth and of the smaller size.
     static constexpr double close_in_depth = 0x1p-8, close_in_size = 0x1p-34;
 
-    const ConvexDifference::Point& look(const Vector3d& d)
+    const ConvexDifference::Point& put(const ConvexDifference::Point& p)
     {
-        corner_[corners_] = cores_.support(d);
-        return corner_[corners_];
+        far_[corners_] = p.w.norm();
+        return corner_[corners_] = p;
     }
+    const ConvexDifference::Point& look(const Vector3d& d) { return put(cores_.support(d)); }
     bool start(Vector3d d);
     double likely_height(Vector3d& toward) const;
     void surround(const Vector3d& n);
@@ -59,8 +67,9 @@ private:
     const double rounding_;
     int corners_ = 0, faces_ = 0;
     std::array<ConvexDifference::Point, most_corners + 1> corner_;
+    std::array<double, most_corners + 1> far_;     ///< distances of the corners from 0
     std::array<double, most_faces> x_, y_, z_, d_; ///< unit normals; heights of the planes over 0
-    std::array<double, most_faces> error_;         ///< error bounds of the heights
+    std::array<double, most_faces> error_, slope_; ///< error bounds of the heights over 0; what each metre from 0 adds
     std::array<std::array<int, 3>, most_faces> of_;
     std::array<double, most_faces> height_; ///< of a new corner over each plane
     std::array<bool, most_faces> sees_;     ///< the new corner
@@ -132,7 +141,8 @@ void ExpandingPolytope::surround(const Vector3d& n)
         int most = -1;
         double above = 0x1p-4 * close_in_depth * std::abs(height); // corners near each other make slivers
         for (int f = 0; f < faces_; ++f)
-            if (const double here = normal(f).dot(p) - d_[f] - error_[f]; here > above) above = here, most = f;
+            if (const double here = normal(f).dot(p) - d_[f] - error_[f] - slope_[f] * far_[corners_]; here > above)
+                above = here, most = f;
         if (most >= 0 && replace_visible(corners_, most)) ++corners_;
     };
     add(-u, flat ? narrow : wide);
@@ -153,7 +163,7 @@ bool ExpandingPolytope::start(Vector3d d)
         const double one = along.dot(look(along).w) - from;
         const ConvexDifference::Point first = corner_[corners_];
         const double other = from - along.dot(look(-along).w);
-        if (one >= other) corner_[corners_] = first;
+        if (one >= other) put(first);
         return std::max(one, other) / along.norm();
     };
     const double thin = 8 * rounding_;
@@ -169,25 +179,32 @@ bool ExpandingPolytope::start(Vector3d d)
     x_[0] = across.x() / length, y_[0] = across.y() / length, z_[0] = across.z() / length;
     if (!(look_both(across / length) > thin)) return false;
     ++corners_;
-    if (across.dot(corner_[3].w - corner_[0].w) > 0) std::swap(corner_[1], corner_[2]);
+    if (across.dot(corner_[3].w - corner_[0].w) > 0) std::swap(corner_[1], corner_[2]), std::swap(far_[1], far_[2]);
     add_face(0, 1, 2), add_face(0, 3, 1), add_face(1, 3, 2), add_face(2, 3, 0);
     return true;
 }
 
 void ExpandingPolytope::add_face(int u, int v, int w)
 {
-    const Vector3d &p = corner_[u].w, q = corner_[v].w - p, r = corner_[w].w - p, n = q.cross(r);
-    const double length = n.norm(), edge = std::sqrt(std::max(q.squaredNorm(), r.squaredNorm()));
+    // The plane turns around the first corner, which must not be far from 0 if another one is near.
+    while (far_[u] > 8 * std::min(far_[v], far_[w])) {
+        const int last = u;
+        u = v, v = w, w = last;
+    }
     const int f = faces_++;
     of_[f] = {u, v, w};
+    const Vector3d &p = corner_[u].w, q = corner_[v].w - p, r = corner_[w].w - p, n = q.cross(r);
+    const double length = n.norm(), edge = std::sqrt(std::max(q.squaredNorm(), r.squaredNorm()));
     if (!(length > 0x1p-46 * edge * edge)) { // it lies on its neighbours' edges
-        x_[f] = y_[f] = z_[f] = 0, d_[f] = endless, error_[f] = 0;
+        x_[f] = y_[f] = z_[f] = 0, d_[f] = endless, error_[f] = slope_[f] = 0;
         return;
     }
     const double inverse = 1 / length;
     x_[f] = n.x() * inverse, y_[f] = n.y() * inverse, z_[f] = n.z() * inverse;
     d_[f] = n.dot(p) * inverse;
-    error_[f] = rounding_ * (2 + 4 * (p.norm() + edge) * edge * inverse);
+    slope_[f] = 6 * rounding_ * edge * inverse; // bounds the angle to the plane of the true corners,
+    if (slope_[f] > 0.25) slope_[f] = 1;        // where that is small
+    error_[f] = 2 * rounding_ + slope_[f] * far_[u];
 }
 
 /// Finds the border of the faces that see a corner. False: the polytope would fold over at a face in whose plane,
@@ -208,8 +225,10 @@ bool ExpandingPolytope::see(int corner)
         }
     }
     const Vector3d& p = corner_[corner].w;
+    const double far = far_[corner];
     for (int f = 0; f < faces_; ++f) {
-        if (sees_[f] || height_[f] < -error_[f] || error_[f] > well_shaped * rounding_) continue;
+        const double error = error_[f] + slope_[f] * far;
+        if (sees_[f] || height_[f] < -error || error > well_shaped * rounding_) continue;
         for (int k = 0; k < 3; ++k) {
             const int from = of_[f][(k + 1) % 3], to = of_[f][k]; // as the face on the other side has them
             const Vector3d& u = corner_[from].w;
@@ -228,9 +247,10 @@ bool ExpandingPolytope::see(int corner)
 bool ExpandingPolytope::replace_visible(int corner, int face)
 {
     const Vector3d& p = corner_[corner].w;
+    const double far = far_[corner];
     for (int f = 0; f < faces_; ++f) {
         height_[f] = x_[f] * p.x() + y_[f] * p.y() + z_[f] * p.z() - d_[f];
-        sees_[f] = f == face || height_[f] > error_[f]; // a sliver's plane errs by more than a rounding
+        sees_[f] = f == face || height_[f] > error_[f] + slope_[f] * far; // a sliver's plane errs by more than rounding
     }
     while (!see(corner)) {}
     const int visible = static_cast<int>(std::count(sees_.begin(), sees_.begin() + faces_, true));
@@ -241,8 +261,8 @@ bool ExpandingPolytope::replace_visible(int corner, int face)
             continue;
         }
         --faces_;
-        x_[f] = x_[faces_], y_[f] = y_[faces_], z_[f] = z_[faces_], d_[f] = d_[faces_], error_[f] = error_[faces_];
-        of_[f] = of_[faces_], sees_[f] = sees_[faces_];
+        x_[f] = x_[faces_], y_[f] = y_[faces_], z_[f] = z_[faces_], d_[f] = d_[faces_];
+        error_[f] = error_[faces_], slope_[f] = slope_[faces_], of_[f] = of_[faces_], sees_[f] = sees_[faces_];
     }
     for (int i = 0; i < borders_; ++i) add_face(border_[i].from, border_[i].to, corner);
     return true;
@@ -278,7 +298,7 @@ double ExpandingPolytope::polish(Vector3d& n, ConvexDifference::Point& p) const
     return depth;
 }
 
-LeastTranslation ExpandingPolytope::find(double cutoff)
+LeastTranslation ExpandingPolytope::find(double cutoff, const Vector3d* first)
 {
     LeastTranslation found{};
     found.upper = endless, found.lower = -endless;
@@ -287,10 +307,10 @@ LeastTranslation ExpandingPolytope::find(double cutoff)
         return found.beyond = found.upper < -cutoff;
     };
     const bool curved = !cores_.flat_sided();
-    Vector3d toward = -cores_.middle();
+    Vector3d toward = first ? *first : -cores_.middle();
     if (!(toward.norm() > 0x1p-40 * cores_.size())) toward = Vector3d::UnitX();
     bool seeded = false;
-    if (curved) {
+    if (curved && !first) {
         Vector3d likely = toward;
         const double height = likely_height(likely);
         if (take(likely, height)) return found;
@@ -316,11 +336,9 @@ LeastTranslation ExpandingPolytope::find(double cutoff)
         const ConvexDifference::Point& p = look(n);
         const double height = n.dot(p.w);
         if (take(n, height)) return found;
-        const double enough = !curved ? 4 * rounding_
-                                      : std::max({4 * rounding_, close_in_depth * std::abs(found.upper),
-                                                  close_in_size * std::min(cores_.a().extent, cores_.b().extent)});
         const auto known = [&](int k) { return corner_[k].w == p.w; };
-        const bool converged = (curved ? found.upper : height) - d_[face] <= enough;
+        const bool converged =
+            curved ? found.upper - d_[face] <= close(found.upper) : height - d_[face] <= 4 * rounding_;
         ends = converged && (!curved || height + rounding_ <= found.upper);
         if (ends) found.normal = -n, found.upper = height + rounding_; // the points lie along this normal
         found.off = std::max(height - d_[face], 0.0);
@@ -356,7 +374,20 @@ LeastTranslation ExpandingPolytope::find(double cutoff)
 
 LeastTranslation translation_by_polytope(const ConvexDifference& cores, double rounding, double cutoff)
 {
-    return ExpandingPolytope(cores, rounding).find(cutoff);
+    ExpandingPolytope polytope(cores, rounding);
+    LeastTranslation found = polytope.find(cutoff, nullptr);
+    const auto is_loose = [&] { return found.upper - found.lower > 2 * polytope.close(found.upper) + 16 * rounding; };
+    // Rounding may fold a polytope; from other corners it hardly does at the same place.
+    const Vector3d n = found.normal, aside = n.unitOrthogonal();
+    for (const Vector3d& first : {n, Vector3d(-n), aside, Vector3d(n.cross(aside))}) {
+        if (found.beyond || !is_loose()) break;
+        const LeastTranslation again = ExpandingPolytope(cores, rounding).find(cutoff, &first);
+        if (again.beyond) return again;
+        const double lower = std::max(found.lower, again.lower);
+        if (again.upper < found.upper) found = again;
+        found.lower = std::min(lower, found.upper);
+    }
+    return found;
 }
 
 } // namespace oncollide

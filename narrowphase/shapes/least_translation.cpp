@@ -59,7 +59,7 @@ bool set_apart(const ConvexDifference& cores, const Ends& ends, double rounding,
     Vector3d n = v / gap;
     ConvexDifference::Point p = cores.support(-n);
     double along = n.dot(p.w);
-    if (!ends.toward.isZero(0)) {
+    if (!ends.toward.isZero(0) && ends.toward != v) {
         const Vector3d other = ends.toward.normalized();
         if (const ConvexDifference::Point q = cores.support(-other); other.dot(q.w) > along)
             n = other, p = q, along = n.dot(q.w);
@@ -141,7 +141,7 @@ LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double
         return found;
     }
     if (boxes && cores.radius() > 0) {
-        if (Ends ends; nearest_of_point_and_box(cores, ends.on_a, ends.on_b)) {
+        if (Ends ends; nearest_of_point_and_box(cores, ends.on_a, ends.on_b, ends.toward)) {
             if (set_apart(cores, ends, rounding, found)) return found;
         } else if (by_distance(cores, rounding, cutoff, found)) {
             return found;
@@ -205,7 +205,9 @@ LeastTranslation least_translation(const ConvexDifference& cores, double cutoff,
     if (gap_of_boxes || !are_boxes(cores))
         return with_radius(of_cores(cores, rounding_of(cores), cutoff), cores.radius(), cutoff);
     LeastTranslation found = translation_of_boxes(cores, rounding_of(cores), cutoff);
-    if (found.upper < 0 && !found.beyond) found.lower = -std::numeric_limits<double>::infinity();
+    // A gap that edges show, beside a face that is preferred, has the edges' direction.
+    if (!found.beyond && (found.upper < 0 || found.lower < -hidden_gap * cores.rounding()))
+        found.lower = -std::numeric_limits<double>::infinity();
     return found;
 }
 

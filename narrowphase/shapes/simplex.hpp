@@ -29,6 +29,16 @@ struct Simplex4 {
         for (int i = 1; i < count; ++i) sum += weight[i] * corner[i].a;
         return sum;
     }
+    /// A direction across the edge or the face of the corners, on the side of `toward`; `toward` itself for other
+    /// simplices.
+    Eigen::Vector3d across(const Eigen::Vector3d& toward) const
+    {
+        if (count != 2 && count != 3) return toward;
+        const Eigen::Vector3d edge = corner[1].w - corner[0].w;
+        if (count == 2) return toward - edge.dot(toward) / edge.squaredNorm() * edge;
+        const Eigen::Vector3d normal = edge.cross(corner[2].w - corner[0].w);
+        return normal.dot(toward) < 0 ? Eigen::Vector3d(-normal) : normal;
+    }
     bool holds(const Eigen::Vector3d& w) const
     {
         for (int i = 0; i < count; ++i)

@@ -63,6 +63,21 @@ TEST(ShapeManifolds, KeepTheirPromisesWhereTheyWereHard)
         {"hull,ellipsoid", 6926},    //
         {"hull,cone", 431},          // depth far below the sizes
         {"hull,cone", 16234},        //
+        {"box,box", 546351},         // gap that edges show, beside a face that is preferred
+        {"box,box", 945407},         //
+        {"box,box", 211919},         // the same, overlapping
+        {"capsule,mesh", 143734},    // distance far below the corners' sizes
+        {"capsule,terrain", 325567}, //
+        {"capsule,box", 1118105},    // the same from a point to an edge
+        {"sphere,box", 1660962},     //
+        {"capsule,cone", 179156},    // polytope that folds where sizes are far apart
+        {"cylinder,cone", 323875},   //
+        {"hull,cone", 554871},       //
+        {"cone,ellipsoid", 899839},  //
+        {"hull,cylinder", 971902},   //
+        {"box,mesh", 267217},        // corner inside by a rounding
+        {"box,terrain", 844746},     // point of the ground that faces no face of the box
+        {"cone,half-space", 584000}, // small face far from the origin
     };
     for (const auto& [kinds, seed] : hard) {
         const tools::ShapeManifoldTally tally = tools::try_shape_manifolds(

@@ -44,18 +44,25 @@ bool takes_b_first(const PairTask& task)
 }
 
 /// True if a part of the inner body is inside the outer one.
-bool is_held(const PlacedSurface& inner, const PlacedSurface& outer, PointLocator& locator)
+/// @param deep  metres: all around the part's point, points at this distance are inside, too
+bool is_held(const PlacedSurface& inner, const PlacedSurface& outer, PointLocator& locator, double deep)
 {
+    const auto holds = [&](const Vector3d& p) { return outer.holds(p, locator).value_or(false); };
+    const auto holds_deep = [&](const Vector3d& p) {
+        for (int k = 0; k < 3; ++k)
+            if (!holds(p + deep * Vector3d::Unit(k)) || !holds(p - deep * Vector3d::Unit(k))) return false;
+        return true;
+    };
     return outer.solid() &&
-           inner.any_part_point([&](const Vector3d& p) { return outer.holds(p, locator).value_or(false); });
+           inner.any_part_point([&](const Vector3d& p) { return holds(p) && (deep == 0 || holds_deep(p)); });
 }
 
 /// The body of which a part is inside the other one: the smaller one, if both have such a part. Null: none.
-const PlacedSurface* held_of(const PlacedSurface& a, const PlacedSurface& b, PointLocator& locator)
+const PlacedSurface* held_of(const PlacedSurface& a, const PlacedSurface& b, PointLocator& locator, double deep)
 {
     const bool a_first = a.extent() <= b.extent();
     const PlacedSurface &first = a_first ? a : b, &second = a_first ? b : a;
-    return is_held(first, second, locator) ? &first : is_held(second, first, locator) ? &second : nullptr;
+    return is_held(first, second, locator, deep) ? &first : is_held(second, first, locator, deep) ? &second : nullptr;
 }
 
 /// The body inside moves out through the nearest surface.
@@ -102,15 +109,6 @@ void add_enclosed_region(PairWorker& worker, const ManifoldJob& job, bool inner_
     manifold.regions.push_back(region);
 }
 
-/// How far a common point of both bodies may be from the surface of one of them, which lies before it along a
-/// direction: a shape or a cell may have it inside.
-double behind_surface(const PlacedSurface& surface, const Vector3d& point, const Vector3d& out)
-{
-    const Kind kind = surface.model().kind();
-    if (kind == Kind::mesh || kind == Kind::terrain) return 0;
-    return std::max(out.dot(surface.farthest(out) - point), 0.0);
-}
-
 /// A region where none was found although the bodies are not certainly apart, or are within the margin: cells without
 /// an open side, gaps that rounding hides.
 void add_last_region(PairWorker& worker, const PairTask& task, const ManifoldJob& job)
@@ -148,7 +146,7 @@ void add_last_region(PairWorker& worker, const PairTask& task, const ManifoldJob
     const double depth = region.normal.dot(on_a - on_b);
     constexpr FeatureBits whole = face_feature(0);
     double error = (on_a - on_b).norm() + rounding;
-    if (!apart) error += std::max(behind_surface(a, on_a, region.normal), behind_surface(b, on_b, -region.normal));
+    if (!apart) error += std::max(a.behind(on_a, region.normal), b.behind(on_b, -region.normal));
     job.manifold.points.push_back({on_a, on_a - depth * region.normal, depth, error, whole, whole, region.normal});
     job.manifold.regions.push_back(region);
 }
@@ -238,7 +236,9 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
         return r.kind == RegionKind::crossing || r.kind == RegionKind::enclosed;
     };
     if (std::ranges::none_of(manifold.regions, overlaps)) {
-        if (const PlacedSurface* held = held_of(a, b, worker.locator)) {
+        // Where they touch, a corner may be inside by a rounding.
+        const double deep = manifold.regions.empty() ? 0 : 16 * job.rounding;
+        if (const PlacedSurface* held = held_of(a, b, worker.locator, deep)) {
             for (ManifoldRegion& r : manifold.regions)
                 // The body touches from inside.
                 r.normal_error = std::numbers::pi;

@@ -155,6 +155,13 @@ std::uint32_t PlacedSurface::across(std::uint32_t triangle, int k) const
     return none;
 }
 
+double PlacedSurface::behind(const Eigen::Vector3d& point, const Eigen::Vector3d& out) const
+{
+    const Kind kind = model_.kind();
+    if (kind == Kind::mesh || kind == Kind::terrain) return 0;
+    return std::max(out.dot(farthest(out) - point), 0.0);
+}
+
 std::optional<bool> PlacedSurface::holds(const Eigen::Vector3d& point, PointLocator& locator) const
 {
     const Eigen::Vector3d p = into_.rotation.transpose() * (point - into_.translation);

@@ -75,6 +75,9 @@ public:
     /// The support point along a direction (frame of the pair); for a terrain, and for a map without an open side
     /// here, a corner of its AABB.
     Eigen::Vector3d farthest(const Eigen::Vector3d& direction) const;
+    /// How far a common point of both bodies may be from this surface, which lies before it along a direction: a shape
+    /// or a cell may have it inside. 0 for a mesh and a terrain.
+    double behind(const Eigen::Vector3d& point, const Eigen::Vector3d& out) const;
     /// Calls visit(point) for points of each part of the body, one per part or more, until it returns true. Returns
     /// whether it did.
     bool any_part_point(FunctionRef<bool(const Eigen::Vector3d&)> visit) const;

@@ -73,7 +73,8 @@ void RegionMaker::resolve(const ManifoldJob& job, bool all_angles, ManifoldCandi
         if (all_angles && c.normal.isZero(0)) c.normal = across;
         (of_a ? c.b : c.a) = job.surface(other).face(found->triangle);
     } else { // treats the point as at the end of a region
-        c.depth = 0, c.error = draft.region.depth_upper + draft.rounding, c.opposite = false;
+        const double behind = job.surface(other).behind(c.at, (of_a ? -1 : 1) * draft.region.normal);
+        c.depth = 0, c.error = std::max(draft.region.depth_upper, behind) + draft.rounding, c.opposite = false;
         if (c.normal.dot(draft.region.normal) < manifold_limits::facing_cosine) c.normal.setZero();
     }
 }

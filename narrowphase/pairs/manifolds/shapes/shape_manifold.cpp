@@ -224,7 +224,7 @@ void ShapeRegion::find_points()
 /// True if a point proves that the gap of two boxes along the normal is their distance.
 bool ShapeRegion::faces_are_nearest()
 {
-    if (points_.points.empty()) return false;
+    if (points_.points.empty() || !(found_.upper < 0)) return false;
     const double deepest = points_.points.deepest() - 8 * rounding_;
     if (deepest < found_.upper - 64 * rounding_) return false;
     found_.lower = deepest, found_.normal_error = angle_to_shortest(-found_.upper, -found_.lower);
@@ -255,8 +255,9 @@ void ShapeRegion::find(PairWorker& worker, Manifold& manifold)
     region.kind = may_hold() && holds_other(task_, placed_.b_to_a) ? RegionKind::enclosed : kind_;
     if (options_.measures) measure_region(task_, placed_.b_to_a, points_.points.chosen(), found_.normal, region);
     region.found = points_.points.count();
-    points_.points.choose(found_.normal, same_point_share * size(),
-                          std::min(options_.points_per_region, options_.points_per_pair));
+    // Far from the origin, points of a small face may have the same coordinates.
+    const double same_point = same_point_share * size() + 0x1p-49 * task_.pose_a->translation().norm();
+    points_.points.choose(found_.normal, same_point, std::min(options_.points_per_region, options_.points_per_pair));
     region.normal = (task_.pose_a->linear() * found_.normal).normalized(), region.normal_error = found_.normal_error;
     region.depth_lower = meet_ ? std::max(found_.lower, 0.0) : found_.lower;
     region.depth_upper = std::max(found_.upper, region.depth_lower);

@@ -196,9 +196,10 @@ long double SolidTruth::from_surface(const LongVector& point) const
 void SolidTruth::find_hull_faces()
 {
     const std::size_t count = points_.size();
-    Real extent = 0;
-    for (const LongVector& p : points_) extent = std::max(extent, (p - points_[0]).norm());
-    const Real tolerance = 1e-15L * extent;
+    Real extent = 0, farthest = 0;
+    for (const LongVector& p : points_)
+        extent = std::max(extent, (p - points_[0]).norm()), farthest = std::max(farthest, p.norm());
+    const Real tolerance = 1e-15L * extent + 0x1p-60L * farthest; // a small hull's coordinates have rounding, too
     const auto add = [&](const LongVector& n, Real height) {
         for (std::size_t f = 0; f < faces_.size(); ++f)
             if ((faces_[f] - n).squaredNorm() < 1e-32L && std::abs(heights_[f] - height) <= tolerance) return;
