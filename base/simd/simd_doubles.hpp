@@ -81,6 +81,10 @@ inline F64x4 sqrt(F64x4 v)
 {
     return F64x4{__builtin_sqrt(v[0]), __builtin_sqrt(v[1]), __builtin_sqrt(v[2]), __builtin_sqrt(v[3])};
 }
+inline unsigned bits(I64x4 mask)
+{
+    return static_cast<unsigned>((mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8));
+}
 #endif
 
 #if defined(__AVX512F__)

@@ -97,7 +97,7 @@ LeastTranslation translation_of_boxes(const ConvexDifference& cores, double roun
         // The nearest points of the two edges' lines.
         const Vector3d n = found.normal, p = edge_along(ha, n, edge.i), d = Vector3d::Unit(edge.i), e = r.col(edge.j);
         const Vector3d q = t + r * edge_along(hb, -(r.transpose() * n), edge.j);
-        const double c = d.dot(e), rest = 1 - c * c;
+        const double c = d.dot(e), rest = length * length; // 1 - c * c would be 0 for edges nearly parallel
         const Vector3d way = q - p;
         const double s = std::clamp((way.dot(d) - c * way.dot(e)) / rest, -ha[edge.i], ha[edge.i]);
         const double v = std::clamp((c * way.dot(d) - way.dot(e)) / rest, -hb[edge.j], hb[edge.j]);

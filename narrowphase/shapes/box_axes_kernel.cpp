@@ -26,15 +26,6 @@ inline F64x4 after_next(F64x4 v)
 {
     return __builtin_shuffle(v, I64x4{2, 0, 1, 3});
 }
-inline unsigned lanes(I64x4 mask)
-{
-#if defined(__AVX2__)
-    return bits(mask);
-#else
-    return static_cast<unsigned>((mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8));
-#endif
-}
-
 /// Infinite where a box has no face across the axis.
 inline F64x4 without_face(F64x4 half)
 {
@@ -73,7 +64,7 @@ void overlap(const TwoBoxes& boxes, double rounding, BoxOverlaps& found)
         store(found.of_edges[j], overlap), store(found.length2[j], length2);
         // Most overlap more, which needs no root. The factor and the term cover the rounding of the length.
         const F64x4 sure = overlap - 2 * rounding;
-        found.open |= (lanes((sure <= 0) | (sure * sure <= limit2 * (1.001 * length2 + 0x1p-80))) & 7) << 4 * j;
+        found.open |= (bits((sure <= 0) | (sure * sure <= limit2 * (1.001 * length2 + 0x1p-80))) & 7) << 4 * j;
     }
 }
 

@@ -66,6 +66,7 @@ TEST(ShapeManifolds, KeepTheirPromisesWhereTheyWereHard)
         {"box,box", 546351},         // gap that edges show, beside a face that is preferred
         {"box,box", 945407},         //
         {"box,box", 211919},         // the same, overlapping
+        {"box,box", 92454},          // edges so nearly parallel that their sine's square is lost
         {"capsule,mesh", 143734},    // distance far below the corners' sizes
         {"capsule,terrain", 325567}, //
         {"capsule,box", 1118105},    // the same from a point to an edge
@@ -76,6 +77,14 @@ TEST(ShapeManifolds, KeepTheirPromisesWhereTheyWereHard)
         {"cone,ellipsoid", 899839},  //
         {"hull,cylinder", 971902},   //
         {"box,mesh", 267217},        // corner inside by a rounding
+        {"box,mesh", 229054},        //
+        {"box,terrain", 320491},     //
+        {"box,terrain", 352248},     //
+        {"capsule,hull", 121958},    // segment shorter than rounding
+        {"box,map", 534594},         // wall that is aside
+        {"box,map", 677680},         // cells far from the origin, within the margin by 1e-11
+        {"hull,map", 654122},        //
+        {"box,terrain", 309341},     // point beside a face by 1e-9
         {"box,terrain", 844746},     // point of the ground that faces no face of the box
         {"cone,half-space", 584000}, // small face far from the origin
     };

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 #include <oncollide/narrowphase/pairs/depth/depth_steps.hpp>
@@ -73,6 +74,7 @@ void add_enclosed_region(PairWorker& worker, const ManifoldJob& job, bool inner_
     const PlacedSurface &inner = inner_is_a ? a : b, &outer = inner_is_a ? b : a;
     double gap = 0;
     Vector3d way = Vector3d::Zero(); // direction in which the inner body moves
+    std::optional<NearestPoints> nearest;
     a.with_tree([&](auto& tree_a) {
         b.with_tree([&](auto& tree_b) {
             const auto found = worker.traversal(tree_a, tree_b).distance(tree_a, tree_b, b_to_a, 0);
@@ -80,7 +82,7 @@ void add_enclosed_region(PairWorker& worker, const ManifoldJob& job, bool inner_
             gap = std::max(found.lower, 0.0);
             const TrianglePoints of_a = a.points(found.nearest->a), of_b = b.points(found.nearest->b);
             const TrianglePoints& wall = inner_is_a ? of_b : of_a;
-            const NearestPoints points = nearest_points(of_a, of_b, 0x1p-20 * gap + job.rounding);
+            const NearestPoints& points = nearest.emplace(nearest_points(of_a, of_b, 0x1p-20 * gap + job.rounding));
             way = inner_is_a ? Vector3d(points.b - points.a) : Vector3d(points.a - points.b);
             if (gap == 0 || way.norm() <= job.rounding) way = (wall[1] - wall[0]).cross(wall[2] - wall[0]);
         });
@@ -101,7 +103,15 @@ void add_enclosed_region(PairWorker& worker, const ManifoldJob& job, bool inner_
     region.depth_lower = std::max(gap - rounding, 0.0);
     region.first = static_cast<std::uint32_t>(manifold.points.size()), region.count = region.found = 1;
     region.centre = 0.5 * (last + wall_point);
-    const double error = std::max(to_wall - region.depth_lower, region.depth_upper - to_wall);
+    double error = std::max(to_wall - region.depth_lower, region.depth_upper - to_wall);
+    if (nearest) { // the surfaces are at least as near as at these points
+        const Vector3d &at_wall = inner_is_a ? nearest->b : nearest->a,
+                       &of_inner = inner_is_a ? nearest->a : nearest->b;
+        error = std::max(error, (wall_point - at_wall).norm());
+        const Kind kind = inner.model().kind();
+        if (kind == Kind::terrain || kind == Kind::map) // their farthest point may be a corner of their AABB
+            error = std::max(error, (last - of_inner).norm());
+    }
     constexpr FeatureBits whole = face_feature(0);
     manifold.points.push_back(inner_is_a
                                   ? ManifoldPoint{last, wall_point, to_wall, error, whole, whole, region.normal}
@@ -202,7 +212,10 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
     const auto box_in = [&](const Model& of, const Model& other, const Eigen::Isometry3d& from,
                             const Eigen::Isometry3d& to) {
         if (of.kind() != Kind::map && of.kind() != Kind::half_space) return Aabb{}; // they need none
-        Aabb box = other.bounds().box(to.inverse(Eigen::Isometry) * from);
+        const RelativePose into(to, from); // far from the origin, a product of poses would be rounded too much
+        Eigen::Isometry3d pose(Eigen::Translation3d(into.translation));
+        pose.linear() = into.rotation;
+        Aabb box = other.bounds().box(pose);
         const double more = options.margin + 0x1p-40 * (box.diagonal() + box.centre().norm());
         box.min.array() -= more, box.max.array() += more;
         return box;
@@ -236,8 +249,9 @@ void find(PairWorker& worker, const PairTask& task, const ManifoldOptions& optio
         return r.kind == RegionKind::crossing || r.kind == RegionKind::enclosed;
     };
     if (std::ranges::none_of(manifold.regions, overlaps)) {
-        // Where they touch, a corner may be inside by a rounding.
-        const double deep = manifold.regions.empty() ? 0 : 16 * job.rounding;
+        // Where they touch, a corner may be as deep.
+        double deep = manifold.regions.empty() ? 0 : 16 * job.rounding;
+        for (const ManifoldRegion& r : manifold.regions) deep = std::max(deep, 2 * r.depth_upper);
         if (const PlacedSurface* held = held_of(a, b, worker.locator, deep)) {
             for (ManifoldRegion& r : manifold.regions)
                 // The body touches from inside.

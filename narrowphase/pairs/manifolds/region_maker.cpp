@@ -65,9 +65,9 @@ void RegionMaker::resolve(const ManifoldJob& job, bool all_angles, ManifoldCandi
     if (c.of == ManifoldCandidate::of_both || (c.a && c.b)) return;
     const bool of_a = c.of == ManifoldCandidate::of_a;
     const int other = of_a ? 1 : 0;
-    double depth;
-    if (const auto* found = ahead_[other].nearest(c.at, depth)) {
-        c.depth = depth, c.error = draft.rounding * found->error;
+    double depth, beside_by;
+    if (const auto* found = ahead_[other].nearest(c.at, depth, beside_by)) {
+        c.depth = depth, c.error = draft.rounding * found->error + beside_by;
         const Vector3d across = (of_a ? 1 : -1) * found->depth.normalized(); // normal of the face, from a to b
         c.normal = of_a ? normal_across(c.normal, across) : normal_across(across, c.normal);
         if (all_angles && c.normal.isZero(0)) c.normal = across;

@@ -19,13 +19,15 @@ public:
         Eigen::Vector3d depth, second, third; ///< gradients
         double depth_0, second_0, third_0;    ///< values at the origin
         double error;                         ///< error bound of the depth, for positions that err by 1
+        double size;                          ///< metres by which a place moves if the coordinates change by 1
         std::uint32_t triangle;
     };
 
     void set(std::span<const NumberedTriangle> all, const Eigen::Vector3d& direction);
     /// The nearest of the faces that the line through p crosses; null: none.
     /// @param depth  the depth of p along the direction; negative in front of the face; infinite without a face
-    const Face* nearest(const Eigen::Vector3d& p, double& depth) const;
+    /// @param beside_by  metres: the line passes at most as far beside the face
+    const Face* nearest(const Eigen::Vector3d& p, double& depth, double& beside_by) const;
     const std::vector<Face>& faces() const { return faces_; }
 
 private:

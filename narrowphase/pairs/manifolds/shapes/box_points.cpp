@@ -1,9 +1,10 @@
 #include <oncollide/narrowphase/pairs/manifolds/shapes/box_points.hpp>
 
-#include <algorithm>
+#include <bit>
 
+#include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/points/feature_bits.hpp>
-#include <oncollide/narrowphase/pairs/manifolds/shapes/cut_polygon.hpp>
+#include <oncollide/narrowphase/pairs/manifolds/shapes/face_over_face_kernel.hpp>
 
 namespace oncollide {
 
@@ -34,6 +35,7 @@ struct BoxFace {
 bool find_box_points(const Convex& a, const Convex& b, const RelativePose& b_to_a, const Vector3d& normal, double least,
                      double rounding, FewPoints& points)
 {
+    static FindCommonCorners* const find_corners = ONCOLLIDE_CHOOSE_TO_AVX2(find_common_corners);
     const Vector3d normal_b = b_to_a.rotation.transpose() * normal;
     int axis_a = 0, axis_b = 0;
     const double over_a = normal.cwiseAbs().maxCoeff(&axis_a), over_b = normal_b.cwiseAbs().maxCoeff(&axis_b);
@@ -45,59 +47,50 @@ bool find_box_points(const Convex& a, const Convex& b, const RelativePose& b_to_
     const int axis = of_a ? axis_a : axis_b, across = of_a ? axis_b : axis_a;
     const double slope = of_a ? over_a : over_b;
     const BoxFace flat{axis, (n[axis] > 0) == of_a}, face{across, (n_over[across] < 0) == of_a};
-    Eigen::Matrix3d r = b_to_a.rotation;
-    Vector3d middle = b_to_a(b.centre) - a.centre;
-    if (!of_a) {
-        r.transposeInPlace();
-        middle = -(r * middle);
-    }
+    const Vector3d in_a = b_to_a(b.centre) - a.centre,
+                   middle = of_a ? in_a : Vector3d(-(b_to_a.rotation.transpose() * in_a));
     const Vector3d half = 0.5 * (low.high - low.low), size = 0.5 * (over.high - over.low);
     const double up = flat.high ? 1 : -1;
-    const Vector3d way = n / (up * n[axis]); // one metre up, along the normal
-    const Vector3d centre = middle + (face.high ? size[across] : -size[across]) * r.col(across);
-    const Vector3d u = size[face.u] * r.col(face.u), v = size[face.v] * r.col(face.v);
-    // Corners over the points (x, y) of the lower face along the normal, z above it. A quadrilateral and four cuts have
-    // at most eight.
-    CutPolygon<12> polygon;
-    for (int k = 0; k < 4; ++k) {
-        const Vector3d at =
-            centre + (BoxFace::is_high_u(k) ? u : Vector3d(-u)) + (BoxFace::is_high_v(k) ? v : Vector3d(-v));
-        const double height = up * at[axis] - half[axis];
-        polygon.add({{at[flat.u] - height * way[flat.u], at[flat.v] - height * way[flat.v], height}, k, (k + 1) % 4});
-    }
-    for (int side = 0; side < 4; ++side)
-        polygon.cut(side, rounding, [&, along = side % 2, most = half[side % 2 ? flat.v : flat.u]](const Vector3d& at) {
-            return (side < 2 ? at[along] : -at[along]) - most;
-        });
+    // Moved along the normal into the plane: by this for each metre up.
+    const double way_u = n[flat.u] / (up * n[axis]), way_v = n[flat.v] / (up * n[axis]);
+    FaceOverFace faces;
+    const auto lay = [&](double x, double y, double z, double(&to)[4]) {
+        to[0] = x - z * way_u, to[1] = y - z * way_v, to[2] = z;
+    };
+    const auto axis_of = [&](int k, double length, double(&to)[4]) { // of the upper box, in low's frame
+        const auto along = [&](int i) { return length * (of_a ? b_to_a.rotation(i, k) : b_to_a.rotation(k, i)); };
+        lay(along(flat.u), along(flat.v), up * along(axis), to);
+    };
+    double out[4];
+    axis_of(face.u, size[face.u], faces.u), axis_of(face.v, size[face.v], faces.v);
+    axis_of(across, face.high ? size[across] : -size[across], out);
+    lay(middle[flat.u], middle[flat.v], up * middle[axis] - half[axis], faces.middle);
+    for (int k = 0; k < 3; ++k) faces.middle[k] += out[k];
+    faces.half_x = half[flat.u], faces.half_y = half[flat.v], faces.rounding = rounding;
+    CommonCorners corners;
+    find_corners(faces, corners);
 
     // In A's frame. Vectors by whole columns: numbers that are stored one by one are slow to load together.
-    const auto in_a = [&](int k) { return of_a ? Vector3d(Vector3d::Unit(k)) : Vector3d(b_to_a.rotation.col(k)); };
-    const Vector3d along_u = in_a(flat.u), along_v = in_a(flat.v),
-                   on_face = (of_a ? a.centre : b_to_a(b.centre)) + up * half[axis] * in_a(axis);
-    const Vector3d outward = r.col(across);
-    const auto side_of = [](int cut_by) { return -1 - cut_by; };
-    for (const auto& d : polygon.corners()) {
-        double x = d.at.x(), y = d.at.y(), height = d.at.z();
+    const auto axis_in_a = [&](int k) { return of_a ? Vector3d(Vector3d::Unit(k)) : Vector3d(b_to_a.rotation.col(k)); };
+    const Vector3d along_u = axis_in_a(flat.u), along_v = axis_in_a(flat.v),
+                   on_face = (of_a ? a.centre : b_to_a(b.centre)) + up * half[axis] * axis_in_a(axis);
+    const auto crossed = [&](CommonCorners::Kind kind, int k) { // the lower face's side
+        const bool enters = kind == CommonCorners::entering;
+        return corners.through_x[kind] >> k & 1 ? (bool(corners.rises_x >> k & 1) == enters ? 2 : 0)
+                                                : (bool(corners.rises_y >> k & 1) == enters ? 3 : 1);
+    };
+    for (unsigned left = corners.there; left; left &= left - 1) {
+        const int bit = std::countr_zero(left), k = bit % 4;
+        const auto kind = static_cast<CommonCorners::Kind>(bit / 4);
         FeatureBits of_flat = flat.face(), of_face = face.face();
-        if (d.before >= 0 && d.after >= 0) {
-            of_face = face.corner(d.before);
-        } else if (d.before < 0 && d.after < 0) {
-            const int p = side_of(d.before), q = side_of(d.after), corner = (p + 1) % 4 == q ? p : q;
-            if ((p + q) % 2 == 0) { // opposite sides meet in no corner
-                of_flat = edge_feature(flat.number(p), flat.number(q));
-            } else {
-                of_flat = flat.corner(corner);
-                x = BoxFace::is_high_u(corner) ? half[flat.u] : -half[flat.u];
-                y = BoxFace::is_high_v(corner) ? half[flat.v] : -half[flat.v];
-                height = (outward.dot(centre) - outward[flat.u] * x - outward[flat.v] * y -
-                          outward[axis] * up * half[axis]) /
-                         outward.dot(way);
-            }
-        } else {
-            of_face = face.side(std::max(d.before, d.after)), of_flat = flat.side(side_of(std::min(d.before, d.after)));
-        }
-        const double depth = -height / slope;
-        const Vector3d on_flat = on_face + x * along_u + y * along_v;
+        if (kind == CommonCorners::of_upper)
+            of_face = face.corner(k);
+        else if (kind == CommonCorners::of_lower)
+            of_flat = flat.corner(k);
+        else
+            of_face = face.side(k), of_flat = flat.side(crossed(kind, k));
+        const double depth = -corners.z[kind][k] / slope;
+        const Vector3d on_flat = on_face + corners.x[kind][k] * along_u + corners.y[kind][k] * along_v;
         if (of_a)
             points.add({on_flat, on_flat - depth * normal, depth, 0, of_flat, of_face});
         else

@@ -1,6 +1,7 @@
 #include <oncollide/narrowphase/pairs/manifolds/shapes/contact_points.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 #include <Eigen/Geometry>
 
@@ -53,6 +54,8 @@ Vector3d surface_at(const Convex& c, const Vector3d& axis, double height, const 
 {
     const double half = 0.5 * (c.high.z() - c.low.z()), near = half * (1 - 0x1p-30) - 16 * rounding;
     if (c.radius == 0 || c.low == c.high) return at + c.radius * out;
+    if (near <= 0) // rounding hides where on the segment the point is
+        return at + (std::copysign(half, axis.dot(out)) - height) * axis + c.radius * out;
     return surface_point(c, axis, at, out, height >= near ? 1 : height <= -near ? -1 : 0);
 }
 

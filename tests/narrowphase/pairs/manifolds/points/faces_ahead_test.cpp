@@ -22,16 +22,16 @@ TEST(FacesAhead, MeasureTheDepthBelowAFace)
 {
     FacesAhead ahead;
     ahead.set(square_at(2), Vector3d::UnitZ());
-    double depth;
-    const auto* face = ahead.nearest({0.75, 0.25, 0.5}, depth);
+    double depth, beside_by;
+    const auto* face = ahead.nearest({0.75, 0.25, 0.5}, depth, beside_by);
     ASSERT_NE(face, nullptr);
     EXPECT_EQ(face->triangle, 0u);
     EXPECT_EQ(depth, 1.5);
-    face = ahead.nearest({0.25, 0.75, 3}, depth);
+    face = ahead.nearest({0.25, 0.75, 3}, depth, beside_by);
     ASSERT_NE(face, nullptr);
     EXPECT_EQ(face->triangle, 1u);
     EXPECT_EQ(depth, -1) << "in front of the face";
-    EXPECT_EQ(ahead.nearest({1.25, 0.5, 0}, depth), nullptr);
+    EXPECT_EQ(ahead.nearest({1.25, 0.5, 0}, depth, beside_by), nullptr);
     EXPECT_EQ(depth, std::numeric_limits<double>::infinity());
 }
 
@@ -41,10 +41,10 @@ TEST(FacesAhead, TakeTheNearestOfFacesAboveEachOther)
     faces.insert(faces.end(), near.begin(), near.end());
     FacesAhead ahead;
     ahead.set(faces, Vector3d::UnitZ());
-    double depth;
-    EXPECT_EQ(ahead.nearest({0.75, 0.25, 0}, depth)->triangle, 20u);
+    double depth, beside_by;
+    EXPECT_EQ(ahead.nearest({0.75, 0.25, 0}, depth, beside_by)->triangle, 20u);
     EXPECT_EQ(depth, 1);
-    EXPECT_EQ(ahead.nearest({0.75, 0.25, 4}, depth)->triangle, 10u);
+    EXPECT_EQ(ahead.nearest({0.75, 0.25, 4}, depth, beside_by)->triangle, 10u);
     EXPECT_EQ(depth, 1);
 }
 
@@ -77,8 +77,8 @@ TEST(FacesAhead, HaveNoGapsBetweenNeighbours)
         for (std::uint64_t k = 0; k < 4; ++k) {
             const double share = u01(seed, k, 1);
             const Vector3d on_edge = apex + share * (rim[k] - apex);
-            double depth;
-            ASSERT_NE(ahead.nearest(on_edge - 0.25 * Vector3d::UnitZ(), depth), nullptr) << seed;
+            double depth, beside_by;
+            ASSERT_NE(ahead.nearest(on_edge - 0.25 * Vector3d::UnitZ(), depth, beside_by), nullptr) << seed;
             EXPECT_NEAR(depth, 0.25, 1e-12) << seed;
         }
     }
@@ -92,9 +92,13 @@ TEST(FacesAhead, BoundTheErrorOfTheDepthByTheSlope)
     ahead.set({{{0, {Vector3d(0, 0, 0), Vector3d(1, 0, tall), Vector3d(0, 1, 0)}}}}, Vector3d::UnitZ());
     ASSERT_EQ(ahead.faces().size(), 1u);
     EXPECT_NEAR(ahead.faces()[0].error, 2, 1e-12);
-    double depth, beside;
-    ASSERT_TRUE(ahead.nearest({0.25, 0.25, 0}, depth) && ahead.nearest({0.26, 0.25, 0}, beside));
-    EXPECT_NEAR(beside - depth, 0.01 * tall, 1e-12);
+    double depth, aside, beside_by;
+    ASSERT_TRUE(ahead.nearest({0.25, 0.25, 0}, depth, beside_by) && ahead.nearest({0.26, 0.25, 0}, aside, beside_by));
+    EXPECT_NEAR(aside - depth, 0.01 * tall, 1e-12);
+    EXPECT_EQ(beside_by, 0);
+    ASSERT_TRUE(ahead.nearest({0.25, -5e-10, 0}, depth, beside_by)) << "nearly on the edge";
+    EXPECT_GE(beside_by, 5e-10);
+    EXPECT_LT(beside_by, 1e-8);
 }
 
 } // namespace
