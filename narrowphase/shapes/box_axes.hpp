@@ -20,8 +20,7 @@ inline bool are_boxes(const ConvexDifference& cores)
 }
 
 /// The nearest points of two such cores, of which one is a point, in A's frame. False: the cores are others.
-/// @param toward  set to the direction from A to B, which lies across the box's edges but for a rounding of its own
-/// length
+/// @param toward  set to the direction from A to B, across the box's edges up to a rounding of its own length
 bool nearest_of_point_and_box(const ConvexDifference& cores, Eigen::Vector3d& on_a, Eigen::Vector3d& on_b,
                               Eigen::Vector3d& toward);
 

@@ -69,7 +69,8 @@ private:
     std::array<ConvexDifference::Point, most_corners + 1> corner_;
     std::array<double, most_corners + 1> far_;     ///< distances of the corners from 0
     std::array<double, most_faces> x_, y_, z_, d_; ///< unit normals; heights of the planes over 0
-    std::array<double, most_faces> error_, slope_; ///< error bounds of the heights over 0; what each metre from 0 adds
+    std::array<double, most_faces> error_,
+        slope_; ///< error bounds of heights over 0; their rise with each metre from 0
     std::array<std::array<int, 3>, most_faces> of_;
     std::array<double, most_faces> height_; ///< of a new corner over each plane
     std::array<bool, most_faces> sees_;     ///< the new corner

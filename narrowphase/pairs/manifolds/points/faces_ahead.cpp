@@ -18,7 +18,15 @@ void FacesAhead::set(std::span<const NumberedTriangle> all, const Vector3d& dire
         const Vector3d from = t[0] - origin_, u = t[1] - t[0], v = t[2] - t[0], n = u.cross(v);
         const double length = n.norm(), slope = direction.dot(n);
         if (!(slope > manifold_limits::least_slope * length)) continue;
-        Face face{-n / slope, v.cross(direction) / slope, direction.cross(u) / slope, 0, 0, 0, length / slope, u.norm() + v.norm(), number};
+        Face face{-n / slope,
+                  v.cross(direction) / slope,
+                  direction.cross(u) / slope,
+                  0,
+                  0,
+                  0,
+                  length / slope,
+                  u.norm() + v.norm(),
+                  number};
         face.depth_0 = -face.depth.dot(from);
         face.second_0 = -face.second.dot(from), face.third_0 = -face.third.dot(from);
         faces_.push_back(face);
