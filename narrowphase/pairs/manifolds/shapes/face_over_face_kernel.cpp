@@ -69,7 +69,7 @@ void find(const FaceOverFace& f, CommonCorners& found)
     found.through_x[CommonCorners::leaving] = bits(in_x.to < in_y.to);
     found.rises_x = bits(way_x > 0), found.rises_y = bits(way_y > 0);
 
-    // The rectangle's corners in the parallelogram, but not those at one of its corners.
+    // The parallelogram holds corners of the rectangle; a corner at one of its own is there already.
     const F64x4 corner_x = high_u * f.half_x, corner_y = high_v * f.half_y;
     const F64x4 rest_x = corner_x - f.middle[0], rest_y = corner_y - f.middle[1];
     const double inverse = 1 / (f.u[0] * f.v[1] - f.u[1] * f.v[0]);

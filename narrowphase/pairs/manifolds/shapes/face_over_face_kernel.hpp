@@ -13,7 +13,7 @@ struct FaceOverFace {
 /// The corners of the common part as points of the parallelogram. Corner k is at high u for k = 0 and 3, at high v for
 /// k = 0 and 1; side k leads to corner k from the one before it. Corners and sides of the rectangle: the same.
 struct CommonCorners {
-    /// Of the parallelogram; where its sides enter the rectangle, and where they leave it; over the rectangle's.
+    /// Corners of the parallelogram, places where its sides enter and leave the rectangle, corners of the rectangle.
     enum Kind { of_upper, entering, leaving, of_lower, kinds };
     alignas(32) double x[kinds][4], y[kinds][4], z[kinds][4];
     unsigned there;            ///< bit 4 kind + k: it is a corner. A place may occur more than once.
