@@ -209,6 +209,23 @@ constexpr std::string_view name_of(RegionKind kind)
 /// A round shape is one face, number 0.
 using FeatureBits = std::uint64_t;
 
+enum class FeatureKind : std::uint8_t { none, vertex, edge, face };
+constexpr FeatureKind kind_of(FeatureBits feature)
+{
+    return static_cast<FeatureKind>(feature >> 62);
+}
+/// The number of a mesh's vertex, of a terrain's, row by row, or of the first triangle of a face.
+constexpr std::uint64_t number_of(FeatureBits feature)
+{
+    return feature & ~(std::uint64_t{3} << 62);
+}
+/// The numbers of the vertices of an edge, the smaller one first. Not for maps, nor for 2^31 vertices or more.
+constexpr std::array<std::uint32_t, 2> edge_vertices(FeatureBits edge)
+{
+    constexpr std::uint32_t number = 0x7fffffff;
+    return {static_cast<std::uint32_t>(edge >> 31) & number, static_cast<std::uint32_t>(edge) & number};
+}
+
 /// One point of a region. World frame, metres.
 struct ManifoldPoint {
     Eigen::Vector3d point_a, point_b; ///< on body a and on body b, `depth` apart along the region's normal

@@ -1,6 +1,6 @@
 #include <oncollide/narrowphase/pairs/manifolds/region_draft.hpp>
 
-#include <bit>
+#include <oncollide/base/numbers/random.hpp>
 
 namespace oncollide {
 
@@ -17,7 +17,7 @@ void RegionDraft::begin(RegionKind kind, bool open, double rounding_of_positions
 void RegionDraft::add_shared(const ManifoldCandidate& candidate)
 {
     bool is_new;
-    const std::uint32_t number = shared_.add(candidate.a ^ std::rotl(candidate.b, 23), is_new);
+    const std::uint32_t number = shared_.add(splitmix(candidate.a) ^ candidate.b, is_new);
     if (is_new) {
         candidate_of_.push_back(static_cast<std::uint32_t>(candidates.size()));
     } else if (ManifoldCandidate& known = candidates[candidate_of_[number]];

@@ -17,11 +17,12 @@ constexpr FeatureBits edge_feature(std::uint64_t hash)
 {
     return FeatureBits{2} << 62 | hash >> 2;
 }
-/// The edge between two vertices, in any order.
+/// The edge between two vertices, in any order; see edge_vertices().
 inline FeatureBits edge_feature(std::uint32_t from, std::uint32_t to)
 {
     if (from > to) std::swap(from, to);
-    return edge_feature(splitmix(std::uint64_t{from} << 32 | to));
+    if (to >> 31 != 0) return edge_feature(splitmix(std::uint64_t{from} << 32 | to));
+    return FeatureBits{2} << 62 | FeatureBits{from} << 31 | to;
 }
 constexpr FeatureBits face_feature(std::uint64_t number)
 {
