@@ -102,6 +102,7 @@ private:
     struct Contact {
         Place first, second;
         Eigen::Vector3d there, normal; ///< normal: from the second point to the first
+        double least;                  ///< metres: the distance that they keep
     };
 
     void find_contacts()
@@ -112,11 +113,14 @@ private:
         std::fill(most_.begin(), most_.end(), share * reach);
         contacts_.clear();
         const auto add = [&](const NearFeatures& f, bool both) {
-            Contact c{place(f.a, f.point_a), both ? place(f.b, f.point_b) : Place{}, f.point_b, f.point_a - f.point_b};
+            Contact c{place(f.a, f.point_a), both ? place(f.b, f.point_b) : Place{}, f.point_b, f.point_a - f.point_b,
+                      thickness};
             for (const Place* of : {&c.first, &c.second})
                 for (int k = 0; k < of->count; ++k)
                     most_[of->vertex[k]] = std::min(most_[of->vertex[k]], share * f.lower);
             c.normal.normalize();
+            if (f.upper < thickness)
+                c.least = 0.9 * f.upper + 0.1 * thickness; // pushed out slowly: the cloth must rest
             contacts_.push_back(c);
         };
         for (const BodyId other : others_)
@@ -156,7 +160,7 @@ private:
     void keep_apart(const Contact& c)
     {
         const Eigen::Vector3d second = c.second.count ? mean(c.second, false) : c.there;
-        const double deep = thickness - c.normal.dot(mean(c.first, false) - second);
+        const double deep = c.least - c.normal.dot(mean(c.first, false) - second);
         if (!(deep > 0)) return;
         Eigen::Vector3d slide = mean(c.first, true) - mean(c.second, true);
         slide -= c.normal.dot(slide) * c.normal;
