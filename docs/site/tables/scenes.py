@@ -189,6 +189,19 @@ def self_contacts():
     })
 
 
+def deform():
+    return listed(rows_of("deform"), {
+        "scene": of("scene", str),
+        "library": of("contender", str),
+        "update, ms": of("update_ms", three),
+        "query, ms": of("query_ms", three),
+        "ratio": of("ratio", ".1f"),
+        "update, as copies of the vertices": of("copies", ".1f"),
+        "boxes fitted anew, %": lambda r: f"{float(r['refitted_percent']):.1f}" if float(r["refitted_percent"]) else "",
+        "pairs": of("pairs"),
+    })
+
+
 def shapes():
     rows = {(r["a"], r["b"]): float(r["fcl_ns"]) / float(r["oncollide_ns"]) for r in rows_of("shapes")}
     names = list(dict.fromkeys([a for a, _ in rows] + [b for _, b in rows]))
