@@ -35,7 +35,7 @@ void ObbTree::Deformation::move(std::uint32_t first, std::uint32_t count, double
     ++version_;
     clusters_late_ = true;
     clusters_.move(first, count, version_);
-    // Boxes are relative to the centre. Centre and radius are those of a new tree, so that rounding is the same.
+    // Boxes are relative to the centre. A new tree would have the same centre and radius, so rounding is the same.
     const Eigen::Vector3d centre = tree_.bounds().centre();
     const bool all = count == tree_.mesh_->vertices.size() || centre != tree_.centre_;
     if (all || clusters_.empty()) all_moved_at_ = version_;

@@ -14,7 +14,7 @@ constexpr double largest_coordinate = 1e15; ///< of a vertex, metres
 /// @param first  number of the first vertex
 void check_vertices(const std::string& name, std::span<const Eigen::Vector3d> vertices, std::size_t first = 0);
 
-/// What a move of vertices changed.
+/// The result of a move of vertices.
 struct VertexMove {
     double distance = 0; ///< upper bound of the distance that a vertex moved; 0: none did
     double radius2 = 0;  ///< squared distance of the farthest vertex that triangles use from the centre of the bounds
@@ -27,7 +27,7 @@ public:
     explicit VertexMover(const Mesh& mesh);
 
     /// Moves vertices [first, first + positions.size()) and renews the bounds. `zero_area` becomes the number of all
-    /// triangles: their areas are not examined. The positions may be those of the mesh itself. Throws as
+    /// triangles: their areas are not examined. The positions may be the mesh's own. Throws as
     /// check_vertices(); then nothing has changed. Cost: about two copies of the positions; for a part of the vertices
     /// also two passes over all of them.
     VertexMove move(const std::string& name, Mesh& mesh, std::size_t first,

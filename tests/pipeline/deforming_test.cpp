@@ -1,4 +1,4 @@
-// World::models().set_vertices(): results of Worlds whose meshes deform are those of a new World.
+// World::models().set_vertices(): Worlds whose meshes deform have the results of a new World.
 #include <map>
 #include <memory>
 #include <random>
@@ -257,7 +257,7 @@ TEST_P(Deforming, GivesTheManifoldsContactsAndSweepsOfANewWorld)
     const Settings settings = GetParam().settings;
     if (settings.bounding_volume == BoundingVolume::sphere || settings.max_error || wants_kinds(settings) ||
         !settings.coherence)
-        GTEST_SKIP() << "nothing that the other settings do not test";
+        GTEST_SKIP() << "other settings test the same";
     std::size_t regions = 0, contacts = 0, swept = 0;
     Scene scene(5, {settings});
     for (int frame = 0; frame < 30; ++frame) {

@@ -1,4 +1,4 @@
-// World::models().set_vertices(): the call, and what it keeps.
+// World::models().set_vertices(): the call, its effects and its errors.
 #include <gtest/gtest.h>
 
 #include <oncollide/pipeline/world.hpp>

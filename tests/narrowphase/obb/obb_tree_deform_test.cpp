@@ -1,4 +1,4 @@
-// The tree of a mesh whose vertices move finds what a new tree finds.
+// The tree of a mesh whose vertices move finds the same pairs as a new tree.
 #include <gtest/gtest.h>
 
 #include <oncollide/narrowphase/obb/obb_tree.hpp>

@@ -10,7 +10,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// What Models::set_vertices() does, and all pairs that meet, as for contacts.
+/// Moves vertices as Models::set_vertices() does, and finds all pairs that meet, as for contacts.
 class OurDeformPeer final : public DeformPeer {
 public:
     OurDeformPeer(const Mesh& a, const Mesh& b) : sides_{Side(a), Side(b)} {}
