@@ -41,5 +41,15 @@ TEST(Once, TriesAgainAfterAnException)
     EXPECT_EQ(once.get([] { return 8; }), 7);
 }
 
+TEST(Once, IsMadeAgainAfterReset)
+{
+    Once<int> once;
+    once.reset();
+    EXPECT_EQ(once.get([] { return 7; }), 7);
+    once.reset();
+    EXPECT_EQ(once.made(), nullptr);
+    EXPECT_EQ(once.get([] { return 8; }), 8);
+}
+
 } // namespace
 } // namespace oncollide::once_test

@@ -48,13 +48,12 @@ private:
 
 void add_fcl_deform(Contenders& all)
 {
-    all.deform.all.push_back({.name = "fcl-obb",
-                              .what = "FCL BVHModel<OBB>, refitted by endUpdateModel(), no contacts",
-                              .make = maker<FclDeformPeer<fcl::OBBd>>()});
-    all.deform.all.push_back(
-        {.name = "fcl-obbrss", .what = "FCL BVHModel<OBBRSS>, the same", .make = maker<FclDeformPeer<fcl::OBBRSSd>>()});
-    all.deform.all.push_back(
-        {.name = "fcl-aabb", .what = "FCL BVHModel<AABB>, the same", .make = maker<FclDeformPeer<fcl::AABBd>>()});
+    const auto add = [&](const char* name, const char* what, auto make) {
+        all.deform.all.push_back({.name = name, .what = what, .promise = Promise::approximate, .make = make});
+    };
+    add("fcl-obb", "FCL BVHModel<OBB>, refitted by endUpdateModel(), no contacts", maker<FclDeformPeer<fcl::OBBd>>());
+    add("fcl-obbrss", "FCL BVHModel<OBBRSS>, the same", maker<FclDeformPeer<fcl::OBBRSSd>>());
+    add("fcl-aabb", "FCL BVHModel<AABB>, the same", maker<FclDeformPeer<fcl::AABBd>>());
 }
 
 } // namespace oncollide::tools

@@ -102,6 +102,26 @@ TEST_F(CommandLine, BenchNarrowReadsMeshesPosesAndTheirAnswers)
     expect_error(65, {"bench", "narrow", "cube.off", "cube.off", "--poses", "p.txt"}, {"p.txt:1", "must have 14"});
 }
 
+TEST_F(CommandLine, BenchDeformFindsThePairsThatOthersFind)
+{
+    const Outcome outcome =
+        run({"bench", "deform", "--triangles", "3000", "--frames", "3", "--repeats", "1", "--csv", "d.csv"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    std::size_t exact = 0;
+    for (auto& row : read_csv(folder_.read("d.csv"))) {
+        EXPECT_GT(std::stod(row["pairs"]), 100) << row["contender"];
+        if (row["contender"] == "fcl-obb" || row["contender"].starts_with("embree")) {
+            EXPECT_EQ(row["differ"], "0") << row["scene"] << " " << row["contender"];
+        }
+        if (row["contender"] != "oncollide") continue;
+        ++exact;
+        EXPECT_GT(std::stod(row["refitted_percent"]), 0.5);
+        EXPECT_LT(std::stod(row["refitted_percent"]), row["scene"] == "two cloths" ? 100 : 10);
+    }
+    EXPECT_EQ(exact, 2u);
+    expect_error(64, {"bench", "deform", "--frames", "0"}, {"--frames 0"});
+}
+
 TEST_F(CommandLine, BenchPlannerAgreesWithFcl)
 {
     const Outcome outcome = run({"bench", "planner", "--poses", "400", "--csv", "p.csv"});
