@@ -189,10 +189,9 @@ void HardScene::far_away()
 /// A cube that slides along the top of the walls, face on face.
 void HardScene::slider()
 {
-    const Vector3d start(38, 0, 1.5);
     scene_.add_body({.name = "slider",
                      .geometry = cube_,
-                     .pose = placed(start),
+                     .pose = placed({38, 0, 1.5}),
                      .motion = Drift{.velocity = {0.0625, 0, 0}, .spin = Vector3d::Zero(), .walls = {}}});
 }
 

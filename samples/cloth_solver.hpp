@@ -52,7 +52,7 @@ public:
             links_.push_back({a, b, (x_[a] - x_[b]).norm(), stiffness});
         };
         for (const Triangle& t : mesh_.triangles)
-            for (int k = 0; k < 3; ++k) {
+            for (std::size_t k = 0; k < 3; ++k) {
                 const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
                 const auto [at, is_new] = opposite.try_emplace({a, b}, t[(k + 2) % 3]);
                 is_new ? link(a, b, 1) : link(at->second, t[(k + 2) % 3], bending);
@@ -94,7 +94,7 @@ private:
     };
     /// A point of the cloth, as a mean of its vertices.
     struct Place {
-        int count = 0;
+        std::size_t count = 0;
         std::array<std::uint32_t, 3> vertex{};
         std::array<double, 3> weight{};
     };
@@ -116,7 +116,7 @@ private:
             Contact c{place(f.a, f.point_a), both ? place(f.b, f.point_b) : Place{}, f.point_b, f.point_a - f.point_b,
                       thickness};
             for (const Place* of : {&c.first, &c.second})
-                for (int k = 0; k < of->count; ++k)
+                for (std::size_t k = 0; k < of->count; ++k)
                     most_[of->vertex[k]] = std::min(most_[of->vertex[k]], share * f.lower);
             c.normal.normalize();
             if (f.upper < thickness)
@@ -153,7 +153,7 @@ private:
     Eigen::Vector3d mean(const Place& of, bool motion) const
     {
         Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-        for (int k = 0; k < of.count; ++k)
+        for (std::size_t k = 0; k < of.count; ++k)
             sum += of.weight[k] * (motion ? Eigen::Vector3d(p_[of.vertex[k]] - x_[of.vertex[k]]) : p_[of.vertex[k]]);
         return sum;
     }
@@ -169,9 +169,9 @@ private:
             deep * c.normal - (length > 0 ? std::min(1.0, friction * deep / length) : 0) * slide;
         double sum = 0;
         for (const Place* of : {&c.first, &c.second})
-            for (int k = 0; k < of->count; ++k) sum += of->weight[k] * of->weight[k];
-        for (int k = 0; k < c.first.count; ++k) p_[c.first.vertex[k]] += c.first.weight[k] / sum * move;
-        for (int k = 0; k < c.second.count; ++k) p_[c.second.vertex[k]] -= c.second.weight[k] / sum * move;
+            for (std::size_t k = 0; k < of->count; ++k) sum += of->weight[k] * of->weight[k];
+        for (std::size_t k = 0; k < c.first.count; ++k) p_[c.first.vertex[k]] += c.first.weight[k] / sum * move;
+        for (std::size_t k = 0; k < c.second.count; ++k) p_[c.second.vertex[k]] -= c.second.weight[k] / sum * move;
     }
 
     World& world_;

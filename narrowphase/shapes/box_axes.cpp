@@ -57,9 +57,9 @@ LeastTranslation translation_of_boxes(const ConvexDifference& cores, double roun
         return ha.dot(n.cwiseAbs()) + hb.dot((r.transpose() * n).cwiseAbs()) - n.dot(t) + rounding;
     };
     // A face of B must be better by a margin, so that equal faces do not take turns.
-    const auto least_of = [](const double(&overlap)[4]) { // without branches, which would often be mispredicted
-        int k = overlap[1] < overlap[0];
-        k = overlap[2] < overlap[k] ? 2 : k;
+    const auto least_of = [](const double(&of)[4]) { // without branches, which would often be mispredicted
+        int k = of[1] < of[0];
+        k = of[2] < of[k] ? 2 : k;
         return k;
     };
     const int i_a = least_of(of_a), j_b = least_of(of_b);

@@ -322,9 +322,9 @@ LeastTranslation ExpandingPolytope::find(double cutoff, const Vector3d* first)
         const Vector3d n = normal(0);
         if (take(n, n.dot(cores_.support(n).w)) || take(-n, -n.dot(cores_.support(-n).w))) return found;
         // 0 may be in the plane, or above it, or beside the points in it.
-        constexpr int first[] = {0, 1, 2};
+        constexpr int all[] = {0, 1, 2};
         found.lower =
-            std::min(-nearest_of(std::span(first, std::min(corners_, 3))).nearest().norm() - rounding_, found.upper);
+            std::min(-nearest_of(std::span(all, std::min(corners_, 3))).nearest().norm() - rounding_, found.upper);
         found.normal_error = std::numbers::pi;
         return found;
     }

@@ -13,8 +13,8 @@ struct Group {
 };
 inline F64x4 four_at(const double* from)
 {
-    using Unaligned = double __attribute__((vector_size(32), aligned(8), may_alias));
-    return *reinterpret_cast<const Unaligned*>(from);
+    using Anywhere = double __attribute__((vector_size(32), aligned(8), may_alias));
+    return *reinterpret_cast<const Anywhere*>(from);
 }
 inline Group group_at(const double* from)
 {
