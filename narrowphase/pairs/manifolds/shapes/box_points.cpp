@@ -80,8 +80,8 @@ bool find_box_points(const Convex& a, const Convex& b, const RelativePose& b_to_
                                                 : (bool(corners.rises_y >> k & 1) == enters ? 3 : 1);
     };
     for (unsigned left = corners.there; left; left &= left - 1) {
-        const int bit = std::countr_zero(left), k = bit % 4;
-        const auto kind = static_cast<CommonCorners::Kind>(bit / 4);
+        const int bit = std::countr_zero(left), k = bit / 4;
+        const auto kind = static_cast<CommonCorners::Kind>(bit % 4);
         FeatureBits of_flat = flat.face(), of_face = face.face();
         if (kind == CommonCorners::of_upper)
             of_face = face.corner(k);

@@ -13,10 +13,10 @@ struct FaceOverFace {
 /// The corners of the common part as points of the parallelogram. Corner k is at high u for k = 0 and 3, at high v for
 /// k = 0 and 1; side k leads to corner k from the one before it. Corners and sides of the rectangle: the same.
 struct CommonCorners {
-    /// Corners of the parallelogram, places where its sides enter and leave the rectangle, corners of the rectangle.
-    enum Kind { of_upper, entering, leaving, of_lower, kinds };
+    /// Places where the parallelogram's sides enter and leave the rectangle, its corners, corners of the rectangle.
+    enum Kind { entering, leaving, of_upper, of_lower, kinds };
     alignas(32) double x[kinds][4], y[kinds][4], z[kinds][4];
-    unsigned there;            ///< bit 4 kind + k: it is a corner. A place may occur more than once.
+    unsigned there;            ///< bit 4 k + kind: it is a corner; nearly in turns around the common part
     unsigned through_x[kinds]; ///< bit k: side k enters or leaves through a side at an end of x
     unsigned rises_x, rises_y; ///< bit k: x or y rises along side k
 };
