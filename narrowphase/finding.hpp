@@ -3,6 +3,7 @@
 #include <compare>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -132,8 +133,8 @@ struct Penetration {
     double thickness = std::numeric_limits<double>::infinity();
     Eigen::Vector3d thin_along = Eigen::Vector3d::Zero(); ///< unit: across these planes
     /// For two shapes, of which one may be a half-space: the least translation that parts them, which other libraries
-    /// call the penetration depth. Certified bounds of its length: both 0 where they are apart, and otherwise less than 1 %
-    /// apart, with rare exceptions; its direction is unit, from a to b. Others: 0, infinite, and 0.
+    /// call the penetration depth. Certified bounds of its length: both 0 where they are apart, and otherwise less than
+    /// 1 % apart, with rare exceptions; its direction is unit, from a to b. Others: 0, infinite, and 0.
     double parting_lower = 0, parting_upper = std::numeric_limits<double>::infinity();
     Eigen::Vector3d parting_along = Eigen::Vector3d::Zero();
 };
@@ -289,6 +290,17 @@ struct NearFeatures {
     FeatureBits a, b;
     double lower, upper;              ///< certified bounds of their distance, metres
     Eigen::Vector3d point_a, point_b; ///< their nearest points, world frame
+};
+
+/// Features of one mesh that are neighbours, and so no near features of each other.
+struct SelfNearOptions {
+    /// Features that fewer edges of the mesh connect are neighbours; at least 1. With 1 they share a vertex, with 2
+    /// also if an edge is between them.
+    std::uint32_t rings = 1;
+    /// The positions of the vertices in a rest shape; empty: there is none. Features that are at most `rest_distance`
+    /// (metres) apart there are neighbours, too, up to rounding.
+    std::span<const Eigen::Vector3d> rest{};
+    double rest_distance = 0;
 };
 
 } // namespace oncollide

@@ -17,17 +17,6 @@ namespace oncollide {
 
 struct WorldImpl;
 
-/// Features of one mesh that are neighbours, and so no near features of each other.
-struct SelfNearOptions {
-    /// Features that fewer edges of the mesh connect are neighbours; at least 1. With 1 they share a vertex, with 2
-    /// also if an edge is between them.
-    std::uint32_t rings = 1;
-    /// The positions of the vertices in a rest shape; empty: there is none. Features that are at most `rest_distance`
-    /// (metres) apart there are neighbours, too, up to rounding.
-    std::span<const Eigen::Vector3d> rest{};
-    double rest_distance = 0;
-};
-
 /// The models of a World: geometries that bodies share. World::models() returns them. Errors, threads and ids as
 /// World's.
 class ONCOLLIDE_API Models {

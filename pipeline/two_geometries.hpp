@@ -10,7 +10,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/narrowphase/finding.hpp>
-#include <oncollide/pipeline/models.hpp>
+#include <oncollide/pipeline/results.hpp>
 #include <oncollide/scenes/geometry.hpp>
 
 namespace oncollide {

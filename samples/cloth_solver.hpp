@@ -13,23 +13,6 @@
 
 namespace oncollide::example {
 
-/// A square of `cells` x `cells` cells of two triangles each, `height` metres above the origin.
-inline Mesh make_cloth(int cells, double size, double height)
-{
-    std::vector<Eigen::Vector3d> vertices;
-    std::vector<Triangle> triangles;
-    const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (cells + 1) + i); };
-    for (int j = 0; j <= cells; ++j)
-        for (int i = 0; i <= cells; ++i)
-            vertices.emplace_back(size * (double(i) / cells - 0.5), size * (double(j) / cells - 0.5), height);
-    for (int j = 0; j < cells; ++j)
-        for (int i = 0; i < cells; ++i) {
-            triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-            triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-        }
-    return make_mesh("cloth", std::move(vertices), std::move(triangles));
-}
-
 class ClothSolver {
 public:
     double dt = 0.005;
@@ -39,19 +22,19 @@ public:
     int iterations = 20;
     Eigen::Vector3d gravity{0, 0, -9.81};
 
-    /// @param cloth   a body that does not move; the vertices of its model, a mesh in memory, do
+    /// @param cloth   a body at the identity, which stays there; the vertices of its model, a mesh in memory, move
     /// @param others  bodies that do not move
     ClothSolver(World& world, BodyId cloth, std::vector<BodyId> others)
         : world_(world), cloth_(cloth), model_(world.bodies().model(cloth)), others_(std::move(others)),
-          mesh_(std::get<Mesh>(world.models().geometry(model_).data)), x_(mesh_.vertices), p_(x_),
-          v_(x_.size(), Eigen::Vector3d::Zero()), most_(x_.size())
+          triangles_(mesh().triangles), x_(mesh().vertices), p_(x_), v_(x_.size(), Eigen::Vector3d::Zero()),
+          most_(x_.size())
     {
         std::map<std::array<std::uint32_t, 2>, std::uint32_t>
             opposite; // by edge: the third corner of its first triangle
         const auto link = [&](std::uint32_t a, std::uint32_t b, double stiffness) {
             links_.push_back({a, b, (x_[a] - x_[b]).norm(), stiffness});
         };
-        for (const Triangle& t : mesh_.triangles)
+        for (const Triangle& t : triangles_)
             for (std::size_t k = 0; k < 3; ++k) {
                 const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
                 const auto [at, is_new] = opposite.try_emplace({a, b}, t[(k + 2) % 3]);
@@ -105,6 +88,7 @@ private:
         double least;                  ///< metres: the distance that they keep
     };
 
+    const Mesh& mesh() const { return std::get<Mesh>(world_.models().geometry(model_).data); }
     void find_contacts()
     {
         // Two features move at most 0.9 of their distance towards each other, so none passes another. Features that are
@@ -136,7 +120,7 @@ private:
             const double t = std::clamp(d.dot(at - x_[a]) / d.squaredNorm(), 0.0, 1.0);
             return {2, {a, b}, {1 - t, t}};
         }
-        const Triangle& t = mesh_.triangles[number_of(feature)];
+        const Triangle& t = triangles_[number_of(feature)];
         const Eigen::Vector3d u = x_[t[1]] - x_[t[0]], v = x_[t[2]] - x_[t[0]], n = u.cross(v), w = at - x_[t[0]];
         const double second = w.cross(v).dot(n) / n.squaredNorm(), third = u.cross(w).dot(n) / n.squaredNorm();
         return {3, {t[0], t[1], t[2]}, {1 - second - third, second, third}};
@@ -178,7 +162,7 @@ private:
     const BodyId cloth_;
     const ModelId model_;
     const std::vector<BodyId> others_;
-    const Mesh mesh_;
+    const std::vector<Triangle> triangles_;
     std::vector<Eigen::Vector3d> x_, p_, v_; ///< positions before and after the step, velocities
     std::vector<double> most_;               ///< metres: how far each vertex may move in the step
     std::vector<Link> links_;

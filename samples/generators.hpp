@@ -25,6 +25,8 @@ ONCOLLIDE_API Mesh make_torus_knot_mesh(int p, int q, double major, double minor
 /// Spur gear around z with a bore: `teeth` trapezoid teeth between root and tip radius. Closed.
 ONCOLLIDE_API Mesh make_gear_mesh(int teeth, double root_radius, double tip_radius, double thickness,
                                   double bore_radius);
+/// The flat square [-size/2, size/2]^2 at z = 0, `cells` x `cells` squares. Open.
+ONCOLLIDE_API Mesh make_sheet_mesh(double size, int cells);
 /// Height field over [-size/2, size/2]^2, `cells` x `cells` squares, fractal noise of given height. Open.
 ONCOLLIDE_API Mesh make_terrain_mesh(double size, double height, int cells, std::uint64_t seed);
 /// `count` isolated triangles of length `length` and width length / aspect, in random directions in a cube of side

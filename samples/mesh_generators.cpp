@@ -238,6 +238,17 @@ Mesh make_gear_mesh(int teeth, double root_radius, double tip_radius, double thi
     return make_mesh("gear", std::move(grid.points), std::move(grid.triangles));
 }
 
+Mesh make_sheet_mesh(double size, int cells)
+{
+    check_size("sheet", "the size", size);
+    check_count("sheet", "the number of cells", cells, 1, 5000);
+    GridBuilder grid(cells, cells, false, false);
+    grid.build(0, [&](double u, double v) -> Eigen::Vector3d {
+        return {size * (u / cells - 0.5), size * (v / cells - 0.5), 0};
+    });
+    return make_mesh("sheet", std::move(grid.points), std::move(grid.triangles));
+}
+
 Mesh make_terrain_mesh(double size, double height, int cells, std::uint64_t seed)
 {
     check_size("terrain", "the size", size);

@@ -87,6 +87,20 @@ inline unsigned bits(I64x4 mask)
 }
 #endif
 
+inline F64x2 abs(F64x2 v)
+{
+    return max(v, -v);
+}
+inline F64x4 abs(F64x4 v)
+{
+    return max(v, -v);
+}
+/// @param to  aligned to 32 bytes
+inline void store(double (&to)[4], F64x4 v)
+{
+    *reinterpret_cast<F64x4*>(to) = v;
+}
+
 #if defined(__AVX512F__)
 using F64x8 = double __attribute__((vector_size(64)));
 using I64x8 = long long __attribute__((vector_size(64)));
@@ -98,6 +112,10 @@ inline F64x8 min(F64x8 a, F64x8 b)
 inline F64x8 max(F64x8 a, F64x8 b)
 {
     return _mm512_maskz_max_pd(0xff, a, b);
+}
+inline F64x8 abs(F64x8 v)
+{
+    return max(v, -v);
 }
 inline F64x8 sqrt(F64x8 v)
 {

@@ -8,6 +8,7 @@
 #include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/broadphase/aabb_kernel.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
+#include <oncollide/scenes/model/mesh_topology.hpp>
 
 namespace oncollide {
 
@@ -121,9 +122,7 @@ void PoseBounds::deform()
 {
     const Mesh& mesh = std::get<Mesh>(geometry_);
     if (moves_ == Moves::none) {
-        std::vector<bool> used(mesh.vertices.size());
-        for (const Triangle& t : mesh.triangles)
-            for (const std::uint32_t v : t) used[v] = true;
+        const std::vector<bool> used = used_vertices(mesh);
         moves_ = std::ranges::find(used, false) == used.end() ? Moves::all_used : Moves::some_used;
     }
     set_size();

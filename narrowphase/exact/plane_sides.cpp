@@ -91,13 +91,9 @@ void PartingPlanes::add_new(std::uint32_t of_a, std::uint32_t of_b)
 
 void PartingPlanes::add(std::uint32_t of_a, std::uint32_t of_b, bool try_a, bool try_b)
 {
-    const auto corners = [](const Mesh& mesh, std::uint32_t triangle) -> TrianglePoints {
-        const Triangle& t = mesh.triangles[triangle];
-        return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
-    };
-    if (try_a) try_plane(corners(*a_, of_a), of_a, of_b);
+    if (try_a) try_plane(corners_of(*a_, of_a), of_a, of_b);
     if (!try_b || part_all_) return;
-    TrianglePoints face = corners(*b_, of_b);
+    TrianglePoints face = corners_of(*b_, of_b);
     for (Eigen::Vector3d& p : face) p = (*b_to_a_)(p);
     try_plane(face, of_a, of_b);
 }

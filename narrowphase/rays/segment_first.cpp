@@ -64,10 +64,7 @@ std::optional<SegmentHit> SegmentQuery::first_on_surface(Model& model, const Seg
 {
     ObbTree* const tree = model.obb_tree();
     const auto corners = [&](std::uint32_t triangle) -> TrianglePoints {
-        if (tree) return tree->corners(triangle);
-        const Mesh& mesh = *model.surface_mesh();
-        const auto& [a, b, c] = mesh.triangles[triangle];
-        return {mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
+        return tree ? tree->corners(triangle) : corners_of(*model.surface_mesh(), triangle);
     };
     const auto entry = [&](std::uint32_t triangle) { return entry_of(segment, corners(triangle)); };
     std::optional<Candidate> found;

@@ -68,11 +68,6 @@ struct NearInMesh {
         const auto& [a, b, c] = mesh.triangles[triangle];
         return {vertex[a], vertex[b], vertex[c]};
     }
-    TrianglePoints points(std::uint32_t triangle) const
-    {
-        const auto& [a, b, c] = mesh.triangles[triangle];
-        return {mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
-    }
     /// The vertices that span a feature. Returns their number.
     std::size_t vertices_of(FeatureOfTriangle feature, std::array<std::uint32_t, 3>& found) const
     {
@@ -107,7 +102,7 @@ public:
     {
         found_ = &found;
         const std::array<std::uint32_t, 3> v = in_.corners(s), w = in_.corners(t);
-        const TrianglePoints p = in_.points(s), q = in_.points(t);
+        const TrianglePoints p = corners_of(in_.mesh, s), q = corners_of(in_.mesh, t);
         for (unsigned k = 0; k < 3; ++k) {
             if (in_.own[s] >> k & 1) try_corner(s, k, v[k], p[k], t, w, q);
             if (in_.own[t] >> k & 1) try_corner(t, k, w[k], q[k], s, v, p);
@@ -207,24 +202,24 @@ void sort_pairs_once(std::vector<NearPairOfMesh>& found)
 } // namespace
 
 std::vector<NearFeatures> self_near(const Mesh& mesh, std::span<const std::uint32_t> vertex, double dhat,
-                                    const NeighbourRule& rule, int threads)
+                                    const SelfNearOptions& options, int threads)
 {
     const NearInMesh in(mesh, vertex, dhat);
     const TriangleBoxes boxes(mesh, dhat + in.rounding, threads);
     std::optional<MeshRings> rings;
-    if (rule.rings > 1) rings.emplace(mesh, vertex);
+    if (options.rings > 1) rings.emplace(mesh, vertex);
     std::vector<std::vector<NearPairOfMesh>> found(boxes.parts());
     parallel_chunks(found.size(), 1, threads, [&](std::size_t begin, std::size_t end, int) {
         NearInPart worker(in);
         std::optional<MeshRings::Search> search;
         if (rings) search.emplace(*rings);
         const auto are_neighbours = [&](const NearPairOfMesh& pair) {
-            if (!rule.rest.empty() && distance_at(rule.rest, mesh, pair.of_a, pair.of_b) <= rule.rest_distance)
+            if (!options.rest.empty() && distance_at(options.rest, mesh, pair.of_a, pair.of_b) <= options.rest_distance)
                 return true;
             if (!search) return false; // features that share a vertex are left out before
             std::array<std::uint32_t, 3> of_a, of_b;
             const std::size_t count_a = in.vertices_of(pair.of_a, of_a), count_b = in.vertices_of(pair.of_b, of_b);
-            return search->connects({of_a.data(), count_a}, {of_b.data(), count_b}, rule.rings - 1);
+            return search->connects({of_a.data(), count_a}, {of_b.data(), count_b}, options.rings - 1);
         };
         for (std::size_t part = begin; part < end; ++part) {
             boxes.find(part, [&](const std::uint32_t* i, const std::uint32_t* j, std::uint64_t count) {

@@ -9,14 +9,6 @@ inline F64x4 load(const double* from)
 {
     return F64x4{from[0], from[1], from[2], 0};
 }
-inline void store(double (&to)[4], F64x4 v)
-{
-    *reinterpret_cast<F64x4*>(to) = v;
-}
-inline F64x4 abs(F64x4 v)
-{
-    return max(v, -v);
-}
 /// Lane i has lane i + 1, or i + 2, of the first three.
 inline F64x4 next(F64x4 v)
 {

@@ -27,7 +27,7 @@ TriangleNumbers numbers_of(const std::vector<TrianglePair>& pairs)
 std::vector<NearFeatures> near_in(const Mesh& mesh, double dhat, const SelfNearOptions& options, int threads)
 {
     const auto refuse = [](const std::string& fault) { throw Error(ErrorKind::usage, "near_features: " + fault); };
-    if (!(dhat >= 0 && dhat <= 1e15)) refuse(fmt::format("dhat of {}; must be from 0 to 1e15", dhat));
+    check_dhat(dhat);
     if (options.rings < 1) refuse("rings of 0; must be at least 1");
     if (!(options.rest_distance >= 0 && std::isfinite(options.rest_distance)))
         refuse(fmt::format("rest_distance of {}; must be 0 or more, and finite", options.rest_distance));
@@ -38,7 +38,7 @@ std::vector<NearFeatures> near_in(const Mesh& mesh, double dhat, const SelfNearO
     for (std::size_t v = 0; v < options.rest.size(); ++v)
         if (!(options.rest[v].array().abs() <= 1e15).all()) // false for NaN
             refuse(fmt::format("rest: position {} is not finite, or above 1e15", v));
-    return self_near(mesh, links_of(mesh).vertex, dhat, {options.rings, options.rest, options.rest_distance}, threads);
+    return self_near(mesh, links_of(mesh).vertex, dhat, options, threads);
 }
 
 } // namespace

@@ -164,5 +164,7 @@ struct ONCOLLIDE_LOCAL WorldImpl {
 
 /// "model 3 (generation 1)".
 std::string text_of(const char* what, std::uint32_t slot, std::uint32_t generation);
+/// Throws for a distance that near_features() does not take.
+void check_dhat(double dhat);
 
 } // namespace oncollide

@@ -101,13 +101,13 @@ void find_near_features(WorldImpl& p, const PairTasks& tasks, double dhat, Lists
     });
 }
 
+} // namespace
+
 void check_dhat(double dhat)
 {
     if (!(dhat >= 0 && dhat <= 1e15))
         throw Error(ErrorKind::usage, fmt::format("near_features: dhat of {}; must be from 0 to 1e15", dhat));
 }
-
-} // namespace
 
 std::vector<NearFeatures> Pairs::near_features(PairSide a, PairSide b, double dhat) const
 {

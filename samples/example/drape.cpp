@@ -12,9 +12,11 @@ int main(int argc, char** argv)
 {
     const int cells = argc > 1 ? std::atoi(argv[1]) : 50;
     World world({.threads = 0});
-    const BodyId statue = world.bodies().add(
-        {.model = world.models().add(make_torus_knot_mesh(2, 3, 0.25, 0.1, 0.06, 20'000)), .is_static = true});
-    const BodyId cloth = world.bodies().add({.model = world.models().add(example::make_cloth(cells, 1, 0.2))});
+    const BodyId statue =
+        world.bodies().add({.model = world.models().add(make_torus_knot_mesh(2, 3, 0.25, 0.1, 0.06, 20'000)),
+                            .pose = Eigen::Isometry3d(Eigen::Translation3d(0, 0, -0.2)),
+                            .is_static = true});
+    const BodyId cloth = world.bodies().add({.model = world.models().add(make_sheet_mesh(1, cells))});
     example::ClothSolver solver(world, cloth, {statue});
     solver.thickness = 0.2 / cells, solver.reach = 0.4 / cells;
     int crossings = 0;

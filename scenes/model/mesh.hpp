@@ -24,6 +24,12 @@ struct Mesh {
                                ///< (Models::set_vertices), it is an upper bound
 };
 
+inline std::array<Eigen::Vector3d, 3> corners_of(const Mesh& mesh, std::uint32_t triangle)
+{
+    const auto& [a, b, c] = mesh.triangles[triangle];
+    return {mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
+}
+
 /// Checks a mesh and computes its bounds. Unused vertices stay but are not part of the bounds.
 /// @param name  names the mesh in errors: a path or a scene file's name
 /// Throws Error{bad_data} naming the first fault: no triangle, an index out of range, a vertex that is not finite or

@@ -143,4 +143,12 @@ std::vector<std::uint32_t> parts_of(const Mesh& mesh)
     return parts;
 }
 
+std::vector<bool> used_vertices(const Mesh& mesh)
+{
+    std::vector<bool> used(mesh.vertices.size());
+    for (const Triangle& t : mesh.triangles)
+        for (const std::uint32_t v : t) used[v] = true;
+    return used;
+}
+
 } // namespace oncollide

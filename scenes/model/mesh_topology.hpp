@@ -26,4 +26,7 @@ bool edges_are_even(const Mesh& mesh);
 /// a vertex belong to one part. Cost: O(n log n).
 std::vector<std::uint32_t> parts_of(const Mesh& mesh);
 
+/// For each vertex, by index: true if a triangle uses it.
+std::vector<bool> used_vertices(const Mesh& mesh);
+
 } // namespace oncollide

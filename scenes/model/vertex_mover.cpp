@@ -5,6 +5,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/simd/cpu_features.hpp>
+#include <oncollide/scenes/model/mesh_topology.hpp>
 #include <oncollide/scenes/model/vertex_kernel.hpp>
 
 namespace oncollide {
@@ -40,9 +41,7 @@ bool is_allowed(const VertexExtent& extent)
 
 VertexMover::VertexMover(const Mesh& mesh)
 {
-    std::vector<bool> used(mesh.vertices.size());
-    for (const Triangle& t : mesh.triangles)
-        for (const std::uint32_t v : t) used[v] = true;
+    const std::vector<bool> used = used_vertices(mesh);
     for (std::uint32_t v = 0; v < used.size(); ++v)
         if (!used[v]) unused_.push_back(v);
 }

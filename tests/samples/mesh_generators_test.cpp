@@ -105,6 +105,20 @@ TEST(MeshGenerators, AGearIsClosedAndBetweenItsRadii)
     }
 }
 
+TEST(MeshGenerators, ASheetIsAFlatSquareThatLooksUp)
+{
+    const Mesh mesh = make_sheet_mesh(3, 5);
+    ASSERT_EQ(mesh.triangles.size(), 50u);
+    EXPECT_EQ(mesh.bounds.min, Eigen::Vector3d(-1.5, -1.5, 0));
+    EXPECT_EQ(mesh.bounds.max, Eigen::Vector3d(1.5, 1.5, 0));
+    for (const Triangle& t : mesh.triangles) {
+        const Eigen::Vector3d n =
+            (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+        EXPECT_NEAR(n.z(), 0.36, 1e-12);
+        EXPECT_EQ(n.head<2>(), Eigen::Vector2d::Zero());
+    }
+}
+
 TEST(MeshGenerators, ATerrainIsAHeightFieldThatLooksUp)
 {
     const Mesh mesh = make_terrain_mesh(100, 10, 64, 7);
@@ -171,6 +185,7 @@ TEST(MeshGenerators, ImpossibleArgumentsAreRefused)
     usage([] { make_gear_mesh(12, 1, 1, 1, 0.5); }, "root radius (1) must be below the tip radius (1)");
     usage([] { make_gear_mesh(12, 1, 2, 1, 1); }, "bore radius (1)");
     usage([] { make_terrain_mesh(1, 1, 0, 1); }, "cells is 0");
+    usage([] { make_sheet_mesh(0, 4); }, "sheet");
     usage([] { make_needles_mesh(0, 1, 10, 1, 1); }, "count is 0");
     usage([] { make_soup_mesh(-3, 1, 10, 1); }, "count is -3");
 }

@@ -14,10 +14,6 @@
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {
 
-inline F64 abs(F64 v)
-{
-    return max(v, -v);
-}
 inline F64 largest(const Vec& v)
 {
     return max(max(v.x, v.y), v.z);

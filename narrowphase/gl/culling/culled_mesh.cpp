@@ -69,12 +69,6 @@ void add_runs(const std::vector<Aabb>& boxes, std::vector<std::uint32_t>& order,
     add_runs(boxes, order, middle, to, most, runs);
 }
 
-std::array<Eigen::Vector3d, 3> corners_of(const Mesh& mesh, std::uint32_t triangle)
-{
-    const Triangle& t = mesh.triangles[triangle];
-    return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
-}
-
 } // namespace
 
 CulledMesh::CulledMesh(const Mesh& mesh, std::size_t most, bool fattened)

@@ -148,7 +148,7 @@ Mesh crumpled(int n, std::uint64_t seed)
     return make_mesh("crumpled", vertices, triangles);
 }
 
-std::vector<NearFeatures> near_of(const Mesh& mesh, double dhat, NeighbourRule rule = {}, int threads = 1)
+std::vector<NearFeatures> near_of(const Mesh& mesh, double dhat, SelfNearOptions rule = {}, int threads = 1)
 {
     return self_near(mesh, links_of(mesh).vertex, dhat, rule, threads);
 }

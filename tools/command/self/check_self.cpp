@@ -104,7 +104,7 @@ void write_contacts(const std::vector<TrianglesThatMeet>& pairs, const Mesh& mes
                         "normal_b_z");
     for (const TrianglesThatMeet& pair : pairs) {
         const CommonSegment common = segment_of(mesh, pair);
-        const TrianglePoints a = points_of(mesh, pair.a), b = points_of(mesh, pair.b);
+        const TrianglePoints a = corners_of(mesh, pair.a), b = corners_of(mesh, pair.b);
         csv.add(pair.a, pair.b,
                 name_of(common.kind == TriangleContact::crossing ? ContactKind::crossing : ContactKind::touching));
         for (const Eigen::Vector3d& v :
@@ -149,12 +149,14 @@ int check_self(const SelfCheckOptions& options)
         if (!read && (!options.picture.empty() || !options.view.empty()))
             usage(fmt::format("--picture, --view: show a mesh, and '{}' is none", file));
         World world({.threads = 0});
-        Mesh mesh;
+        const Mesh none;
+        const Mesh* kept = &none; // by the World
         if (read) {
             const ModelId model = world.models().add(std::move(*read));
             result.pairs = world.models().self_contacts(model);
-            mesh = std::get<Mesh>(world.models().geometry(model).data);
+            kept = &std::get<Mesh>(world.models().geometry(model).data);
         }
+        const Mesh& mesh = *kept;
         result.bounds = mesh.bounds, result.triangles = mesh.triangles.size();
         result.places = places_of(mesh, result.pairs);
         meeting += !result.pairs.empty();

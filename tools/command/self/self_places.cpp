@@ -50,15 +50,9 @@ double rounded(double value, double step)
 
 } // namespace
 
-TrianglePoints points_of(const Mesh& mesh, std::uint32_t triangle)
-{
-    const auto& [a, b, c] = mesh.triangles[triangle];
-    return {mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
-}
-
 CommonSegment segment_of(const Mesh& mesh, TrianglesThatMeet pair)
 {
-    return common_segment(points_of(mesh, pair.a), points_of(mesh, pair.b));
+    return common_segment(corners_of(mesh, pair.a), corners_of(mesh, pair.b));
 }
 
 std::vector<SelfPlace> places_of(const Mesh& mesh, const std::vector<TrianglesThatMeet>& pairs)

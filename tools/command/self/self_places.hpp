@@ -21,7 +21,6 @@ struct SelfPlace {
 /// The places of all pairs; places with more pairs come first.
 std::vector<SelfPlace> places_of(const Mesh& mesh, const std::vector<TrianglesThatMeet>& pairs);
 
-TrianglePoints points_of(const Mesh& mesh, std::uint32_t triangle);
 CommonSegment segment_of(const Mesh& mesh, TrianglesThatMeet pair);
 
 /// One line about a place: its number of pairs, where it is, and two of its triangles. Coordinates below the rounding

@@ -17,7 +17,8 @@ namespace {
 struct OptionalLibrary {
     const char *name, *package;   ///< Debian's
     void (*add)(Contenders& all); ///< null: this build lacks it
-    bool broad, narrow, rays, contacts, physics, self = false, deform = false;
+    /// The kinds of contenders that it adds.
+    bool broad = false, narrow = false, rays = false, contacts = false, physics = false, self = false, deform = false;
 };
 
 /// `add` refers to a function that is linked only if the library is there.
@@ -28,16 +29,33 @@ constexpr auto if_there(auto add) -> void (*)(Contenders&)
     return nullptr;
 }
 
-constexpr OptionalLibrary optional_libraries[] = {
-    // adds                                                               broad, narrow, rays, contacts, physics, self,
-    // deform
-    {"Embree", "libembree-dev", if_there<WITH_EMBREE>([](auto& all) { add_embree(all); }), true, true, true, false,
-     false, false, true},
-    {"Bullet", "libbullet-dev", if_there<WITH_BULLET>([](auto& all) { add_bullet(all); }), true, true, true, true, true,
-     false, true},
-    {"ODE", "libode-dev", if_there<WITH_ODE>([](auto& all) { add_ode(all); }), false, true, false, true, false},
-    {"CGAL", "libcgal-dev", if_there<WITH_CGAL>([](auto& all) { add_cgal(all); }), true, true, false, false, false,
-     true}};
+constexpr OptionalLibrary optional_libraries[] = {{.name = "Embree",
+                                                   .package = "libembree-dev",
+                                                   .add = if_there<WITH_EMBREE>([](auto& all) { add_embree(all); }),
+                                                   .broad = true,
+                                                   .narrow = true,
+                                                   .rays = true,
+                                                   .deform = true},
+                                                  {.name = "Bullet",
+                                                   .package = "libbullet-dev",
+                                                   .add = if_there<WITH_BULLET>([](auto& all) { add_bullet(all); }),
+                                                   .broad = true,
+                                                   .narrow = true,
+                                                   .rays = true,
+                                                   .contacts = true,
+                                                   .physics = true,
+                                                   .deform = true},
+                                                  {.name = "ODE",
+                                                   .package = "libode-dev",
+                                                   .add = if_there<WITH_ODE>([](auto& all) { add_ode(all); }),
+                                                   .narrow = true,
+                                                   .contacts = true},
+                                                  {.name = "CGAL",
+                                                   .package = "libcgal-dev",
+                                                   .add = if_there<WITH_CGAL>([](auto& all) { add_cgal(all); }),
+                                                   .broad = true,
+                                                   .narrow = true,
+                                                   .self = true}};
 
 } // namespace
 

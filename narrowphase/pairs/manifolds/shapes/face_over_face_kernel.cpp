@@ -13,14 +13,6 @@ inline F64x4 all(double v)
 {
     return F64x4{v, v, v, v};
 }
-inline F64x4 abs(F64x4 v)
-{
-    return max(v, -v);
-}
-inline void store(double (&to)[4], F64x4 v)
-{
-    *reinterpret_cast<F64x4*>(to) = v;
-}
 /// Lane k has lane k - 1.
 inline F64x4 before(F64x4 v)
 {

@@ -121,15 +121,11 @@ void add_deform_bench(Arguments bench)
     b.whole("--triangles N", b->triangles, "approximate triangles of a cloth", {1000, 100'000'000});
     b.whole("--frames N", b->frames, "frames that are timed", {1, 10'000});
     b.repeats(), b.only(), b.csv("scene and contender");
-    b.footer(
-        "'a small body': a cloth waves, and touches a ball with about 1 % of its triangles. 'two cloths': both wave "
-        "and\n"
-        "pass through each other in many places. 'ratio': to the time of the first contender. 'copies': the update, "
-        "as\n"
-        "a multiple of a copy of the vertices. 'refitted': boxes of the first cloth's tree fitted anew in a frame.\n"
-        "'differ': pairs of triangles that the first contender does not find, or the other way round. Exit code 70: "
-        "such\n"
-        "a pair of a contender with exact tests, oncollide or Embree.");
+    b.footer("'a small body': a cloth waves, and touches a ball with about 1 % of its triangles. 'two cloths': both "
+             "wave and pass through each other in many places. 'ratio': to the time of the first contender. 'copies': "
+             "the update, as a multiple of a copy of the vertices. 'refitted': boxes of the first cloth's tree fitted "
+             "anew in a frame. 'differ': pairs of triangles that the first contender does not find, or the other way "
+             "round. Exit code 70: such a pair of a contender with exact tests, oncollide or Embree.");
 }
 
 } // namespace oncollide::tools

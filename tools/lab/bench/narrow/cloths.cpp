@@ -1,20 +1,12 @@
 #include "bench/narrow/cloths.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <oncollide/samples/generators.hpp>
 
 namespace oncollide::tools {
 namespace {
-
-/// A flat square of side 1 around the origin, at height 0.
-Mesh flat_cloth(int triangles)
-{
-    const int cells = std::max(1, int(std::lround(std::sqrt(triangles / 2.0))));
-    Mesh mesh = make_terrain_mesh(1, 0.01, cells, 1);
-    for (Eigen::Vector3d& p : mesh.vertices) p.z() = 0;
-    return make_mesh("cloth", std::move(mesh.vertices), std::move(mesh.triangles));
-}
 
 /// The cloth at a time: waves of a height of 2 cm run over it.
 std::vector<Eigen::Vector3d> waving(const Mesh& rest, double time, double phase)
@@ -39,7 +31,7 @@ Mesh ClothScene::mesh(int which, int frame) const
 std::vector<ClothScene> cloth_scenes(int triangles, int frames)
 {
     constexpr double step = 0.15; // of the waves' phase, in a frame
-    const Mesh cloth = flat_cloth(triangles);
+    const Mesh cloth = make_sheet_mesh(1, std::max(1, int(std::lround(std::sqrt(triangles / 2.0)))));
     Mesh ball = make_sphere_mesh(0.055, 1000);
     for (Eigen::Vector3d& p : ball.vertices) p += Eigen::Vector3d(0.13, -0.21, 0.01);
     ball = make_mesh("ball", std::move(ball.vertices), std::move(ball.triangles));
