@@ -16,6 +16,12 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v)
     return m;
 }
 
+/// The x and y axes of a planar joint are the first two columns.
+Eigen::Matrix3d tilt_of(const Eigen::Vector3d& axis)
+{
+    return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis).toRotationMatrix();
+}
+
 } // namespace
 
 std::string_view name_of(JointKind kind)
@@ -108,10 +114,9 @@ void Kinematics::link_poses(const double* numbers, const Eigen::Isometry3d& base
             break;
         }
         case JointKind::planar: { // in the plane across the axis
-            const Eigen::Matrix3d tilt =
-                Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), step.axis).toRotationMatrix();
             Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-            motion.translation() = tilt * Eigen::Vector3d(numbers[step.number], numbers[step.number + 1], 0);
+            motion.translation() =
+                tilt_of(step.axis) * Eigen::Vector3d(numbers[step.number], numbers[step.number + 1], 0);
             motion.linear() = Eigen::AngleAxisd(numbers[step.number + 2], step.axis).toRotationMatrix();
             child = parent * step.origin * motion;
             break;
@@ -136,6 +141,28 @@ Eigen::Quaterniond unit(const double* quaternion)
 }
 
 } // namespace
+
+std::span<const Kinematics::Twist> Kinematics::twists_of(const Step& step, const double* numbers,
+                                                         std::array<Twist, 7>& twists)
+{
+    const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+    if (step.kind == JointKind::planar) {
+        const Eigen::Matrix3d tilt = tilt_of(step.axis);
+        twists[0] = {tilt.col(0), zero, zero}, twists[1] = {tilt.col(1), zero, zero},
+        twists[2] = {zero, step.axis, zero};
+        return std::span(twists).first(3);
+    }
+    const Eigen::Map<const Eigen::Quaterniond> given(numbers + step.number + 3);
+    const double length = given.norm();
+    const Eigen::Quaterniond back = given.normalized().conjugate();
+    for (int k = 0; k < 3; ++k) twists[static_cast<std::size_t>(k)] = {Eigen::Vector3d::Unit(k), zero, zero};
+    for (int k = 0; k < 4; ++k) { // a number's change turns by twice the vector of change * back; its length does not
+        Eigen::Quaterniond change;
+        change.coeffs() = Eigen::Vector4d::Unit(k);
+        twists[static_cast<std::size_t>(3 + k)] = {zero, 2 / length * (change * back).vec(), zero};
+    }
+    return twists;
+}
 
 void Kinematics::between(const double* from, const double* to, double share, double* numbers) const
 {

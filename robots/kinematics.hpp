@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <span>
 #include <string>
 #include <vector>
@@ -40,6 +41,16 @@ public:
     /// `numbers` must be finite, quaternions unit.
     void link_poses(const double* numbers, const Eigen::Isometry3d& base, Eigen::Isometry3d* poses) const;
 
+    /// How a number of a configuration moves a link: points p of it by linear + angular x (p - origin) per unit.
+    struct Twist {
+        Eigen::Vector3d linear, angular, origin; ///< in the world
+    };
+    /// Calls visit(number, twist) for each number that moves the link, from the link up; several times for one that
+    /// several joints mimic.
+    /// @param poses  the poses of all links at these numbers
+    template <class Visit>
+    void each_twist(const double* numbers, const Eigen::Isometry3d* poses, std::uint32_t link, Visit visit) const;
+
     /// The configuration at a share of an edge: numbers change in proportion, quaternions along the shorter arc.
     void between(const double* from, const double* to, double share, double* numbers) const;
     /// Sets for each link the highest link that does not move against it on an edge.
@@ -75,6 +86,8 @@ private:
         Eigen::Isometry3d origin;
         Eigen::Vector3d axis;
     };
+    /// The numbers' twists of a planar or a floating joint, in the frame of its origin.
+    static std::span<const Twist> twists_of(const Step& step, const double* numbers, std::array<Twist, 7>& twists);
     Step step_of(const RobotDescription& robot, std::uint32_t joint) const;
     std::uint32_t parent(std::uint32_t link) const { return steps_[step_to_[link]].parent; }
     /// The lowest link that is above both, or one of them.
@@ -87,5 +100,38 @@ private:
     std::vector<std::uint32_t> depth_;   ///< by link: steps from the root
     std::uint32_t root_ = 0;
 };
+
+template <class Visit>
+void Kinematics::each_twist(const double* numbers, const Eigen::Isometry3d* poses, std::uint32_t link,
+                            Visit visit) const
+{
+    for (; link != root_; link = parent(link)) {
+        const Step& step = steps_[step_to_[link]];
+        const Eigen::Vector3d origin = poses[link].translation();
+        const auto zero = Eigen::Vector3d::Zero();
+        switch (step.kind) {
+        case JointKind::fixed:
+            break;
+        case JointKind::prismatic:
+            if (step.width)
+                visit(step.number, Twist{step.multiplier * (poses[step.parent].linear() * step.along), zero, origin});
+            break;
+        case JointKind::revolute:
+        case JointKind::continuous:
+            if (step.width)
+                visit(step.number, Twist{zero, step.multiplier * (poses[link].linear() * step.axis), origin});
+            break;
+        case JointKind::planar:
+        case JointKind::floating: {
+            const Eigen::Matrix3d frame = poses[step.parent].linear() * step.origin.linear();
+            std::array<Twist, 7> twists;
+            std::uint32_t number = step.number;
+            for (const Twist& twist : twists_of(step, numbers, twists))
+                visit(number++, Twist{frame * twist.linear, frame * twist.angular, origin});
+            break;
+        }
+        }
+    }
+}
 
 } // namespace oncollide

@@ -112,7 +112,7 @@ void Robot::Impl::add_group(std::uint32_t first)
 
 void Robot::Impl::take_in_groups()
 {
-    covers.clear(), idle = no_checkers(), cells.reset();
+    covers.clear(), idle = no_checkers(), idle_finders = no_finders(), cells.reset();
     for (const Group& group : groups) {
         std::vector<CoverSphere> balls;
         std::vector<std::uint32_t> of;
@@ -360,6 +360,28 @@ void Robot::link_poses(std::span<const double> configuration, std::span<Eigen::I
     if (poses.size() != description().links.size())
         fail(fmt::format("room for {} poses; the robot has {} links", poses.size(), description().links.size()));
     impl_->tree.link_poses(configuration.data(), impl_->base, poses.data());
+}
+
+void Robot::jacobian(std::span<const double> configuration, std::uint32_t link, const Eigen::Vector3d& point,
+                     std::span<double> rows) const
+{
+    const Impl& p = *impl_;
+    check_configuration(configuration, false);
+    const std::size_t links = description().links.size();
+    if (link >= links) fail(fmt::format("jacobian: there is no link {}; the robot has {}", link, links));
+    if (rows.size() != 6 * width())
+        fail(fmt::format("jacobian: room for {} numbers; 6 rows of {} are {}", rows.size(), width(), 6 * width()));
+    std::vector<Eigen::Isometry3d> poses(links, Eigen::Isometry3d::Identity());
+    p.tree.link_poses(configuration.data(), p.base, poses.data());
+    const Eigen::Vector3d at = poses[link] * point;
+    std::ranges::fill(rows, 0.0);
+    p.tree.each_twist(configuration.data(), poses.data(), link, [&](std::uint32_t k, const Kinematics::Twist& t) {
+        const Eigen::Vector3d moved = t.linear + t.angular.cross(at - t.origin);
+        for (std::size_t row = 0; row < 3; ++row) {
+            const auto axis = static_cast<Eigen::Index>(row);
+            rows[row * width() + k] += moved[axis], rows[(3 + row) * width() + k] += t.angular[axis];
+        }
+    });
 }
 
 } // namespace oncollide

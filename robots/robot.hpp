@@ -133,6 +133,46 @@ struct RobotEdgeCheck {
     std::size_t most_tests = 100'000; ///< tests of pairs, per edge
 };
 
+/// The distances that Robot::distances() finds.
+struct RobotDistanceOptions {
+    RobotCheck pairs{};
+    double tolerance = 0; ///< metres, >= 0: how far apart the bounds may be, besides rounding
+    /// Metres, >= 0: pairs that are farther apart are left out.
+    double cutoff = std::numeric_limits<double>::infinity();
+    bool every_pair = false; ///< false: the least distance of a configuration
+    bool gradients = true;
+    /// Measure how deep pairs are that meet. False: their distance is 0, without a normal and a gradient, and the first
+    /// that is found is the nearest.
+    bool depths = true;
+};
+
+/// The signed distance of a link and another link or a body: above 0 they are apart; below 0 the other one has to move
+/// by its amount along `normal` until they are. For several geometries of a link, the least of their distances.
+struct RobotDistance {
+    /// Certified bounds, metres: of the distance, or of minus the depths of the deepest region (ManifoldRegion). lower
+    /// is minus infinity where they meet and have no manifold, as cooked meshes that are read on demand.
+    double lower = 0, upper = 0;
+    std::uint32_t link = RobotFinding::no_link;
+    std::uint32_t other = RobotFinding::no_link; ///< a link of the robot; no_link: the pair is with `body`
+    BodyId body{};
+    /// The nearest points of the link and of the other one, or the points of the deepest contact. World frame.
+    Eigen::Vector3d point = Eigen::Vector3d::Zero(), other_point = Eigen::Vector3d::Zero();
+    /// Unit, world frame: from the link to the other, which moves away along it; 0 where it has no manifold.
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    /// False: points or normals with other gradients are as near, within rounding: parallel edges or faces, another
+    /// pair, bodies that meet. The points, the normal and the gradient are then one choice of several. Parts of one
+    /// pair that are not neighbours are not compared.
+    bool unique = true;
+};
+
+/// The distances of configurations.
+struct RobotDistances {
+    /// Configuration i has the pairs offsets[i] to offsets[i + 1] - 1, the nearest first.
+    std::vector<std::size_t> offsets;
+    std::vector<RobotDistance> pairs;
+    std::vector<double> gradients; ///< by pair, width() numbers: derivatives of its distance
+};
+
 /// A robot whose links are models of a World. Any number of robots may share one. Its calls throw Error{usage} for a
 /// World that is not the one it was made for, and for configurations of another width than width().
 ///
@@ -174,6 +214,12 @@ public:
     void check_configuration(std::span<const double> configuration, bool limits) const;
     /// Sets the pose of each link in the world. Cost: 20 to 50 nanoseconds per joint.
     void link_poses(std::span<const double> configuration, std::span<Eigen::Isometry3d> poses) const;
+    /// Sets the derivatives of a point's position (rows 0 to 2, m) and of its link's rotation (rows 3 to 5, rad) by
+    /// each number of the configuration: 6 rows of width() numbers. Throws Error{usage} for a link that does not exist,
+    /// and for another size of `rows`.
+    /// @param point  in the link's frame
+    void jacobian(std::span<const double> configuration, std::uint32_t link, const Eigen::Vector3d& point,
+                  std::span<double> rows) const;
     /// Sets the pose of the root link. Throws Error{bad_data} for a pose that is not rigid.
     void set_base(const Eigen::Isometry3d& base);
 
@@ -203,6 +249,15 @@ public:
     void check(const World& world, std::span<const double> configurations, std::span<RobotFinding> findings,
                const RobotCheck& what = {}) const;
 
+    /// Sets the signed distances of configurations: the least of each, or one for each pair of links and each link and
+    /// body within the cutoff. Pairs that are excluded, and bodies of this robot, are not measured. Gradients
+    /// are the derivatives of the distance by each number of the configuration, m per m or rad; by the four numbers of
+    /// a quaternion, too. Threads as check(); surfaces or solids as World::settings() say. The same bits for any number
+    /// of threads. Throws as check_configuration() without limits, and Error{usage} for a tolerance or a cutoff that is
+    /// negative or NaN. Cost: 10 to 40 microseconds for the least distance of an arm of meshes among 40 bodies.
+    void distances(const World& world, std::span<const double> configurations, RobotDistances& found,
+                   const RobotDistanceOptions& options = {}) const;
+
     /// Checks whole edges: edge i begins at the numbers i * width() and following of `from`, and ends at the numbers of
     /// `to` at the same places. All numbers change at constant speed, floating joints rotate along the shorter arc. No
     /// contact is missed between samples: each pair is tested in windows of time, with an upper bound on how far its
@@ -217,6 +272,7 @@ public:
 private:
     struct ONCOLLIDE_LOCAL Impl;
     class ONCOLLIDE_LOCAL Checker;
+    class ONCOLLIDE_LOCAL DistanceFinder;
     class ONCOLLIDE_LOCAL EdgeChecker;
     friend class SphereCull;
     friend class EdgeCull;

@@ -50,6 +50,8 @@ struct Robot::Impl {
 
     struct IdleCheckers; ///< robot_check.cpp
     static std::shared_ptr<IdleCheckers> no_checkers();
+    struct IdleFinders; ///< distances/robot_distances.cpp
+    static std::shared_ptr<IdleFinders> no_finders();
 
     Impl(World& world, RobotDescription given, const Eigen::Isometry3d& base_pose);
     static RobotDescription checked(RobotDescription given);
@@ -110,7 +112,8 @@ struct Robot::Impl {
     std::vector<GroupCover> covers; ///< by group
     /// A World accepts the poses of all parts in every configuration: they are rigid and not too far away.
     bool has_sound_poses = false;
-    std::shared_ptr<IdleCheckers> idle; ///< idle checkers of check(), for the parts as they are
+    std::shared_ptr<IdleCheckers> idle;        ///< idle checkers of check(), for the parts as they are
+    std::shared_ptr<IdleFinders> idle_finders; ///< the same, of distances()
     mutable OrderedMutex<LockRank::joint_cells> cells_mutex;
     mutable std::shared_ptr<JointCells> cells; ///< grids of check_edges(), for the parts as they are; null: none yet
     std::vector<PartPair> pairs;
@@ -119,7 +122,7 @@ struct Robot::Impl {
     ModelId any_model{}; ///< identifies the World
 };
 
-/// Tests whether bounding spheres of two parts come closer than the clearance.
+/// Tests whether bounding spheres of two parts come closer than the clearance, and how far apart they are.
 class SphereCull {
 public:
     SphereCull(const Robot::Impl& robot, double clearance);
@@ -130,11 +133,19 @@ public:
     /// The same for two parts, with the clearance and `reach`.
     bool near(std::uint32_t a, std::uint32_t b, double reach = 0);
 
+    // Lower bounds of distances; 0: unknown.
+    double gap_of_groups(std::uint32_t a, std::uint32_t b) const { return gap(groups_[a], groups_[b]); }
+    double gap_of_parts(std::uint32_t a, std::uint32_t b);
+    double gap_of_group(std::uint32_t a, const Aabb& box) const;
+    double gap_of_part(std::uint32_t a, const PlacedBox& box);
+    Aabb box_of_group(std::uint32_t a) const; ///< around its bounding sphere, in the world
+
 private:
     struct Placed {
         double x, y, z, radius;
     };
     bool meet(const Placed& a, const Placed& b, double reach) const;
+    static double gap(const Placed& a, const Placed& b);
     const Placed* spheres_of(std::uint32_t part); ///< the first sphere is around the whole part
     Placed placed(const CoverSphere& sphere, std::uint32_t link) const;
 

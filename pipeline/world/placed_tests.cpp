@@ -80,4 +80,18 @@ std::span<const Finding> WorldAccess::PlacedTests::decide(std::span<const PairTa
     return worker.refined;
 }
 
+Distance WorldAccess::PlacedTests::distance(const PairTask& task, const DistanceOptions& options)
+{
+    if (const auto direct = tests_for(task).direct_distance) return direct(task, options);
+    parts_->world.need_trees({&task, 1});
+    return parts_->world.distance(parts_->worker, task, options);
+}
+
+const Manifold& WorldAccess::PlacedTests::manifold(const PairTask& task, const ManifoldOptions& options)
+{
+    parts_->world.need_trees({&task, 1});
+    parts_->world.manifold(parts_->worker, task, options, parts_->worker.manifold);
+    return parts_->worker.manifold;
+}
+
 } // namespace oncollide

@@ -35,6 +35,10 @@ public:
     /// decides exactly where OBB trees refine: to find that two bodies meet takes less time than to bound their
     /// distance. Valid until the next call.
     std::span<const Finding> decide(std::span<const PairTask> tasks);
+    /// As Pairs::distance().
+    Distance distance(const PairTask& task, const DistanceOptions& options);
+    /// As Pairs::manifold(). Valid until the next call.
+    const Manifold& manifold(const PairTask& task, const ManifoldOptions& options);
     /// True if decide() decides by exact predicates. A verdict that is certain by other means is then the same verdict.
     bool is_exact() const;
 

@@ -134,6 +134,15 @@ void make_robot_types()
                              {"link", "i4", offsetof(RobotFinding, link)}, // no_link: -1
                              {"other", "i4", offsetof(RobotFinding, other)},
                              {"body", "u8", offsetof(RobotFinding, body)}});
+    make_type<RobotDistance>({{"lower", "f8", offsetof(RobotDistance, lower)},
+                              {"upper", "f8", offsetof(RobotDistance, upper)},
+                              {"link", "i4", offsetof(RobotDistance, link)},
+                              {"other", "i4", offsetof(RobotDistance, other)},
+                              {"body", "u8", offsetof(RobotDistance, body)},
+                              {"point", "(3,)f8", offsetof(RobotDistance, point)},
+                              {"other_point", "(3,)f8", offsetof(RobotDistance, other_point)},
+                              {"normal", "(3,)f8", offsetof(RobotDistance, normal)},
+                              {"unique", "?", offsetof(RobotDistance, unique)}});
     make_type<RobotEdgeFinding>({{"clear_until", "f8", offsetof(RobotEdgeFinding, clear_until)},
                                  {"contact_by", "f8", offsetof(RobotEdgeFinding, contact_by)},
                                  {"verdict", "u1", offsetof(RobotEdgeFinding, verdict)},

@@ -1,5 +1,10 @@
 // Robot: configurations of a robot against itself and the bodies of a World.
+#include <algorithm>
+#include <array>
+#include <limits>
+
 #include <fmt/format.h>
+#include <pybind11/stl.h>
 
 #include <oncollide/robots/robot.hpp>
 
@@ -73,6 +78,34 @@ py::object check(HeldRobot& robot, py::handle configurations, py::handle self, p
     return results_of(rows, std::move(found));
 }
 
+py::tuple distances(HeldRobot& robot, py::handle configurations, py::handle cutoff, py::handle tolerance,
+                    py::handle every_pair, py::handle gradients, py::handle depths, py::handle self,
+                    py::handle environment)
+{
+    const char* const call = "Robot.distances";
+    const py::array rows = rows_of(robot, configurations, {call, "configurations"});
+    const RobotDistanceOptions options{.pairs = {.self = truth(self, {call, "self_collision"}),
+                                                 .environment = truth(environment, {call, "environment"})},
+                                       .tolerance = number(tolerance, {call, "tolerance"}),
+                                       .cutoff = limit_of(cutoff, {call, "cutoff"}),
+                                       .every_pair = truth(every_pair, {call, "every_pair"}),
+                                       .gradients = truth(gradients, {call, "gradients"}),
+                                       .depths = truth(depths, {call, "depths"})};
+    RobotDistances found;
+    {
+        const Looking looking(*robot.held, call);
+        const Released released;
+        robot.robot->distances(robot.held->world, span_of(rows), found, options);
+    }
+    const std::array<py::ssize_t, 2> shape{options.gradients ? static_cast<py::ssize_t>(found.pairs.size()) : 0,
+                                           static_cast<py::ssize_t>(robot.robot->width())};
+    py::array_t<double> slopes(shape);
+    std::ranges::copy(found.gradients, slopes.mutable_data());
+    const py::array offsets = offsets_of(found.offsets);
+    py::array pairs = array_of(std::move(found.pairs));
+    return rows.ndim() == 1 ? py::make_tuple(pairs, slopes) : py::make_tuple(pairs, slopes, offsets);
+}
+
 py::object check_edges(HeldRobot& robot, py::handle from, py::handle to, py::handle tolerance, py::handle first,
                        py::handle self, py::handle environment)
 {
@@ -126,6 +159,81 @@ py::array link_poses(HeldRobot& robot, py::handle configurations)
     return made;
 }
 
+/// A link by its name or its number, which Robot checks.
+std::uint32_t link_of(const HeldRobot& robot, py::handle value, const Place& place)
+{
+    if (!py::isinstance<py::str>(value)) return static_cast<std::uint32_t>(whole(value, place, 0xffffffffu));
+    const std::string name = text(value, place);
+    const auto& links = robot.robot->description().links;
+    const auto found = std::ranges::find(links, name, &RobotLink::name);
+    if (found == links.end()) refuse_value(place, fmt::format("the robot has no link '{}'", name));
+    return static_cast<std::uint32_t>(found - links.begin());
+}
+
+py::array jacobian(HeldRobot& robot, py::handle configuration, py::handle link, py::handle point)
+{
+    const char* const call = "Robot.jacobian";
+    const py::array row = rows_of(robot, configuration, {call, "configuration"});
+    if (row.ndim() != 1) refuse_value({call, "configuration"}, "one configuration, not many");
+    const std::size_t width = robot.robot->width();
+    py::array_t<double> rows(std::array<py::ssize_t, 2>{6, static_cast<py::ssize_t>(width)});
+    robot.robot->jacobian(span_of(row), link_of(robot, link, {call, "link"}), vector3(point, {call, "point"}),
+                          {rows.mutable_data(), 6 * width});
+    return rows;
+}
+
+/// The limits of each number.
+py::array limits(const HeldRobot& robot)
+{
+    const std::vector<std::string>& names = robot.robot->names();
+    constexpr double endless = std::numeric_limits<double>::infinity();
+    py::array_t<double> made(std::array<py::ssize_t, 2>{static_cast<py::ssize_t>(names.size()), 2});
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        const auto joint = std::ranges::find(robot.robot->description().joints, names[i], &RobotJoint::name);
+        const bool has = joint != robot.robot->description().joints.end();
+        double* const at = made.mutable_data(static_cast<py::ssize_t>(i), 0);
+        at[0] = has ? joint->lower : -endless, at[1] = has ? joint->upper : endless;
+    }
+    return made;
+}
+
+py::list parents(const HeldRobot& robot)
+{
+    std::vector<std::int64_t> of(robot.robot->description().links.size(), -1);
+    for (const RobotJoint& joint : robot.robot->description().joints) of[joint.child] = joint.parent;
+    return py::cast(of);
+}
+
+std::uint32_t attach(HeldRobot& robot, py::handle link, py::handle model, py::handle at, py::handle touching)
+{
+    const char* const call = "Robot.attach";
+    std::vector<std::uint32_t> links;
+    for (const py::handle each : touching) links.push_back(link_of(robot, each, {call, "touching"}));
+    const std::uint32_t to = link_of(robot, link, {call, "link"});
+    const ModelId id = model_of(model, {call, "model"});
+    const Eigen::Isometry3d place = pose(at, {call, "pose"});
+    const Inside inside(*robot.held, call);
+    return robot.robot->attach(robot.held->world, to, id, place, links);
+}
+
+py::array add_bodies(HeldRobot& robot, py::handle layer, py::handle mask, py::handle group)
+{
+    const char* const call = "Robot.add_bodies";
+    const CollisionFilter filter = filter_of(layer, mask, group, call);
+    const Inside inside(*robot.held, call);
+    robot.robot->add_bodies(robot.held->world, {.layer = filter.layer, .mask = filter.mask, .group = filter.group});
+    return ids_of(robot.robot->bodies());
+}
+
+void set_joints(HeldRobot& robot, py::handle configuration)
+{
+    const char* const call = "Robot.set_joints";
+    const py::array row = rows_of(robot, configuration, {call, "configuration"});
+    if (row.ndim() != 1) refuse_value({call, "configuration"}, "one configuration, not many");
+    const Inside inside(*robot.held, call);
+    robot.robot->set_joints(robot.held->world, span_of(row));
+}
+
 } // namespace
 
 void bind_robot(py::module_& m)
@@ -154,6 +262,18 @@ C-contiguous and float64. Other Python threads can run meanwhile. Raises ValueEr
 configuration that is not finite.)",
            "configurations"_a, "self_collision"_a = true, "environment"_a = true);
     define(
+        robot, "distances", &distances,
+        R"(The signed distance of a configuration, float64 (width,), or of many, (N, width), to its nearest pair; with
+every_pair, of each pair at most `cutoff` metres apart (None: of all).
+
+Returns (pairs, gradients), for many configurations (pairs, gradients, offsets); the nearest pair is first.
+pairs, structured: lower, upper (certified bounds, metres; below 0 where they meet: minus the depth), link, other, body
+(as in check()), point, other_point (float64 (3,), world), normal (from the link to the other) and unique (False: the
+gradient is one of several). gradients: float64 (pairs, width), the derivatives of the distance by each number.
+depths=False: pairs that meet have the distance 0 and a gradient of zeros, which is faster. Raises as check().)",
+        "configurations"_a, "cutoff"_a = py::none(), "tolerance"_a = 0.0, "every_pair"_a = false, "gradients"_a = true,
+        "depths"_a = true, "self_collision"_a = true, "environment"_a = true);
+    define(
         robot, "check_edges", &check_edges,
         R"(Tests a whole motion between two configurations, float64 (width,), or many, (N, width): all joints move at constant speed, and
 no contact between samples is missed.
@@ -173,6 +293,52 @@ which is faster. Raises as check().)",
     define(robot, "link_poses", &link_poses,
            "The poses of all links in the world, float64 (links, 4, 4); for many configurations (N, links, 4, 4).",
            "configuration"_a);
+    define(robot, "jacobian", &jacobian,
+           "float64 (6, width): derivatives of the position of a point (metres, in the link's frame) and of the link's "
+           "rotation by each number of the configuration. link: name or index.",
+           "configuration"_a, "link"_a, "point"_a = py::make_tuple(0, 0, 0));
+    define(
+        robot, "set_base",
+        [](HeldRobot& held, py::handle at) {
+            const Eigen::Isometry3d to = pose(at, {"Robot.set_base", "pose"});
+            const Inside inside(*held.held, "Robot.set_base");
+            held.robot->set_base(to);
+        },
+        "Moves the root link.", "pose"_a);
+    define(
+        robot, "attach", &attach,
+        "Fixes a model of the World to a link (name or index), as an object in a gripper, and returns its number. Its "
+        "pairs with this link and with the links in `touching` are not tested. Remove the robot's bodies first.",
+        "link"_a, "model"_a, "pose"_a = py::none(), "touching"_a = py::tuple());
+    define(
+        robot, "detach_all",
+        [](HeldRobot& held) {
+            const Inside inside(*held.held, "Robot.detach_all");
+            held.robot->detach_all();
+        },
+        "Removes all attached objects; their models stay.");
+    const SharedArguments with;
+    define(
+        robot, "add_bodies", &add_bodies,
+        "Adds a body for each geometry of the links and for each attached object, at neutral(), and returns their ids, "
+        "uint64 (N,). Pairs that are not tested are excluded.",
+        with.layer, with.mask, with.group);
+    define(robot, "set_joints", &set_joints, "Moves the robot's bodies to a configuration, float64 (width,).",
+           "configuration"_a);
+    define(
+        robot, "remove_bodies",
+        [](HeldRobot& held) {
+            const Inside inside(*held.held, "Robot.remove_bodies");
+            held.robot->remove_bodies(held.held->world);
+        },
+        "Removes the robot's bodies.");
+    robot.def_property_readonly(
+        "bodies", [](const HeldRobot& held) { return ids_of(held.robot->bodies()); },
+        "The ids of the robot's bodies, uint64 (N,): links in order, then attached objects. Empty: it has none.");
+    robot.def_property_readonly("limits", &limits,
+                                "The least and greatest value of each number, float64 (width, 2); infinite: no limit.");
+    robot.def_property_readonly("parents", &parents,
+                                "The parent of each link by its index (list of int); -1: the root.");
     robot.def_property_readonly(
         "joints",
         [](const HeldRobot& held) {

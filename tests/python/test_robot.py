@@ -94,3 +94,80 @@ def test_motions_are_checked_without_gaps(files):
         robot.check_edges(up, (0, np.nan))
     with pytest.raises(oncollide.Error, match="tolerance"):
         robot.check_edges(up, down, tolerance=0)
+
+
+def test_distances_have_gradients(files):
+    world = oncollide.World()
+    wall = world.bodies.add(world.models.add(oncollide.box((0.01, 1, 1))), at(0.6, 0, 1), static=True)
+    robot = oncollide.Robot(world, files / "arm.urdf", srdf=files / "arm.srdf")
+    samples = np.random.default_rng(2).uniform((-3, -3), (3, 3), (200, 2))
+    pairs, gradients, offsets = robot.distances(samples)
+    assert offsets.tolist() == list(range(201)) and gradients.shape == (200, 2)
+    collides = robot.check(samples)["verdict"] == oncollide.Verdict.COLLIDING
+    assert np.array_equal(pairs["upper"] <= 0, collides) and 5 < np.count_nonzero(collides) < 195
+    apart = np.flatnonzero(~collides & pairs["unique"])
+    gaps = np.linalg.norm(pairs["other_point"] - pairs["point"], axis=1)
+    assert np.allclose(gaps[apart], pairs["upper"][apart], atol=1e-9)
+    step = 1e-6
+    compared = 0
+    for i in apart[:40]:
+        for k in range(2):
+            move = np.zeros(2)
+            move[k] = step
+            (after,), _ = robot.distances(samples[i] + move)
+            (before,), _ = robot.distances(samples[i] - move)
+            if (after["link"], after["other"]) == (before["link"], before["other"]):
+                compared += abs((after["upper"] - before["upper"]) / (2 * step) - gradients[i, k]) < 1e-5
+    assert compared > 50
+    near, slopes, offsets = robot.distances(samples, cutoff=0.1, every_pair=True, gradients=False)
+    assert slopes.shape == (0, 2) and len(near) == offsets[-1] and np.all(near["upper"] <= 0.1)
+    assert set(near["body"][near["other"] < 0]) == {wall}
+    one, slope = robot.distances(samples[0])
+    assert one[0] == pairs[0] and np.array_equal(slope[0], gradients[0])
+    met, flat, _ = robot.distances(samples[collides], depths=False)
+    assert np.all(met["upper"] == 0) and not flat.any()
+    with pytest.raises(ValueError, match=r"Robot.distances: configurations: expected shape \(N, 2\)"):
+        robot.distances(np.zeros((3, 3)))
+    with pytest.raises(oncollide.Error, match="tolerance of -1"):
+        robot.distances(samples, tolerance=-1)
+
+
+def test_the_tree_and_its_jacobian(files):
+    robot = oncollide.Robot(oncollide.World(), files / "arm.urdf")
+    assert robot.parents == [-1, 0, 1]
+    assert robot.limits.tolist() == [[-np.inf, np.inf], [-3, 3]]
+    q, point, step = np.array([0.3, 0.7]), np.array([0.1, 0.2, 0.3]), 1e-6
+    rows = robot.jacobian(q, "lower", point)
+    assert np.array_equal(rows, robot.jacobian(q, 2, point))
+    place = lambda q: (robot.link_poses(q)[2] @ [*point, 1])[:3]
+    for k in range(2):
+        move = np.eye(2)[k] * step
+        assert np.allclose(rows[:3, k], (place(q + move) - place(q - move)) / (2 * step), atol=1e-8)
+    assert np.allclose(rows[3:, 0], [0, 0, 1])
+    with pytest.raises(ValueError, match="no link 'hand'"):
+        robot.jacobian(q, "hand")
+    robot.set_base(at(0, 0, 5))
+    assert robot.link_poses(q)[0][2, 3] == 5
+
+
+def test_attached_objects_and_bodies(files):
+    world = oncollide.World()
+    world.bodies.add(world.models.add(oncollide.box((0.01, 1, 1))), at(0.9, 0, 1), static=True)
+    robot = oncollide.Robot(world, files / "arm.urdf", srdf=files / "arm.srdf")
+    q = np.array([0, np.pi / 2])  # the arm points at the wall
+    (before,), _ = robot.distances(q, self_collision=False)
+    rod = world.models.add(oncollide.box((0.01, 0.01, 0.1)))
+    assert robot.attach("lower", rod, at(0, 0, 0.6), touching=["base"]) == 0
+    (after,), _ = robot.distances(q, self_collision=False)
+    assert np.isclose(before["upper"] - after["upper"], 0.2)
+    ids = robot.add_bodies()
+    assert np.array_equal(ids, robot.bodies) and len(ids) == 3
+    robot.set_joints(q)
+    assert np.allclose(world.bodies.pose(int(ids[1])), robot.link_poses(q)[2] @ at(0, 0, 0.3))
+    world.step()
+    with pytest.raises(oncollide.Error, match="remove_bodies"):
+        robot.detach_all()
+    robot.remove_bodies()
+    robot.detach_all()
+    assert len(robot.bodies) == 0
+    assert robot.distances(q, self_collision=False)[0]["upper"] == before["upper"]

@@ -158,6 +158,14 @@ def robot_checks():
     })
 
 
+def robot_distances():
+    return of_robots("distances", {
+        "measured by": of("who", str), "us per configuration": of("us", three), "of the first row": of("of_oncollide", ".2f"),
+        "pairs": of("pairs"), "configurations": of("configurations"), "in contact": of("meeting"),
+        "in contact by one alone": of("differ", str),
+    })
+
+
 def robot_edges():
     return of_robots("edges", {
         "motions": of("edges"), "first contact, us": of("first_us", str), "free or not, us": of("any_us", str),

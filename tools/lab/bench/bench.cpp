@@ -12,6 +12,7 @@ void add_bench(Arguments app)
     bench.at_most_one_command();
     bench.action([]() -> int {
         usage("bench: choose a benchmark: broad, narrow, planner, continuous, rays, edges, contacts, avalanche, robot, "
+              "robot-distances, "
               "world, environment, distances, self, deform, shapes, clash, read, scale, many, gpu, poses or scene "
               "(oncollide-lab bench --help)");
     });
@@ -24,6 +25,7 @@ void add_bench(Arguments app)
     add_contacts(bench);
     add_avalanche(bench);
     add_robot_bench(bench);
+    add_robot_distances_bench(bench);
     add_world(bench);
     add_environment(bench);
     add_distances(bench);

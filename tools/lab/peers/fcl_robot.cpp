@@ -1,10 +1,12 @@
 #include "peers/fcl_robot.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/narrowphase/collision.h>
+#include <fcl/narrowphase/distance.h>
 
 #include "fcl/fcl_pair.hpp"
 
@@ -24,6 +26,7 @@ struct FclRobot::Impl {
     std::vector<std::uint8_t> tested; ///< by two links
     std::size_t links = 0;
     bool found = false;
+    double least = 0;
 
     static bool test(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, Impl& me)
     {
@@ -33,6 +36,13 @@ struct FclRobot::Impl {
         fcl::collide(a, b, request, result);
         return me.found = result.isCollision();
     }
+    static bool is_tested(const fcl::CollisionObjectd* a, const fcl::CollisionObjectd* b, const Impl& me)
+    {
+        const auto link = [](const fcl::CollisionObjectd* object) {
+            return reinterpret_cast<std::uintptr_t>(object->getUserData());
+        };
+        return me.tested[link(a) * me.links + link(b)];
+    }
     static bool with_environment(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data)
     {
         return test(a, b, *static_cast<Impl*>(data));
@@ -40,10 +50,25 @@ struct FclRobot::Impl {
     static bool with_itself(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data)
     {
         Impl& me = *static_cast<Impl*>(data);
-        const auto link = [](const fcl::CollisionObjectd* object) {
-            return reinterpret_cast<std::uintptr_t>(object->getUserData());
-        };
-        return me.tested[link(a) * me.links + link(b)] && test(a, b, me);
+        return is_tested(a, b, me) && test(a, b, me);
+    }
+    /// Sets `dist`, the manager's cutoff, to the least distance so far; true: none can be less.
+    static bool measure(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, Impl& me, double& dist)
+    {
+        const fcl::DistanceRequestd request(true);
+        fcl::DistanceResultd result;
+        me.least = dist = std::min(me.least, fcl::distance(a, b, request, result));
+        return me.least <= 0;
+    }
+    static bool distance_to_environment(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data, double& dist)
+    {
+        return measure(a, b, *static_cast<Impl*>(data), dist);
+    }
+    static bool distance_to_itself(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data, double& dist)
+    {
+        Impl& me = *static_cast<Impl*>(data);
+        dist = me.least;
+        return is_tested(a, b, me) && measure(a, b, me, dist);
     }
     void place(std::span<const Eigen::Isometry3d> poses)
     {
@@ -109,6 +134,20 @@ bool FclRobot::collides(std::span<const Eigen::Isometry3d> links)
         if (me.found) return true;
     }
     return false;
+}
+
+double FclRobot::distance(std::span<const Eigen::Isometry3d> links)
+{
+    Impl& me = *impl_;
+    me.place(links);
+    me.robot.update();
+    me.least = std::numeric_limits<double>::infinity();
+    me.robot.distance(&me, Impl::distance_to_itself);
+    for (const Impl::Part& part : me.parts) {
+        if (me.least <= 0) break;
+        me.environment->distance(part.object.get(), &me, Impl::distance_to_environment);
+    }
+    return me.least;
 }
 
 } // namespace oncollide::tools

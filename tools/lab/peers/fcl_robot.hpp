@@ -19,6 +19,8 @@ public:
     /// @param links  the poses of the links
     bool self_collides(std::span<const Eigen::Isometry3d> links);
     bool collides(std::span<const Eigen::Isometry3d> links);
+    /// The least distance of a link and another or the environment, with nearest points; not above 0: some meet.
+    double distance(std::span<const Eigen::Isometry3d> links);
 
 private:
     struct Impl;

@@ -60,6 +60,20 @@ TEST_F(RobotBenchmarks, ConfigurationsAgreeWithTheTruth)
     }
 }
 
+TEST_F(RobotBenchmarks, DistancesAgreeWithChecks)
+{
+    const Outcome outcome = run({"bench", "robot-distances", robot_.urdf.string(), "--srdf", robot_.srdf, "--package",
+                                 "robot=" + robot_.folder().path().string(), "--configurations", "100", "--repeats",
+                                 "1", "--csv", "d.csv"});
+    EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+    const auto rows = read_csv(folder_.read("d.csv"));
+    ASSERT_EQ(rows.size(), 5u);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(rows[i].at("pairs"), "100");
+    EXPECT_EQ(rows[0].at("differ"), "0");
+    EXPECT_GT(std::stod(rows[0].at("meeting")), 5);
+    EXPECT_LT(std::stod(rows[4].at("most_apart")), 1e-3);
+}
+
 TEST_F(RobotBenchmarks, CertifiedMotionsAreNotRefuted)
 {
     const Outcome outcome =

@@ -18,6 +18,7 @@ void add_edges_bench(Arguments bench);
 void add_contacts(Arguments bench);
 void add_avalanche(Arguments bench);
 void add_robot_bench(Arguments bench);
+void add_robot_distances_bench(Arguments bench);
 void add_world(Arguments bench);
 void add_environment(Arguments bench);
 void add_distances(Arguments bench);
