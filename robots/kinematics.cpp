@@ -56,7 +56,8 @@ Kinematics::Kinematics(const RobotDescription& robot)
             steps_.push_back(step_of(robot, i));
         }
     ONCOLLIDE_ASSERT(reached.size() == links);
-    step_to_.assign(links, none), depth_.assign(links, 0);
+    step_to_.assign(links, none), depth_.assign(links, 0), below_.resize(links);
+    for (const Step& step : steps_) below_[step.parent].push_back(step.child);
     for (std::uint32_t i = 0; i < steps_.size(); ++i)
         step_to_[steps_[i].child] = i, depth_[steps_[i].child] = depth_[steps_[i].parent] + 1;
 }
@@ -284,6 +285,27 @@ std::vector<std::uint32_t> Kinematics::links_between(std::uint32_t a, std::uint3
     for (; b != top; b = parent(b)) links.push_back(b);
     links.push_back(top);
     return links;
+}
+
+void Kinematics::ways_from(std::uint32_t link, std::vector<Way>& ways) const
+{
+    ways.resize(step_to_.size());
+    struct Visit {
+        std::uint32_t link, from, steps;
+    };
+    std::vector<Visit> open{{link, link, 0}};
+    std::vector<std::uint32_t> path; // from `link` to the link that is visited
+    while (!open.empty()) {          // depth first, so that the path is at hand
+        const Visit next = open.back();
+        open.pop_back();
+        path.resize(next.steps), path.push_back(next.link);
+        ways[next.link] = {next.steps + 1, path[(next.steps + 1) / 2]};
+        const auto visit = [&](std::uint32_t to) {
+            if (to != next.from) open.push_back({to, next.link, next.steps + 1});
+        };
+        if (next.link != root_) visit(parent(next.link));
+        for (const std::uint32_t child : below_[next.link]) visit(child);
+    }
 }
 
 } // namespace oncollide

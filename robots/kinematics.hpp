@@ -63,6 +63,13 @@ public:
                       const CoverSphere& ball, std::uint32_t link, std::uint32_t seen_from) const;
     /// The links on the way from link a to link b, both included.
     std::vector<std::uint32_t> links_between(std::uint32_t a, std::uint32_t b) const;
+    /// The way from a link to another one.
+    struct Way {
+        std::uint32_t links;  ///< both included
+        std::uint32_t middle; ///< the link in the middle
+    };
+    /// Sets the ways from one link to each other link. Cost: as many steps as there are links.
+    void ways_from(std::uint32_t link, std::vector<Way>& ways) const;
 
     /// A number on which the pose of one link, seen from another, depends.
     struct Acting {
@@ -96,8 +103,9 @@ private:
     std::vector<std::string> names_;
     std::vector<int> first_;
     std::vector<Step> steps_;
-    std::vector<std::uint32_t> step_to_; ///< by link: the step that leads to it; the root has none
-    std::vector<std::uint32_t> depth_;   ///< by link: steps from the root
+    std::vector<std::uint32_t> step_to_;            ///< by link: the step that leads to it; the root has none
+    std::vector<std::vector<std::uint32_t>> below_; ///< by link: its children
+    std::vector<std::uint32_t> depth_;              ///< by link: steps from the root
     std::uint32_t root_ = 0;
 };
 
