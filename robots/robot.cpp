@@ -282,7 +282,7 @@ void Robot::jacobian(std::span<const double> configuration, std::uint32_t link, 
     const Impl& p = *impl_;
     check_configuration(configuration, false);
     const std::size_t links = description().links.size();
-    if (link >= links) fail(fmt::format("jacobian: there is no link {}; the robot has {}", link, links));
+    p.check_link("jacobian", link);
     if (rows.size() != 6 * width())
         fail(fmt::format("jacobian: room for {} numbers; 6 rows of {} are {}", rows.size(), width(), 6 * width()));
     std::vector<Eigen::Isometry3d> poses(links, Eigen::Isometry3d::Identity());

@@ -93,11 +93,42 @@ ONCOLLIDE_API RobotDescription load_robot(const std::filesystem::path& urdf, con
 struct RobotFinding {
     static constexpr std::uint32_t no_link = 0xffffffffu;
 
-    double bound = 0; ///< metres. separate: the World's clearance; otherwise the bound of the pair below
+    double bound = 0; ///< metres. separate: the World's clearance; within the padding: that clearance;
+                      ///< otherwise the bound of the pair below
     Verdict verdict = Verdict::separate;
     /// The pair with this verdict that was found first, or the one with the least bound if none collides.
     std::uint32_t link = no_link;  ///< no_link: all pairs are separate
     std::uint32_t other = no_link; ///< a link of the robot; no_link: the pair is with `body`
+    BodyId body{};
+};
+
+/// How close links may come to bodies and to each other: pairs that are closer are `within`. Metres, 0 or more. Where
+/// the World's clearance is larger, it counts.
+struct RobotPadding {
+    double environment = 0; ///< links and bodies
+    double self = 0;        ///< two links
+    struct OfLink {
+        std::uint32_t link;
+        double clearance;
+    };
+    std::vector<OfLink> links{}; ///< of a link and all bodies, instead of `environment`
+    struct OfBody {
+        BodyId body;
+        double clearance;
+        std::uint32_t link = RobotFinding::no_link; ///< no_link: all links
+    };
+    std::vector<OfBody> bodies{}; ///< instead of `links`; an entry with a link counts before one without
+    struct OfPair {
+        std::uint32_t a, b; ///< links
+        double clearance;
+    };
+    std::vector<OfPair> pairs{}; ///< of two links, instead of `self`
+};
+
+/// Two links, or a link and a body, that may be in contact: they are not tested.
+struct AllowedContact {
+    std::uint32_t link;
+    std::uint32_t other = RobotFinding::no_link; ///< a link; no_link: `body`
     BodyId body{};
 };
 
@@ -231,6 +262,16 @@ public:
     /// Removes all attached objects; the models stay. Do not call it while the robot has bodies.
     void detach_all();
 
+    /// Replaces the padding, for check() and check_edges(). A configuration is then tested until a pair collides or is
+    /// within its clearance. Throws Error{usage} for links that do not exist, and for a clearance that is negative, NaN
+    /// or beyond 1e6.
+    void set_padding(const RobotPadding& padding);
+    const RobotPadding& padding() const;
+    /// Replaces the contacts that are allowed besides the description's excluded pairs. An entry with a body that was
+    /// removed does nothing. Do not call it while the robot has bodies. Throws Error{usage} for links that do not
+    /// exist.
+    void set_allowed(std::span<const AllowedContact> allowed);
+
     // --- Bodies of the World.
     /// Adds a body for each geometry, at neutral(), and excludes the pairs that are not tested. model and pose of
     /// `spec` are not used.
@@ -252,7 +293,8 @@ public:
     /// Sets the signed distances of configurations: the least of each, or one for each pair of links and each link and
     /// body within the cutoff. Pairs that are excluded, and bodies of this robot, are not measured. Gradients
     /// are the derivatives of the distance by each number of the configuration, m per m or rad; by the four numbers of
-    /// a quaternion, too. Threads as check(); surfaces or solids as World::settings() say. The same bits for any number
+    /// a quaternion, too. Threads as check(); surfaces or solids as World::settings() say. Padding
+    /// does not count. The same bits for any number
     /// of threads. Throws as check_configuration() without limits, and Error{usage} for a tolerance or a cutoff that is
     /// negative or NaN. Cost: 10 to 40 microseconds for the least distance of an arm of meshes among 40 bodies.
     void distances(const World& world, std::span<const double> configurations, RobotDistances& found,
@@ -274,6 +316,7 @@ private:
     class ONCOLLIDE_LOCAL Checker;
     class ONCOLLIDE_LOCAL DistanceFinder;
     class ONCOLLIDE_LOCAL EdgeChecker;
+    friend class Clearances;
     friend class SphereCull;
     friend class EdgeCull;
     friend class EdgeMotion;

@@ -14,27 +14,21 @@ namespace {
 
 constexpr std::size_t spheres_of_object = 16;
 
-void refuse_with_bodies(const std::vector<BodyId>& bodies, const char* call)
+} // namespace
+
+void Robot::Impl::refuse_with_bodies(const char* call) const
 {
     if (!bodies.empty()) throw Error(ErrorKind::usage, std::string("robot: ") + call + ": remove_bodies() comes first");
 }
-
-} // namespace
 
 std::uint32_t Robot::attach(World& world, std::uint32_t link, ModelId model, const Eigen::Isometry3d& pose,
                             std::span<const std::uint32_t> touching)
 {
     Impl& p = *impl_;
     p.check_world(world);
-    refuse_with_bodies(p.bodies, "attach");
-    const std::size_t links = p.description.links.size();
-    const auto check_link = [&](std::uint32_t number) {
-        if (number >= links)
-            throw Error(ErrorKind::usage,
-                        fmt::format("robot: attach: there is no link {}; the robot has {}", number, links));
-    };
-    check_link(link);
-    for (const std::uint32_t other : touching) check_link(other);
+    p.refuse_with_bodies("attach");
+    p.check_link("attach", link);
+    for (const std::uint32_t other : touching) p.check_link("attach", other);
     p.check_pose("attached object", pose);
     WorldAccess::check_inside(world, model);
     const Aabb box = world.models().bounds(model, Eigen::Isometry3d::Identity());
@@ -47,7 +41,7 @@ std::uint32_t Robot::attach(World& world, std::uint32_t link, ModelId model, con
 void Robot::detach_all()
 {
     Impl& p = *impl_;
-    refuse_with_bodies(p.bodies, "detach_all");
+    p.refuse_with_bodies("detach_all");
     p.parts.resize(p.attached_from), p.spheres.resize(p.spheres_of_links);
     std::erase_if(p.groups, [&](const Impl::Group& group) { return group.first >= p.attached_from; });
     p.take_in_groups();
@@ -57,7 +51,7 @@ void Robot::add_bodies(World& world, const BodySpec& given)
 {
     Impl& p = *impl_;
     p.check_world(world);
-    refuse_with_bodies(p.bodies, "add_bodies");
+    p.refuse_with_bodies("add_bodies");
     std::vector<Eigen::Isometry3d> links(p.description.links.size(), Eigen::Isometry3d::Identity());
     p.tree.link_poses(neutral().data(), p.base, links.data());
     std::vector<BodySpec> specs;
@@ -73,6 +67,10 @@ void Robot::add_bodies(World& world, const BodySpec& given)
     for (std::uint32_t b = 0; b < p.parts.size(); ++b)
         for (std::uint32_t a = 0; a < b; ++a)
             if (!tested.contains({a, b})) world.bodies().exclude(p.bodies[a], p.bodies[b]);
+    for (const auto& [link, body] : p.allowed_bodies)
+        for (std::uint32_t part = 0; part < p.parts.size(); ++part)
+            if (p.parts[part].link == link && world.bodies().contains(body))
+                world.bodies().exclude(p.bodies[part], body);
 }
 
 void Robot::set_joints(World& world, std::span<const double> configuration)

@@ -1,6 +1,6 @@
 // Robot::check(): many configurations, in chunks. In a chunk, bounding spheres find the pairs that are near each other,
 // in all configurations at a time; the World decides these in batches. A configuration leaves when a pair collides.
-#include <oncollide/robots/robot_impl.hpp>
+#include <oncollide/robots/clearances.hpp>
 #include <oncollide/robots/surroundings.hpp>
 
 #include <algorithm>
@@ -28,8 +28,10 @@ int severity(Verdict verdict)
 class Robot::Checker {
 public:
     Checker(const Robot::Impl& robot, const World& world)
-        : robot_(robot), clearance_(world.settings().clearance), tests_(world), near_(robot.stretch(), clearance_),
-          surroundings_(robot.covers, tests_), partings_(robot.group_pairs.size())
+        : robot_(robot), clearances_(robot, world.settings().clearance), tests_(world),
+          near_links_(robot.stretch(), clearances_.most_of_links()),
+          near_bodies_(robot.stretch(), clearances_.most_of_bodies()), surroundings_(robot.covers, tests_),
+          partings_(robot.group_pairs.size())
     {
         poses_of_batch_.reserve(2 * batch_size);
     }
@@ -59,7 +61,7 @@ public:
             robot_.tree.link_poses(numbers.data() + i * width, robot_.base, &poses_[i * links]);
             if (!robot_.has_sound_poses) robot_.check_poses(&poses_[i * links], number + i);
             findings[i] = {};
-            findings[i].bound = clearance_;
+            findings[i].bound = clearances_.of_world();
             open_[i / 8] |= static_cast<std::uint8_t>(1u << i % 8);
         }
         centres_.place(robot_.covers, poses_, links);
@@ -100,7 +102,7 @@ private:
         for (std::size_t p = 0; p < robot_.group_pairs.size(); ++p) {
             const Robot::Impl::GroupPair& pair = robot_.group_pairs[p];
             const GroupCover &a = robot_.covers[pair.a], &b = robot_.covers[pair.b];
-            const float reach = near_.reach(a, b, centres_.sizes[pair.a] + centres_.sizes[pair.b]);
+            const float reach = near_links_.reach(a, b, centres_.sizes[pair.a] + centres_.sizes[pair.b]);
             ball_kernel().points_near(centres_.of(pair.a), centres_.of(pair.b), centres_.stride, reach, bits_.data());
             for (std::size_t k = 0; k < open_.size(); ++k) bits_[k] &= open_[k];
             each_bit(bits_, [&](std::uint32_t i) { add_parts(i, a, b, partings_[p]); });
@@ -111,16 +113,17 @@ private:
 
     void add_parts(std::uint32_t i, const GroupCover& a, const GroupCover& b, Parting& parting)
     {
+        const double clearance = clearances_.of_links(a.link(), b.link());
         const auto are_apart = [&](std::uint64_t pair) {
             const auto of_a = static_cast<std::uint32_t>(pair >> 32), of_b = static_cast<std::uint32_t>(pair);
             const PartSolids *const x = robot_.parts[of_a].solids.get(), *const y = robot_.parts[of_b].solids.get();
-            return x && y && surely_apart(*x, pose_of(of_a, i), *y, pose_of(of_b, i), clearance_, parting);
+            return x && y && surely_apart(*x, pose_of(of_a, i), *y, pose_of(of_b, i), clearance, parting);
         };
         const bool single = a.has_one_part() && b.has_one_part();
         const bool known = single && parting.held(); // the direction then takes less time than the spheres
         if (known && are_apart(std::uint64_t{a.part(0)} << 32 | b.part(0))) return;
         pairs_.clear();
-        near_.find(a, link(i, a.link()), b, link(i, b.link()), pairs_);
+        near_links_.find(a, link(i, a.link()), b, link(i, b.link()), pairs_);
         // The list may hold the same pair several times.
         if (!single && !pairs_.empty() && robot_.parts[a.part(0)].solids) {
             std::ranges::sort(pairs_);
@@ -136,7 +139,7 @@ private:
     void check_environment()
     {
         in_self_ = false;
-        surroundings_.prepare(centres_, near_);
+        surroundings_.prepare(centres_, near_bodies_);
         for (auto g = static_cast<std::uint32_t>(robot_.covers.size()); g-- > 0;) {
             const std::span<const Surroundings::Near> all = surroundings_.find(g, open_);
             for (std::size_t k = 0; k < all.size();) {
@@ -153,8 +156,11 @@ private:
 
     void add_body(std::uint32_t i, const GroupCover& group, const PlacedBody& body)
     {
+        const BodyId id = tests_.body_at(body.slot);
+        if (robot_.allows(group.link(), id)) return;
+        const double clearance = clearances_.of_body(group.link(), id);
         parts_.clear();
-        near_.find(group, link(i, group.link()), body.box, parts_);
+        near_bodies_.find(group, link(i, group.link()), body.box, parts_);
         for (const std::uint32_t part : parts_) {
             const PartSolids* const solids = robot_.parts[part].solids.get();
             Near near{i, false, std::uint64_t{~part} << 32 | body.slot};
@@ -163,7 +169,7 @@ private:
                     near_pairs_.back().configuration == i)
                     continue; // another sphere of the same part
                 const Eigen::Isometry3d pose = pose_of(part, i);
-                if (surely_apart(*solids, pose, body.box, clearance_)) continue;
+                if (surely_apart(*solids, pose, body.box, clearance)) continue;
                 near.meets = is_exact_ && surely_meet(*solids, pose, body);
             }
             near_pairs_.push_back(near);
@@ -214,9 +220,23 @@ private:
             tasks_.push_back(task);
         }
         const Finding* found = tasks_.empty() ? nullptr : tests_.decide(tasks_).data();
-        for (const Near& near : batch_)
-            take(near, near.meets ? Finding{Verdict::colliding, ContactKind::unknown, 0} : *found++);
+        const PairTask* task = tasks_.data();
+        for (const Near& near : batch_) {
+            Finding finding{Verdict::colliding, ContactKind::unknown, 0};
+            if (!near.meets) {
+                finding = *found++;
+                if (clearances_.padded() && finding.verdict == Verdict::separate && is_open(near.configuration))
+                    finding = tests_.within(*task, clearance_of(near));
+                ++task;
+            }
+            take(near, finding);
+        }
         batch_.clear();
+    }
+    double clearance_of(const Near& near) const
+    {
+        if (in_self_) return clearances_.of_links(robot_.parts[near.upper()].link, robot_.parts[near.lower()].link);
+        return clearances_.of_body(robot_.parts[~near.upper()].link, tests_.body_at(near.lower()));
     }
 
     void take(const Near& near, const Finding& found)
@@ -228,14 +248,14 @@ private:
         worst.link = robot_.parts[in_self_ ? near.upper() : ~near.upper()].link;
         worst.other = in_self_ ? robot_.parts[near.lower()].link : RobotFinding::no_link;
         worst.body = in_self_ ? BodyId{} : tests_.body_at(near.lower());
-        if (found.verdict == Verdict::colliding)
+        if (found.verdict == Verdict::colliding || clearances_.padded())
             open_[near.configuration / 8] &= static_cast<std::uint8_t>(~(1u << near.configuration % 8));
     }
 
     const Robot::Impl& robot_;
-    const double clearance_;
+    const Clearances clearances_;
     WorldAccess::PlacedTests tests_;
-    NearParts near_;
+    NearParts near_links_, near_bodies_;
     Surroundings surroundings_;
     std::vector<Parting> partings_; ///< by pair of groups
     const RobotCheck* what_ = nullptr;

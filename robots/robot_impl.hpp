@@ -14,6 +14,7 @@
 
 namespace oncollide {
 
+class Clearances;
 class JointCells;
 
 /// The bounding spheres of a part, to rule out pairs: the first contains the part, as do the others together.
@@ -71,11 +72,19 @@ struct Robot::Impl {
     void check_world(const World& world) const;
     /// Throws Error{bad_data} for a pose that is not rigid.
     void check_pose(const std::string& of, const Eigen::Isometry3d& pose) const;
+    /// Throws Error{usage}.
+    void check_link(const char* call, std::uint32_t link) const;
+    /// Throws Error{usage} if the robot has bodies.
+    void refuse_with_bodies(const char* call) const;
     void check_width(std::size_t numbers) const;
     /// Throws Error{usage} if there are not `count` configurations, and as check_configuration() without limits, with
     /// the call and the number of the item.
     static void check_numbers(const char* call, const char* item, const Robot& robot, std::span<const double> numbers,
                               std::size_t count);
+    bool allows(std::uint32_t link, BodyId body) const
+    {
+        return !allowed_bodies.empty() && std::ranges::binary_search(allowed_bodies, std::pair(link, body));
+    }
     Eigen::Isometry3d pose_of(const Part& part, const Eigen::Isometry3d* links) const
     {
         return part.is_at_link ? links[part.link] : links[part.link] * part.pose;
@@ -118,6 +127,9 @@ struct Robot::Impl {
     mutable std::shared_ptr<JointCells> cells; ///< grids of check_edges(), for the parts as they are; null: none yet
     std::vector<PartPair> pairs;
     std::vector<GroupPair> group_pairs; ///< those most often near each other first
+    RobotPadding padding;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> allowed_links; ///< a < b, sorted
+    std::vector<std::pair<std::uint32_t, BodyId>> allowed_bodies;       ///< sorted
     std::vector<BodyId> bodies;
     ModelId any_model{}; ///< identifies the World
 };

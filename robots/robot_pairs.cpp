@@ -15,7 +15,8 @@ void Robot::Impl::find_pairs()
         if (a.link == b.link || std::ranges::count(a.touching, b.link) || std::ranges::count(b.touching, a.link))
             return false;
         const std::pair<std::uint32_t, std::uint32_t> links = std::minmax(a.link, b.link);
-        return !std::ranges::binary_search(description.excluded, links);
+        return !std::ranges::binary_search(description.excluded, links) &&
+               !std::ranges::binary_search(allowed_links, links);
     };
     for (std::uint32_t b = 0; b < groups.size(); ++b)
         for (std::uint32_t a = 0; a < b; ++a) {

@@ -80,6 +80,15 @@ std::span<const Finding> WorldAccess::PlacedTests::decide(std::span<const PairTa
     return worker.refined;
 }
 
+Finding WorldAccess::PlacedTests::within(const PairTask& task, double clearance)
+{
+    if (clearance <= parts_->settings.clearance) return {Verdict::separate, ContactKind::unknown, clearance};
+    parts_->world.need_trees({&task, 1});
+    const Finding found = parts_->world.models.with_room(
+        [&] { return tests_for(task).near(parts_->worker.pairs, task, clearance, 0, nullptr); });
+    return {found.verdict == Verdict::separate ? Verdict::separate : Verdict::within, ContactKind::near, clearance};
+}
+
 Distance WorldAccess::PlacedTests::distance(const PairTask& task, const DistanceOptions& options)
 {
     if (const auto direct = tests_for(task).direct_distance) return direct(task, options);

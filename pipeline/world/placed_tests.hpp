@@ -35,6 +35,8 @@ public:
     /// decides exactly where OBB trees refine: to find that two bodies meet takes less time than to bound their
     /// distance. Valid until the next call.
     std::span<const Finding> decide(std::span<const PairTask> tasks);
+    /// For a pair that is apart by the World's settings: whether it is at most a clearance apart.
+    Finding within(const PairTask& task, double clearance);
     /// As Pairs::distance().
     Distance distance(const PairTask& task, const DistanceOptions& options);
     /// As Pairs::manifold(). Valid until the next call.

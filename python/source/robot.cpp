@@ -6,20 +6,36 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
-#include <oncollide/robots/robot.hpp>
-
 #include "geometry.hpp"
-#include "held_world.hpp"
+#include "held_robot.hpp"
 
 namespace oncollide::python {
 
-namespace {
+py::array rows_of(const HeldRobot& robot, py::handle value, const Place& place)
+{
+    py::array array = doubles(value, place);
+    const auto width = static_cast<py::ssize_t>(robot.robot->width());
+    if (!has_shape(array, {-1, width}) && !has_shape(array, {width}))
+        refuse_value(place, fmt::format("expected shape (N, {}), got {}", width, shape_of(array)));
+    return array;
+}
 
-struct HeldRobot {
-    using InModule = void;
-    std::shared_ptr<HeldWorld> held;
-    std::unique_ptr<Robot> robot;
-};
+std::span<const double> span_of(const py::array& array)
+{
+    return {static_cast<const double*>(array.data()), static_cast<std::size_t>(array.size())};
+}
+
+std::uint32_t link_of(const HeldRobot& robot, py::handle value, const Place& place)
+{
+    if (!py::isinstance<py::str>(value)) return static_cast<std::uint32_t>(whole(value, place, 0xffffffffu));
+    const std::string name = text(value, place);
+    const auto& links = robot.robot->description().links;
+    const auto found = std::ranges::find(links, name, &RobotLink::name);
+    if (found == links.end()) refuse_value(place, fmt::format("the robot has no link '{}'", name));
+    return static_cast<std::uint32_t>(found - links.begin());
+}
+
+namespace {
 
 std::unique_ptr<HeldRobot> make(HeldWorld& held, py::handle urdf, py::handle srdf, py::handle packages, py::handle base)
 {
@@ -38,21 +54,6 @@ std::unique_ptr<HeldRobot> make(HeldWorld& held, py::handle urdf, py::handle srd
     const Inside inside(held, call);
     return std::make_unique<HeldRobot>(
         HeldRobot{held.shared_from_this(), std::make_unique<Robot>(held.world, std::move(description), at)});
-}
-
-/// Rows of a configuration's width, or one.
-py::array rows_of(const HeldRobot& robot, py::handle value, const Place& place)
-{
-    py::array array = doubles(value, place);
-    const auto width = static_cast<py::ssize_t>(robot.robot->width());
-    if (!has_shape(array, {-1, width}) && !has_shape(array, {width}))
-        refuse_value(place, fmt::format("expected shape (N, {}), got {}", width, shape_of(array)));
-    return array;
-}
-
-std::span<const double> span_of(const py::array& array)
-{
-    return {static_cast<const double*>(array.data()), static_cast<std::size_t>(array.size())};
 }
 
 /// One result for one row, or an array.
@@ -159,17 +160,6 @@ py::array link_poses(HeldRobot& robot, py::handle configurations)
     return made;
 }
 
-/// A link by its name or its number, which Robot checks.
-std::uint32_t link_of(const HeldRobot& robot, py::handle value, const Place& place)
-{
-    if (!py::isinstance<py::str>(value)) return static_cast<std::uint32_t>(whole(value, place, 0xffffffffu));
-    const std::string name = text(value, place);
-    const auto& links = robot.robot->description().links;
-    const auto found = std::ranges::find(links, name, &RobotLink::name);
-    if (found == links.end()) refuse_value(place, fmt::format("the robot has no link '{}'", name));
-    return static_cast<std::uint32_t>(found - links.begin());
-}
-
 py::array jacobian(HeldRobot& robot, py::handle configuration, py::handle link, py::handle point)
 {
     const char* const call = "Robot.jacobian";
@@ -202,36 +192,6 @@ py::list parents(const HeldRobot& robot)
     std::vector<std::int64_t> of(robot.robot->description().links.size(), -1);
     for (const RobotJoint& joint : robot.robot->description().joints) of[joint.child] = joint.parent;
     return py::cast(of);
-}
-
-std::uint32_t attach(HeldRobot& robot, py::handle link, py::handle model, py::handle at, py::handle touching)
-{
-    const char* const call = "Robot.attach";
-    std::vector<std::uint32_t> links;
-    for (const py::handle each : touching) links.push_back(link_of(robot, each, {call, "touching"}));
-    const std::uint32_t to = link_of(robot, link, {call, "link"});
-    const ModelId id = model_of(model, {call, "model"});
-    const Eigen::Isometry3d place = pose(at, {call, "pose"});
-    const Inside inside(*robot.held, call);
-    return robot.robot->attach(robot.held->world, to, id, place, links);
-}
-
-py::array add_bodies(HeldRobot& robot, py::handle layer, py::handle mask, py::handle group)
-{
-    const char* const call = "Robot.add_bodies";
-    const CollisionFilter filter = filter_of(layer, mask, group, call);
-    const Inside inside(*robot.held, call);
-    robot.robot->add_bodies(robot.held->world, {.layer = filter.layer, .mask = filter.mask, .group = filter.group});
-    return ids_of(robot.robot->bodies());
-}
-
-void set_joints(HeldRobot& robot, py::handle configuration)
-{
-    const char* const call = "Robot.set_joints";
-    const py::array row = rows_of(robot, configuration, {call, "configuration"});
-    if (row.ndim() != 1) refuse_value({call, "configuration"}, "one configuration, not many");
-    const Inside inside(*robot.held, call);
-    robot.robot->set_joints(robot.held->world, span_of(row));
 }
 
 } // namespace
@@ -297,44 +257,7 @@ which is faster. Raises as check().)",
            "float64 (6, width): derivatives of the position of a point (metres, in the link's frame) and of the link's "
            "rotation by each number of the configuration. link: name or index.",
            "configuration"_a, "link"_a, "point"_a = py::make_tuple(0, 0, 0));
-    define(
-        robot, "set_base",
-        [](HeldRobot& held, py::handle at) {
-            const Eigen::Isometry3d to = pose(at, {"Robot.set_base", "pose"});
-            const Inside inside(*held.held, "Robot.set_base");
-            held.robot->set_base(to);
-        },
-        "Moves the root link.", "pose"_a);
-    define(
-        robot, "attach", &attach,
-        "Fixes a model of the World to a link (name or index), as an object in a gripper, and returns its number. Its "
-        "pairs with this link and with the links in `touching` are not tested. Remove the robot's bodies first.",
-        "link"_a, "model"_a, "pose"_a = py::none(), "touching"_a = py::tuple());
-    define(
-        robot, "detach_all",
-        [](HeldRobot& held) {
-            const Inside inside(*held.held, "Robot.detach_all");
-            held.robot->detach_all();
-        },
-        "Removes all attached objects; their models stay.");
-    const SharedArguments with;
-    define(
-        robot, "add_bodies", &add_bodies,
-        "Adds a body for each geometry of the links and for each attached object, at neutral(), and returns their ids, "
-        "uint64 (N,). Pairs that are not tested are excluded.",
-        with.layer, with.mask, with.group);
-    define(robot, "set_joints", &set_joints, "Moves the robot's bodies to a configuration, float64 (width,).",
-           "configuration"_a);
-    define(
-        robot, "remove_bodies",
-        [](HeldRobot& held) {
-            const Inside inside(*held.held, "Robot.remove_bodies");
-            held.robot->remove_bodies(held.held->world);
-        },
-        "Removes the robot's bodies.");
-    robot.def_property_readonly(
-        "bodies", [](const HeldRobot& held) { return ids_of(held.robot->bodies()); },
-        "The ids of the robot's bodies, uint64 (N,): links in order, then attached objects. Empty: it has none.");
+    bind_robot_setup(robot);
     robot.def_property_readonly("limits", &limits,
                                 "The least and greatest value of each number, float64 (width, 2); infinite: no limit.");
     robot.def_property_readonly("parents", &parents,

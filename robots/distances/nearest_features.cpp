@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// What a convex part has along a direction: a point, an edge along `along`, or a face.
+/// The feature of a convex part along a direction: a point, an edge along `along`, or a face.
 struct Feature {
     int dimensions = 0;
     Vector3d along = Vector3d::Zero(); ///< unit, world frame

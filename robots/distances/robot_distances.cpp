@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr std::size_t chunk_size = 16;   // configurations; a chunk does not depend on the number of threads
-constexpr std::size_t most_listed = 256; // bodies: with more, the World is asked for those within reach
+constexpr std::size_t most_listed = 256; // bodies: with more, the broad phase finds the near ones
 constexpr double endless = std::numeric_limits<double>::infinity();
 
 void check_options(const RobotDistanceOptions& options)
@@ -73,7 +73,7 @@ public:
 
 private:
     enum class Stage : std::uint8_t { groups, parts, group_and_body, part_and_body };
-    /// A pair that may be as near as `lower`. Of groups, `b` is the number of their pair.
+    /// A pair that may be as near as `lower`. For groups, `b` is the number of their pair.
     struct Candidate {
         double lower = 0;
         Stage stage = Stage::groups;
@@ -90,7 +90,7 @@ private:
         std::uint32_t slot;
         Aabb box;
         PlacedBox own_box;
-        bool endless; ///< a half-space: boxes tell nothing
+        bool endless; ///< a half-space, which no box bounds
     };
 
     static Aabb all_space()
@@ -244,6 +244,7 @@ private:
             return;
         }
         const Body& body = bodies_[c.b];
+        if (robot_.allows(robot_.groups[c.a].link, tests_.body_at(body.slot))) return;
         for (std::uint32_t part = robot_.groups[c.a].first; part < robot_.groups[c.a].end; ++part) {
             const double gap = body.endless ? 0 : cull_.gap_of_part(part, body.own_box);
             push({std::max(gap, c.lower), Stage::part_and_body, part, c.b});
@@ -335,7 +336,7 @@ private:
     RobotDistanceOptions options_;
     std::vector<Model*> models_; ///< by part
     std::vector<std::uint32_t> own_;
-    std::vector<Body> bodies_; ///< all, or those in reach
+    std::vector<Body> bodies_; ///< all bodies, or the bodies in reach
     bool in_reach_ = false;
     std::vector<Eigen::Isometry3d> poses_; ///< by link
     std::vector<Candidate> open_;          ///< a heap, the nearest first

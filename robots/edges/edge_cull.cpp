@@ -13,9 +13,9 @@ double size_of(const OuterHull& hull)
 
 } // namespace
 
-EdgeCull::EdgeCull(const Robot::Impl& robot, const World& world, EdgeMotion& motion)
-    : robot_(robot), clearance_(world.settings().clearance), rounding_(robot.rounding()), motion_(motion),
-      tests_(world), bodies_(tests_)
+EdgeCull::EdgeCull(const Robot::Impl& robot, const World& world, const Clearances& clearances, EdgeMotion& motion)
+    : robot_(robot), clearances_(clearances), rounding_(robot.rounding()), motion_(motion), tests_(world),
+      bodies_(tests_)
 {
     tests_.begin();
 }
@@ -29,6 +29,9 @@ bool EdgeCull::is_open(std::uint32_t part, std::uint32_t number, double begin, d
 {
     const Robot::Impl::Part& of = robot_.parts[part];
     const PlacedBox& box = bodies_[number].box;
+    const BodyId body = tests_.body_at(bodies_[number].slot);
+    if (robot_.allows(of.link, body)) return false;
+    const double clearance = clearances_.of_body(of.link, body);
     const Eigen::Isometry3d *const first = motion_.at(begin).links.data(), *const last = motion_.at(end).links.data();
     // The middle of the part's ball moves along a chord.
     const CoverSphere& ball = of.cover.whole;
@@ -36,9 +39,9 @@ bool EdgeCull::is_open(std::uint32_t part, std::uint32_t number, double begin, d
     const Eigen::Vector3d seen = box.pose.linear().transpose() * (middle - box.pose.translation()) - box.centre;
     const double size = seen.cwiseAbs().sum() + ball.radius + box.half.sum() + box.centre.norm();
     const double within =
-        0.5 * (b - a).norm() + ball.radius + bent + clearance_ + rounding_ * size + 1e-12 * middle.norm();
+        0.5 * (b - a).norm() + ball.radius + bent + clearance + rounding_ * size + 1e-12 * middle.norm();
     if ((seen.cwiseAbs() - box.half).cwiseMax(0).squaredNorm() > within * within) return false;
-    return !of.solids || !surely_apart(*of.solids, robot_.pose_of(of, first), robot_.pose_of(of, last), box, clearance_,
+    return !of.solids || !surely_apart(*of.solids, robot_.pose_of(of, first), robot_.pose_of(of, last), box, clearance,
                                        bent + rounding_ * size);
 }
 
@@ -62,7 +65,7 @@ bool EdgeCull::is_open(const EdgeItem& item, const EdgeWays& ways)
     const Seen begin = seen(first), end = seen(last);
     const double size = begin.b_to_a.translation.norm() + end.b_to_a.translation.norm() + size_of(a.solids->hull) +
                         size_of(b.solids->hull);
-    const double needed = clearance_ + rounding_ * (size + clearance_);
+    const double clearance = clearances_.of_links(a.link, b.link), needed = clearance + rounding_ * (size + clearance);
     const auto parts = [&](const Eigen::Vector3d& across) {
         return gap_along(a.solids->hull, b.solids->hull, begin.b_to_a, begin.direction * across) > needed + bent &&
                gap_along(a.solids->hull, b.solids->hull, end.b_to_a, end.direction * across) > needed + bent;

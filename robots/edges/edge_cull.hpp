@@ -2,6 +2,7 @@
 #include <vector>
 
 #include <oncollide/pipeline/world/placed_tests.hpp>
+#include <oncollide/robots/clearances.hpp>
 #include <oncollide/robots/edges/edge_motion.hpp>
 #include <oncollide/robots/surroundings.hpp>
 
@@ -12,7 +13,7 @@ namespace oncollide {
 /// sides at both ends separates them in the whole window.
 class EdgeCull {
 public:
-    EdgeCull(const Robot::Impl& robot, const World& world, EdgeMotion& motion);
+    EdgeCull(const Robot::Impl& robot, const World& world, const Clearances& clearances, EdgeMotion& motion);
 
     /// Forgets the directions of the last edge: findings must not depend on them.
     void start();
@@ -35,7 +36,7 @@ public:
 
 private:
     const Robot::Impl& robot_;
-    const double clearance_;
+    const Clearances& clearances_;
     const double rounding_;
     EdgeMotion& motion_;
     WorldAccess::PlacedTests tests_;

@@ -26,9 +26,10 @@ void each_window(const EdgeItem& whole, double excess, Take take)
 
 } // namespace
 
-EdgeSearch::EdgeSearch(const Robot::Impl& robot, const World& world, const RobotCheck& what, EdgeMotion& motion,
-                       EdgeCull& cull, const std::vector<std::uint32_t>& own)
-    : robot_(robot), world_(world), what_(what), motion_(motion), cull_(cull),
+EdgeSearch::EdgeSearch(const Robot::Impl& robot, const World& world, const RobotCheck& what,
+                       const Clearances& clearances, EdgeMotion& motion, EdgeCull& cull,
+                       const std::vector<std::uint32_t>& own)
+    : robot_(robot), world_(world), what_(what), clearances_(clearances), motion_(motion), cull_(cull),
       cells_(robot.joint_cells(world.settings().clearance)), own_(own)
 {
 }
@@ -81,7 +82,7 @@ void EdgeSearch::search_self(std::vector<EdgeItem>& items)
         const Eigen::Isometry3d* const links = motion_.place(item.middle());
         const RigidParts &a = motion_.rigid()[item.a], &b = motion_.rigid()[item.b];
         const double apart = (links[a.link] * a.ball.centre - links[b.link] * b.ball.centre).norm(),
-                     near = motion_.reach(ways_of(item)) + a.ball.radius + b.ball.radius + world_.settings().clearance,
+                     near = motion_.reach(ways_of(item)) + a.ball.radius + b.ball.radius + clearances_.most_of_links(),
                      size = links[a.link].translation().norm() + links[b.link].translation().norm();
         if (apart > near * (1 + 1e-12) + 1e-12 * size) continue;
         for (const std::uint32_t p : bundles_[item.a * count + item.b]) {
@@ -157,7 +158,7 @@ Aabb EdgeSearch::place_balls(std::uint32_t number)
                 return motion_.at(end / windows_).links[rigid.link] * rigid.ball.centre;
             };
             const Eigen::Vector3d begin = centre(w), end = centre(w + 1);
-            const double radius = 0.5 * (end - begin).norm() + bent + rigid.ball.radius + world_.settings().clearance;
+            const double radius = 0.5 * (end - begin).norm() + bent + rigid.ball.radius + clearances_.most_of_bodies();
             *window = {0.5 * (begin + end), way.moved == 0 ? -1 : radius, bent};
             const double reach = radius + 1e-12 * (radius + window->centre.norm());
             box.add(window->centre.array() - reach), box.add(window->centre.array() + reach);

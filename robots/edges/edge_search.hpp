@@ -12,8 +12,8 @@ namespace oncollide {
 class EdgeSearch {
 public:
     /// @param own  sorted slots of the bodies that are not tested
-    EdgeSearch(const Robot::Impl& robot, const World& world, const RobotCheck& what, EdgeMotion& motion, EdgeCull& cull,
-               const std::vector<std::uint32_t>& own);
+    EdgeSearch(const Robot::Impl& robot, const World& world, const RobotCheck& what, const Clearances& clearances,
+               EdgeMotion& motion, EdgeCull& cull, const std::vector<std::uint32_t>& own);
 
     /// Adds to `items`.
     void run(std::vector<EdgeItem>& items);
@@ -29,6 +29,7 @@ private:
     const Robot::Impl& robot_;
     const World& world_;
     const RobotCheck& what_;
+    const Clearances& clearances_;
     EdgeMotion& motion_;
     EdgeCull& cull_;
     const std::shared_ptr<JointCells> cells_;

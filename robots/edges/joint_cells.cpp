@@ -19,7 +19,7 @@ enum : std::uint64_t { unknown, clear, open };
 
 } // namespace
 
-JointCells::JointCells(const Robot::Impl& robot, double clearance) : robot_(robot), clearance_(clearance)
+JointCells::JointCells(const Robot::Impl& robot, double clearance) : robot_(robot), clearances_(robot, clearance)
 {
     for (const Robot::Impl::PartPair& pair : robot.pairs) grids_.push_back(grid_of(pair));
 }
@@ -120,10 +120,11 @@ bool JointCells::are_apart(const World& world, std::uint32_t p, double per_step,
     const double slack = 1e-12 * (links[a.link].translation().norm() + links[b.link].translation().norm());
     const double reach = moved * robot_.stretch() + robot_.rounding() * size + slack;
     const double balls = (a.cover.whole.radius + b.cover.whole.radius) * robot_.stretch();
-    if (apart.norm() > balls + reach + clearance_) return true;
+    const double reach_and_padding = reach + clearances_.of_links(a.link, b.link) - clearances_.of_world();
+    if (apart.norm() > balls + reach_and_padding + clearances_.of_world()) return true;
     const PairOfModels models{{a.model, robot_.pose_of(a, links)}, {b.model, robot_.pose_of(b, links)}};
     std::uint8_t near = 1;
-    WorldAccess::near(world, {&models, 1}, {&reach, 1}, {&near, 1});
+    WorldAccess::near(world, {&models, 1}, {&reach_and_padding, 1}, {&near, 1});
     return near == 0;
 }
 

@@ -6,19 +6,19 @@
 #include <mutex>
 #include <vector>
 
-#include <oncollide/robots/robot_impl.hpp>
+#include <oncollide/robots/clearances.hpp>
 
 namespace oncollide {
 
 /// Pairs of parts between which one to three numbers act: the pose of one part relative to the other depends on these
 /// numbers alone. A coarse and a fine grid over the numbers store where a pair is certainly apart. A cell is tested
-/// when an edge first needs it, and then serves all edges: contents depend on the robot and the clearance alone. A fine
-/// grid takes up to 70 kB. Calls from many threads are safe.
+/// when an edge first needs it, and then serves all edges: contents depend on the robot and the clearances alone. A
+/// fine grid takes up to 70 kB. Calls from many threads are safe.
 class JointCells {
 public:
     JointCells(const Robot::Impl& robot, double clearance);
 
-    double clearance() const { return clearance_; }
+    double clearance() const { return clearances_.of_world(); }
     bool covers(std::uint32_t pair) const { return !grids_[pair].axes.empty(); }
 
     /// Memory for the tests of cells; each thread needs its own.
@@ -87,7 +87,7 @@ private:
     bool are_apart(const World& world, std::uint32_t pair, double per_step, const Cell& cell, Scratch& scratch) const;
 
     const Robot::Impl& robot_;
-    const double clearance_;
+    const Clearances clearances_;
     std::vector<Grid> grids_; ///< by pair
 };
 

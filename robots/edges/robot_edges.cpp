@@ -25,9 +25,10 @@ constexpr double most_turn = 0.3; // rad: in windows of larger turns, motions ar
 class Robot::EdgeChecker {
 public:
     EdgeChecker(const Robot::Impl& robot, const World& world, const RobotEdgeCheck& what)
-        : robot_(robot), world_(world), what_(what), cull_(robot, world.settings().clearance),
-          own_(robot.own_slots(world)), motion_(robot), solids_(robot, world, motion_),
-          search_(robot, world, what.pairs, motion_, solids_, own_)
+        : robot_(robot), world_(world), what_(what), clearances_(robot, world.settings().clearance),
+          cull_(robot, clearances_.most_of_links()), own_(robot.own_slots(world)), motion_(robot),
+          solids_(robot, world, clearances_, motion_),
+          search_(robot, world, what.pairs, clearances_, motion_, solids_, own_)
     {
     }
 
@@ -103,7 +104,7 @@ private:
                 if (!cull_.near(item.a, item.b, reach) || !solids_.is_open(item, ways)) continue;
                 pairs_.push_back({placed(item.a), placed(item.b)});
             }
-            reaches_.push_back(reach), tested_.push_back(item), ways_.push_back(ways);
+            reaches_.push_back(reach + more(item)), tested_.push_back(item), ways_.push_back(ways);
         }
     }
     /// Looks for contacts in the middle of the windows: finding one takes less time than showing that there is none.
@@ -121,8 +122,25 @@ private:
         world_.pairs().decide(pairs_, results_);
         tests_ += pairs_.size();
         for (std::size_t i = 0; i < pairs_.size(); ++i)
-            if (results_[i].verdict != Verdict::separate)
-                take_contact(tested_[i], share(tested_[i]), results_[i].verdict);
+            if (const Verdict verdict = padded(i, results_[i].verdict); verdict != Verdict::separate)
+                take_contact(tested_[i], share(tested_[i]), verdict);
+    }
+    /// The clearance of an item's pair minus the World's.
+    double more(const EdgeItem& item) const
+    {
+        const std::uint32_t link = robot_.parts[item.a].link;
+        const double all = item.b == no_part ? clearances_.of_body(link, item.body)
+                                             : clearances_.of_links(link, robot_.parts[item.b].link);
+        return all - clearances_.of_world();
+    }
+    /// The verdict of pairs_[i], which the World decided, with its clearance.
+    Verdict padded(std::size_t i, Verdict verdict) const
+    {
+        if (!clearances_.padded() || verdict != Verdict::separate) return verdict;
+        const double clearance = clearances_.of_world() + more(tested_[i]);
+        if (clearance == clearances_.of_world()) return verdict;
+        const Distance d = world_.pairs().distance(pairs_[i].a, pairs_[i].b, {.cutoff = clearance});
+        return d.lower <= clearance && d.upper <= clearance ? Verdict::within : verdict;
     }
     bool is_done() const { return !what_.first && has_contact(); }
     /// Leaves in tested_ the items whose pairs may meet, if they can be anywhere within the reach of the motion.
@@ -175,7 +193,7 @@ private:
                     {std::move(a), {world_.bodies().model(item.body), RigidMotion(world_.bodies().pose(item.body))}});
             else
                 moving_.push_back({std::move(a), moving(item.b, ways_[i].b)});
-            margins_.push_back(std::min(off * robot_.stretch() + 1e-12 * size, 1e6));
+            margins_.push_back(std::min(off * robot_.stretch() + 1e-12 * size, 1e6) + more(item));
         }
         until_.resize(moving_.size());
         WorldAccess::clear_until(world_, moving_, margins_, until_);
@@ -230,6 +248,7 @@ private:
     const Robot::Impl& robot_;
     const World& world_;
     const RobotEdgeCheck& what_;
+    const Clearances clearances_;
     SphereCull cull_;
     std::vector<std::uint32_t> own_; ///< slots of the robot's bodies
     EdgeMotion motion_;

@@ -171,3 +171,33 @@ def test_attached_objects_and_bodies(files):
     robot.detach_all()
     assert len(robot.bodies) == 0
     assert robot.distances(q, self_collision=False)[0]["upper"] == before["upper"]
+
+
+def test_padding_and_allowed_contacts(files):
+    world = oncollide.World()
+    wall = world.bodies.add(world.models.add(oncollide.box((0.01, 1, 1))), at(0.4, 0, 1), static=True)
+    robot = oncollide.Robot(world, files / "arm.urdf", srdf=files / "arm.srdf")
+    samples = np.random.default_rng(2).uniform((-3, -3), (3, 3), (300, 2))
+    gaps, _, _ = robot.distances(samples, self_collision=False, gradients=False)
+    plain = robot.check(samples, self_collision=False)
+    refused = lambda: robot.check(samples, self_collision=False)["verdict"] != oncollide.Verdict.SEPARATE
+    robot.set_padding(environment=0.05)
+    assert np.array_equal(refused(), gaps["upper"] <= 0.05) and np.count_nonzero(refused()) > np.count_nonzero(plain["verdict"])
+    robot.set_padding(links={"lower": 0.1, 0: 0.3})
+    within = {0: 0.3, 2: 0.1}
+    pairs, _, offsets = robot.distances(samples, every_pair=True, self_collision=False, gradients=False)
+    expected = [any(p["upper"] <= within[p["link"]] for p in pairs[offsets[i]:offsets[i + 1]]) for i in range(300)]
+    assert np.array_equal(refused(), expected)
+    robot.set_padding(bodies={wall: 0.05, ("base", wall): 0.7}, pairs={("base", 2): 0.01})
+    assert refused().all()
+    robot.set_allowed(bodies=[("base", wall), (2, wall)])
+    assert not refused().any()
+    robot.set_padding()
+    robot.set_allowed(links=[("base", "lower")])
+    assert np.array_equal(robot.check(samples)["verdict"], plain["verdict"])
+    with pytest.raises(TypeError, match="pairs"):
+        robot.set_padding(pairs={"base": 1})
+    with pytest.raises(oncollide.Error, match="clearance of -1"):
+        robot.set_padding(environment=-1)
+    with pytest.raises(ValueError, match="no link 'hand'"):
+        robot.set_allowed(links=[("hand", "base")])

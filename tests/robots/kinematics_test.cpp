@@ -52,7 +52,7 @@ TEST(Kinematics, WaysHaveTheLinksBetweenAndTheirMiddle)
     }
 }
 
-/// Edges of a chain whose pairs are seen from the middle find what checks find.
+/// The pairs of a long chain are seen from the middle; checks do not refute its edges.
 TEST(Kinematics, ALongChainIsCheckedOnItsEdges)
 {
     World world;

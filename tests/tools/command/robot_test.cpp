@@ -45,6 +45,33 @@ TEST_F(RobotCommandLine, TellsWhichConfigurationsCollide)
     EXPECT_EQ(robot({"--state", "bent"}).code, 0);
 }
 
+TEST_F(RobotCommandLine, PaddingAndAllowedContacts)
+{
+    folder_.write("q.csv", "turn,elbow,slide\n0,0,0.05\n0,1.4,0.05\n");
+    folder_.write("wall.obj", "v 0.3 -2 0.4\nv 0.3 2 0.4\nv 0.3 0 2\nf 1 2 3\n");
+    const auto verdicts = [&](std::vector<std::string> more) {
+        std::vector<std::string> all{"--world", "wall.obj", "--configurations", "q.csv", "--no-self",
+                                     "--json",  "r.json"};
+        all.insert(all.end(), more.begin(), more.end());
+        const Outcome outcome = robot(all);
+        EXPECT_LE(outcome.code, 2) << outcome.err;
+        std::string found;
+        const nlohmann::json json = read_json("r.json");
+        for (const auto& result : json.at("results")) found += result.at("verdict").get<std::string>() + " ";
+        return found;
+    };
+    EXPECT_EQ(verdicts({}), "separate colliding ");
+    EXPECT_EQ(verdicts({"--padding", "300mm"}), "within within ") << "the first pair ends a configuration";
+    EXPECT_EQ(verdicts({"--link-padding", "upper=0.3"}), "within colliding ");
+    EXPECT_EQ(verdicts({"--allow", "lower=wall.obj", "--allow", "left=wall.obj", "--allow", "right=wall.obj"}),
+              "separate separate ");
+    EXPECT_EQ(verdicts({"--path", "--padding", "20cm"}), "within ");
+    expect_error(64, with({"--world", "wall.obj", "--link-padding", "upper"}), {"--link-padding upper", "LINK=LENGTH"});
+    expect_error(64, with({"--world", "wall.obj", "--link-padding", "uper=1mm"}), {"no link 'uper'", "upper"});
+    expect_error(64, with({"--world", "wall.obj", "--allow", "upper=roof"}), {"--allow", "'roof'", "wall.obj"});
+    expect_error(64, with({"--world", "wall.obj", "--padding", "-1"}), {"--padding"});
+}
+
 TEST_F(RobotCommandLine, WarnsOfConfigurationsOutOfTheLimitsOfJoints)
 {
     folder_.write("q.csv", "turn,elbow,slide\n9,0,0.05\n0,2.9,0.05\n0,0,0.05\n0,0,0.2\n");

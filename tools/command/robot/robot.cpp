@@ -8,7 +8,7 @@
 #include "cli/system.hpp"
 #include "common/statistics.hpp"
 #include "play/play.hpp"
-#include "robot/robot_world.hpp"
+#include "robot/robot_padding.hpp"
 
 #include <algorithm>
 #include <array>
@@ -30,6 +30,7 @@ namespace {
 struct RobotCommand {
     RobotOptions robot;
     ConfigurationOptions configurations;
+    PaddingOptions padding;
     SettingsOptions settings;
     std::string json, csv;
     bool limits = false, no_self = false, path = false, quiet = false;
@@ -238,7 +239,8 @@ int check_robot(const RobotCommand& options)
     RobotWorld environment = open_robot_world(options.robot, settings);
     if (!options.quiet) print_warnings(environment.scene);
     check_pairs(options, description, environment.scene.size());
-    const Robot robot(environment.world(), std::move(description), base_of(options.robot));
+    Robot robot(environment.world(), std::move(description), base_of(options.robot));
+    set_padding(options.padding, environment, robot);
     const std::vector<double> numbers = open_configurations(options.configurations, robot);
     const std::size_t width = robot.width(), count = width ? numbers.size() / width : 1;
     check_limits(options, robot, numbers, count);
@@ -304,6 +306,7 @@ void add_robot(Arguments app)
                  "refuse a configuration that is out of the limits of a joint (default: warn)");
     sub.add_flag("--path", options->path, "check the whole motions from each configuration to the next, without gaps");
     sub.add_flag("--no-self", options->no_self, "only against the environment");
+    add_padding_options(sub, options->padding);
     add_accuracy_options(sub, options->settings);
     add_pipeline_options(sub, options->settings);
     sub.add_option("--json FILE", options->json, "write the results as JSON; '-' is standard output");

@@ -74,6 +74,9 @@ std::vector<RobotEntrant> entrants_of(const RobotBenchOptions& options, const Ro
     };
     add("oncollide, within 1 mm", robot, {.max_error = 0.001});
     add("oncollide, within 1 cm", robot, {.max_error = 0.01});
+    const auto padded = std::make_shared<RobotPlace>(robot, Settings{});
+    padded->robot.set_padding({.environment = 0.02});
+    all.push_back(our_entrant("oncollide, exact, 20 mm away", padded));
     const SphereModel own = own_spheres(robot, options.own_error);
     add(fmt::format("own {} spheres, {:g} mm", count_of(own), 1e3 * options.own_error), with_spheres(robot, own), {});
     if (!options.spheres.empty()) {
@@ -148,7 +151,8 @@ void add_robot_bench(Arguments bench)
     b.repeats("runs of each problem, of which the fastest counts"), b.csv("way to check");
     b.footer(
         "missed: configurations that collide, and are said to be free; refused: the reverse. The exact checks are\n"
-        "the truth. One thread. 'of exact' is the speed relative to exact checks.\n"
+        "the truth. One thread. 'of exact' is the speed relative to exact checks. 20 mm away: configurations with a\n"
+        "body that is closer to a link are refused.\n"
         "Exit code 70: a bounded check, or our own spheres, missed a collision.\n"
         "Example:\n"
         "  oncollide-lab bench robot panda.urdf --srdf panda.srdf --problems problems --spheres "
