@@ -22,7 +22,7 @@ Clearances::Clearances(const Robot::Impl& robot, double of_world)
         pairs_.push_back({std::min(a, b), std::max(a, b), std::max(of_world, clearance)});
         most_of_links_ = std::max(most_of_links_, pairs_.back().clearance);
     }
-    // Of entries for the same pair, the last counts.
+    // The last of several entries for a pair counts.
     std::ranges::stable_sort(bodies_, {}, [](const OfBody& each) { return std::pair(each.body, each.link); });
     std::ranges::stable_sort(pairs_, {}, [](const OfPair& each) { return std::pair(each.a, each.b); });
 }

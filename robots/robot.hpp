@@ -204,6 +204,22 @@ struct RobotDistances {
     std::vector<double> gradients; ///< by pair, width() numbers: derivatives of its distance
 };
 
+/// The least distance of an edge: the motion between two configurations.
+struct RobotEdgeClearance {
+    /// Certified bounds of the least distance of all pairs on the whole edge, metres; both 0 where a pair meets, both
+    /// infinite without any pair.
+    double lower = std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
+    double at = 0; ///< the share of the edge at which the pair below is `upper` apart
+    std::uint32_t link = RobotFinding::no_link, other = RobotFinding::no_link; ///< as in RobotFinding
+    BodyId body{};
+};
+
+struct RobotClearanceOptions {
+    RobotCheck pairs{};
+    double tolerance = 1e-3;          ///< metres, above 0: how far apart the bounds may be
+    std::size_t most_tests = 100'000; ///< measured pairs, per edge; then the bounds stay farther apart
+};
+
 /// A robot whose links are models of a World. Any number of robots may share one. Its calls throw Error{usage} for a
 /// World that is not the one it was made for, and for configurations of another width than width().
 ///
@@ -311,11 +327,20 @@ public:
     void check_edges(const World& world, std::span<const double> from, std::span<const double> to,
                      std::span<RobotEdgeFinding> findings, const RobotEdgeCheck& what = {}) const;
 
+    /// Sets the least distance of each edge, which is given as for check_edges(), without padding. Pairs are measured
+    /// at the middle of windows; bounds on the motion of both sides bound the distance in the window, and the window
+    /// with the least bound is halved until the bounds are within the tolerance. Threads and errors as check_edges().
+    /// Cost: about a
+    /// millisecond for an arm of meshes that is not in contact.
+    void edge_clearance(const World& world, std::span<const double> from, std::span<const double> to,
+                        std::span<RobotEdgeClearance> found, const RobotClearanceOptions& options = {}) const;
+
 private:
     struct ONCOLLIDE_LOCAL Impl;
     class ONCOLLIDE_LOCAL Checker;
     class ONCOLLIDE_LOCAL DistanceFinder;
     class ONCOLLIDE_LOCAL EdgeChecker;
+    class ONCOLLIDE_LOCAL EdgeMeasure;
     friend class Clearances;
     friend class SphereCull;
     friend class EdgeCull;

@@ -143,6 +143,12 @@ void make_robot_types()
                               {"other_point", "(3,)f8", offsetof(RobotDistance, other_point)},
                               {"normal", "(3,)f8", offsetof(RobotDistance, normal)},
                               {"unique", "?", offsetof(RobotDistance, unique)}});
+    make_type<RobotEdgeClearance>({{"lower", "f8", offsetof(RobotEdgeClearance, lower)},
+                                   {"upper", "f8", offsetof(RobotEdgeClearance, upper)},
+                                   {"at", "f8", offsetof(RobotEdgeClearance, at)},
+                                   {"link", "i4", offsetof(RobotEdgeClearance, link)},
+                                   {"other", "i4", offsetof(RobotEdgeClearance, other)},
+                                   {"body", "u8", offsetof(RobotEdgeClearance, body)}});
     make_type<RobotEdgeFinding>({{"clear_until", "f8", offsetof(RobotEdgeFinding, clear_until)},
                                  {"contact_by", "f8", offsetof(RobotEdgeFinding, contact_by)},
                                  {"verdict", "u1", offsetof(RobotEdgeFinding, verdict)},

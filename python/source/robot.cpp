@@ -127,6 +127,25 @@ py::object check_edges(HeldRobot& robot, py::handle from, py::handle to, py::han
     return results_of(starts, std::move(found));
 }
 
+py::object edge_clearance(HeldRobot& robot, py::handle from, py::handle to, py::handle tolerance, py::handle self,
+                          py::handle environment)
+{
+    const char* const call = "Robot.edge_clearance";
+    const py::array starts = rows_of(robot, from, {call, "start"}), ends = rows_of(robot, to, {call, "end"});
+    if (starts.size() != ends.size())
+        refuse_value({call, "end"}, fmt::format("expected shape {}, got {}", shape_of(starts), shape_of(ends)));
+    const RobotClearanceOptions options{.pairs = {.self = truth(self, {call, "self_collision"}),
+                                                  .environment = truth(environment, {call, "environment"})},
+                                        .tolerance = number(tolerance, {call, "tolerance"})};
+    std::vector<RobotEdgeClearance> found(starts.ndim() == 1 ? 1 : static_cast<std::size_t>(starts.shape(0)));
+    {
+        const Looking looking(*robot.held, call);
+        const Released released;
+        robot.robot->edge_clearance(robot.held->world, span_of(starts), span_of(ends), found, options);
+    }
+    return results_of(starts, std::move(found));
+}
+
 py::array array_of_numbers(const std::vector<double>& numbers)
 {
     return py::array_t<double>(static_cast<py::ssize_t>(numbers.size()), numbers.data());
@@ -243,6 +262,13 @@ contact), contact_by (a share at which there certainly is one; inf: none found),
 body as in check(). The first contact is found to `tolerance`, a share of the motion; first=False stops at any contact,
 which is faster. Raises as check().)",
         "start"_a, "end"_a, "tolerance"_a = 1e-4, "first"_a = true, "self_collision"_a = true, "environment"_a = true);
+    define(
+        robot, "edge_clearance", &edge_clearance,
+        R"(The least distance of all pairs on a whole motion between two configurations, float64 (width,), or on many, (N, width).
+
+Structured: lower, upper (certified, at most `tolerance` metres apart; 0 where a pair meets), at (the share of the
+motion), link, other and body as in check(). Raises as check().)",
+        "start"_a, "end"_a, "tolerance"_a = 1e-3, "self_collision"_a = true, "environment"_a = true);
     define(
         robot, "state", &state,
         "A configuration, float64 (width,): the numbers of a state of the SRDF file; other joints are as in neutral().",

@@ -201,3 +201,18 @@ def test_padding_and_allowed_contacts(files):
         robot.set_padding(environment=-1)
     with pytest.raises(ValueError, match="no link 'hand'"):
         robot.set_allowed(links=[("hand", "base")])
+
+
+def test_the_clearance_of_a_motion(files):
+    world = oncollide.World()
+    wall = world.bodies.add(world.models.add(oncollide.box((0.01, 1, 1))), at(0.4, 0, 1), static=True)
+    robot = oncollide.Robot(world, files / "arm.urdf", srdf=files / "arm.srdf")
+    start, end = np.array([[-2.0, 1.0], [0, -0.5], [0, 0]]), np.array([[2.0, 1.0], [0, 0.5], [0, 1.5]])
+    found = robot.edge_clearance(start, end, tolerance=1e-4, self_collision=False)
+    for i in range(3):
+        steps = np.linspace(start[i], end[i], 2001)
+        pairs, _, _ = robot.distances(steps, self_collision=False, gradients=False, depths=False)
+        assert found[i]["lower"] <= pairs["upper"].min() and found[i]["upper"] - found[i]["lower"] <= 1e-4
+        assert abs(found[i]["upper"] - pairs["upper"].min()) < 1e-3
+    assert found[1]["upper"] > 0.05 and found[2]["upper"] == 0 and found[2]["body"] == wall
+    assert robot.edge_clearance(start[1], end[1], tolerance=1e-4, self_collision=False) == found[1]
