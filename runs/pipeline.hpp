@@ -14,7 +14,7 @@ namespace oncollide {
 ///     for (...) { mover.move(scene, frame); for (const PairResult& pair : pipeline.step(scene).pairs) ... }
 ///
 /// Body i of the scene is the body in slot i of the World, geometry i the model in slot i; geometries are shared, not
-/// copied.
+/// copied. A mesh that deforms passes its vertices by Models::set_vertices() in the frames in which they change.
 class ONCOLLIDE_API Pipeline {
 public:
     /// Throws the errors of World, but bodies have their scene names. Keeps only the geometries of `scene`.
@@ -31,8 +31,8 @@ public:
 
     /// From now on, step() moves bodies from their poses to the new ones by Bodies::set_motion(), so contacts on the
     /// way are reported: straight, but through the keys between the times of the last step and this one (Scene::time).
-    /// Default: off.
-    void set_continuous(bool continuous) { continuous_ = continuous; }
+    /// Default: off. Throws Error{usage} if a geometry of the scene deforms, here or in step().
+    void set_continuous(bool continuous);
     bool continuous() const { return continuous_; }
 
     World& world() { return world_; }

@@ -37,6 +37,8 @@ constexpr Maker makers[] = {
     {"hills", "shapes and meshes drift low over a terrain of 320,000 triangles", 100, 100'000, 200, make_hills_scene},
     {"avalanche", "bodies of all shapes and concave meshes fall onto a steep hill, and go down it", 1050, 100'000, 250,
      make_avalanche_scene},
+    {"flags", "flags that deform wave in the wind, and reach statues and balls", 160, 100'000, 300, make_flags_scene,
+     true},
     {"campus", "shapes and meshes drift through a campus scanned at 20 cm, 1.09 million cells", 500, 100'000, 100,
      make_campus_scene},
     {"st-helens", "cars, lorries and drones on and above Mount St. Helens, 9.6 x 13.8 km; the DEM needs GDAL", 1000,

@@ -16,6 +16,7 @@ void make_city_scene(SceneBuilder& scene, const CatalogueOptions& options);
 void make_octomap_scene(SceneBuilder& scene, const CatalogueOptions& options);
 void make_hills_scene(SceneBuilder& scene, const CatalogueOptions& options);
 void make_avalanche_scene(SceneBuilder& scene, const CatalogueOptions& options);
+void make_flags_scene(SceneBuilder& scene, const CatalogueOptions& options);
 void make_campus_scene(SceneBuilder& scene, const CatalogueOptions& options);
 void make_st_helens_scene(SceneBuilder& scene, const CatalogueOptions& options);
 void make_chunks_scene(SceneBuilder& scene, const CatalogueOptions& options);

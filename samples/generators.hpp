@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 
 #include <oncollide/base/error.hpp>
@@ -27,6 +28,8 @@ ONCOLLIDE_API Mesh make_gear_mesh(int teeth, double root_radius, double tip_radi
                                   double bore_radius);
 /// The flat square [-size/2, size/2]^2 at z = 0, `cells` x `cells` squares. Open.
 ONCOLLIDE_API Mesh make_sheet_mesh(double size, int cells);
+/// The same with two sides, and other numbers of cells along them.
+ONCOLLIDE_API Mesh make_sheet_mesh(const Eigen::Vector2d& size, const std::array<int, 2>& cells);
 /// Height field over [-size/2, size/2]^2, `cells` x `cells` squares, fractal noise of given height. Open.
 ONCOLLIDE_API Mesh make_terrain_mesh(double size, double height, int cells, std::uint64_t seed);
 /// `count` isolated triangles of length `length` and width length / aspect, in random directions in a cube of side

@@ -240,11 +240,16 @@ Mesh make_gear_mesh(int teeth, double root_radius, double tip_radius, double thi
 
 Mesh make_sheet_mesh(double size, int cells)
 {
-    check_size("sheet", "the size", size);
-    check_count("sheet", "the number of cells", cells, 1, 5000);
-    GridBuilder grid(cells, cells, false, false);
+    return make_sheet_mesh(Eigen::Vector2d(size, size), {cells, cells});
+}
+
+Mesh make_sheet_mesh(const Eigen::Vector2d& size, const std::array<int, 2>& cells)
+{
+    for (const double side : size) check_size("sheet", "the size", side);
+    for (const int count : cells) check_count("sheet", "the number of cells", count, 1, 5000);
+    GridBuilder grid(cells[0], cells[1], false, false);
     grid.build(0, [&](double u, double v) -> Eigen::Vector3d {
-        return {size * (u / cells - 0.5), size * (v / cells - 0.5), 0};
+        return {size.x() * (u / cells[0] - 0.5), size.y() * (v / cells[1] - 0.5), 0};
     });
     return make_mesh("sheet", std::move(grid.points), std::move(grid.triangles));
 }

@@ -54,6 +54,13 @@ public:
             return make_gear_mesh(count(node, "teeth", 100'000), size(node, "root_radius"), size(node, "tip_radius"),
                                   size(node, "thickness"), size(node, "bore_radius"));
         }
+        if (kind == "sheet") {
+            node.only({"kind", "size", "cells"});
+            Eigen::Vector2d sides, cells;
+            node["size"].numbers(2, sides.data()), node["cells"].numbers(2, cells.data());
+            const auto whole = [&](const Node& count) { return static_cast<int>(count.integer(1, 2000)); };
+            return make_sheet_mesh(sides, {whole(node["cells"][0]), whole(node["cells"][1])});
+        }
         if (kind == "terrain") {
             node.only({"kind", "size", "height", "cells", "seed"});
             return make_terrain_mesh(size(node, "size"), size(node, "height"), count(node, "cells", 2000), seed(node));
@@ -76,8 +83,8 @@ public:
             return make_soup_mesh(count(node, "count"), size(node, "edge"), size(node, "size"), seed(node));
         }
         node["kind"].fail(fmt::format("no generator named '{}'{}", kind,
-                                      valid_names(kind, {"box", "sphere", "torus", "torus_knot", "gear", "terrain",
-                                                         "hills", "needles", "soup"})));
+                                      valid_names(kind, {"box", "sphere", "torus", "torus_knot", "gear", "sheet",
+                                                         "terrain", "hills", "needles", "soup"})));
     }
 
     OccupancyMap building(const Node& node) const override

@@ -17,6 +17,7 @@
 
 namespace oncollide {
 
+class Deformation;
 template <class Signature>
 class FunctionRef;
 
@@ -176,8 +177,9 @@ private:
 };
 
 /// The geometries of a scene. A geometry never changes or moves in memory: a reference stays valid while the list or
-/// any holder of share() lives. Copies of the list share the geometries.
-class GeometryList {
+/// any holder of share() lives. Only a mesh that deforms is replaced by another geometry, with its vertices of the
+/// frame; a reference to it ends with deform(). Copies of the list share geometries and deformations.
+class ONCOLLIDE_API GeometryList {
 public:
     class Iterator {
     public:
@@ -208,9 +210,28 @@ public:
     /// The geometry, for holders that may outlive the scene. Copies no data.
     const std::shared_ptr<const Geometry>& share(std::size_t i) const { return items_[i]; }
 
+    /// The numbers of the meshes that deform, ascending.
+    std::span<const std::uint32_t> deforming() const { return deforming_; }
+    bool deforms(std::size_t i) const { return deformation(i) != nullptr; }
+    /// Null: the geometry is rigid.
+    const Deformation* deformation(std::size_t i) const;
+    /// The geometry as it was added.
+    const Geometry& at_rest(std::size_t i) const;
+    /// Gives the meshes that deform their vertices at `time` (frames). A mesh whose vertices stay the same stays.
+    /// Throws as Deformation::move(), and nothing has changed. Cost: a copy of each mesh. Mover calls it.
+    void deform(double time);
+
 private:
-    friend struct SceneInfo; // which checks names and shapes of the geometries that it adds
-    std::vector<std::shared_ptr<const Geometry>> items_;
+    friend struct SceneInfo; // which checks names, shapes and deformations of the geometries that it adds
+    struct Rest {
+        std::shared_ptr<const Geometry> geometry;
+        std::shared_ptr<Deformation> deformation;
+    };
+    const Rest* rest_of(std::size_t i) const;
+
+    std::vector<std::shared_ptr<const Geometry>> items_; ///< as they are now
+    std::vector<std::uint32_t> deforming_;
+    std::vector<Rest> rest_; ///< of the meshes that deform
 };
 
 } // namespace oncollide

@@ -50,6 +50,23 @@ GeometryId SceneInfo::add(std::string geometry_name, GeometryData data, std::str
     return GeometryId{number};
 }
 
+void SceneInfo::deform(GeometryId mesh, std::shared_ptr<Deformation> deformation)
+{
+    const std::uint32_t number = index(mesh);
+    if (number >= geometries.size())
+        refuse("deform", fmt::format("there is no geometry {}; the scene has {}", number, geometries.size()));
+    const std::shared_ptr<const Geometry> rest = geometries.items_[number];
+    if (!std::holds_alternative<Mesh>(rest->data))
+        refuse(fmt::format("geometry '{}'", rest->name), "only a mesh in memory can deform");
+    if (geometries.deforms(number)) refuse(fmt::format("geometry '{}'", rest->name), "has a deformation already");
+    GeometryList with = geometries;
+    const auto at = std::ranges::lower_bound(with.deforming_, number) - with.deforming_.begin();
+    with.deforming_.insert(with.deforming_.begin() + at, number);
+    with.rest_.insert(with.rest_.begin() + at, {rest, std::move(deformation)});
+    with.deform(0);
+    geometries = std::move(with);
+}
+
 void SceneInfo::check_body(const BodyInit& body) const
 {
     const auto fail = [&](const std::string& what) { refuse(who_is(body.name, size()), what); };
@@ -244,6 +261,7 @@ bool passes_a_key(const Motion& motion, double from, double to)
 
 void Mover::move(Scene& scene, int frame)
 {
+    scene.geometries.deform(frame * scene.pace);
     if (scene.recording) scene.play_recording(frame, false);
     if (!ready_) scene.expect_motion();
     const bool from_start = !ready_ || frame < last_frame_;

@@ -14,6 +14,7 @@
 
 namespace oncollide {
 
+class Deformation;
 class Recording;
 
 /// A body of a Scene: its index. A Scene never removes bodies.
@@ -79,6 +80,10 @@ struct ONCOLLIDE_API SceneInfo {
 
     /// Throws Error{bad_data} if the name exists, and for a shape that check_shape refuses.
     GeometryId add(std::string geometry_name, GeometryData data, std::string recipe = {});
+    /// The mesh deforms from now on: Mover writes its vertices, and this call writes the vertices of frame 0. Copies of
+    /// a scene share the deformation; only one of them may play it at a time. Throws Error{bad_data} for a geometry
+    /// that does not exist or is not a mesh in memory, and the errors of Deformation::move.
+    void deform(GeometryId mesh, std::shared_ptr<Deformation> deformation);
     /// The geometry of that name, if it exists.
     std::optional<GeometryId> find_geometry(std::string_view geometry_name) const;
 
@@ -154,10 +159,11 @@ private:
 /// Hands the bodies of a scene to a sink, with their poses at frame 0.
 ONCOLLIDE_API void pass_bodies(const Scene& scene, BodySink& sink);
 
-/// Writes the poses of every moving body at frame `frame` (>= 0), and notes a body that passes keys as changed even
-/// where it comes back to its pose. Stateless except for Jitter, which continues from the frame of the last call (and
-/// from the start if `frame` is smaller). A recording gives the poses of the last whole frame at that time, and throws
-/// as Recording::read does. One Mover serves one scene, whose bodies must all exist at the first call.
+/// Writes the poses of every moving body, and the vertices of every mesh that deforms, at frame `frame` (>= 0), and
+/// notes a body that passes keys as changed even where it comes back to its pose. Stateless except for Jitter, which
+/// continues from the frame of the last call (and from the start if `frame` is smaller). A recording gives the poses of
+/// the last whole frame at that time, and throws as Recording::read does. One Mover serves one scene, whose bodies must
+/// all exist at the first call.
 class ONCOLLIDE_API Mover {
 public:
     void move(Scene& scene, int frame);

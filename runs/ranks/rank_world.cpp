@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/pipeline/world/world_access.hpp>
+#include <oncollide/runs/deforming_models.hpp>
 
 namespace oncollide {
 
@@ -42,16 +44,35 @@ void check_for_ranks(const Settings& settings)
 
 RankWorld::RankWorld(const GeometryList& geometries, const Settings& settings, const Partitioner& partition, int rank)
     : geometries_(geometries), partition_(partition), rank_(rank), world_(settings),
-      half_margin_(0.5 * settings.clearance), models_(geometries.size())
+      half_margin_(0.5 * settings.clearance), models_(geometries.size()), known_(geometries)
 {
     check_for_ranks(settings);
+    check_for_ranks(geometries, settings);
     world_.set_pair_filter([this](auto pairs, auto choices) { choose(pairs, choices); });
+}
+
+void check_for_ranks(const GeometryList& geometries, const Settings& settings)
+{
+    if (geometries.deforming().empty() || (exact_runs(settings) && settings.clearance == 0)) return;
+    throw Error(ErrorKind::usage,
+                fmt::format("geometry '{}' deforms, and results within an error then depend on earlier frames, which "
+                            "other processes may not have computed; run with --exact on and without --clearance, or in "
+                            "one process",
+                            geometries[geometries.deforming().front()].name));
 }
 
 ModelId RankWorld::model_of(std::uint32_t geometry)
 {
-    if (!models_[geometry]) models_[geometry] = world_.models().add(geometries_.share(geometry));
+    if (!models_[geometry]) models_[geometry] = add_model(world_.models(), geometries_, geometry);
     return *models_[geometry];
+}
+
+void RankWorld::renew_models()
+{
+    for (const std::uint32_t g : geometries_.deforming())
+        if (models_[g] && known_.share(g) != geometries_.share(g))
+            renew_model(world_.models(), *models_[g], geometries_, g);
+    known_ = geometries_;
 }
 
 Aabb RankWorld::grown(const Aabb& box) const

@@ -17,10 +17,12 @@ namespace oncollide {
 class RankWorld {
 public:
     /// Keeps references to `geometries` and `partition`. Throws Error{usage} for settings that make results depend on
-    /// other bodies in the World.
+    /// other bodies in the World, or with meshes that deform on earlier frames.
     RankWorld(const GeometryList& geometries, const Settings& settings, const Partitioner& partition, int rank);
     RankWorld(const RankWorld&) = delete;
 
+    /// Passes on the vertices of meshes that deform. Call it before box() if geometries have changed.
+    void renew_models();
     /// The body's world AABB, around its whole way, grown by half the clearance and its rounding; it determines the
     /// ranks that need the body.
     Aabb box(const BodyHere& body);
@@ -52,6 +54,7 @@ private:
     World world_;
     double half_margin_;
     std::vector<std::optional<ModelId>> models_; ///< by geometry
+    GeometryList known_;                         ///< as in the models of meshes that deform
     std::unordered_map<std::uint32_t, Entry> here_;
     std::vector<const BodyHere*> come_;
     std::uint32_t step_ = 0;
@@ -61,5 +64,8 @@ private:
 
 /// Throws Error{usage} for settings that make results depend on the number of processes.
 void check_for_ranks(const Settings& settings);
+/// The same for meshes that deform: trees depend on the frames in which a process has tested them, so results that are
+/// not exact would differ.
+void check_for_ranks(const GeometryList& geometries, const Settings& settings);
 
 } // namespace oncollide

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/pipeline/world/world_access.hpp>
+#include <oncollide/runs/deforming_models.hpp>
 #include <oncollide/runs/report_kept.hpp>
 #include <oncollide/scenes/recording.hpp>
 
@@ -42,6 +43,7 @@ RankedRun::RankedRun(Ranks& ranks, std::unique_ptr<Partitioner> partition, Scene
 {
     WorldAccess::parts_by_poses(world_.world());
     together(ranks_, [&] {
+        if (options_.continuous) check_rigid(scene_.geometries);
         if (options_.separate && settings.coherence && ranks_.size() > 1)
             throw Error(ErrorKind::usage, "--separate: the gaps of separate pairs may come from earlier frames, which "
                                           "other processes may have computed; add --no-coherence");
@@ -174,6 +176,8 @@ void RankedRun::read_recording()
 
 void RankedRun::move()
 {
+    scene_.geometries.deform(frame_ * scene_.pace);
+    world_.renew_models();
     if (scene_.recording) read_recording();
     for (BodyRecord& body : home_) {
         if (scene_.recording && body.gid - scene_.recording->first < scene_.recording->bodies) continue;
@@ -187,7 +191,8 @@ void RankedRun::move()
 
 void RankedRun::move(BodyRecord& body, const Eigen::Isometry3d& to)
 {
-    bool changes = body.box.empty() || !body.way.empty() || body.pose.matrix() != to.matrix();
+    bool changes = body.box.empty() || !body.way.empty() || body.pose.matrix() != to.matrix() ||
+                   scene_.geometries.deforms(body.geometry);
     if (options_.continuous && frame_ > 0)
         body.way = way_between(body.motion, moved_to_ * scene_.pace, frame_ * scene_.pace, body.pose, to);
     changes |= !body.way.empty();

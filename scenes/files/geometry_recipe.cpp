@@ -7,6 +7,7 @@
 #include <oncollide/scenes/cooked/cooked_map.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/cooked/cooked_terrain.hpp>
+#include <oncollide/scenes/files/deformation_entry.hpp>
 #include <oncollide/scenes/files/generators.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/model/map/map_access.hpp>
@@ -252,6 +253,7 @@ void change_file(Json& entry, Change change)
 std::string recipe_of(const Node& entry, const fs::path& folder)
 {
     Json recipe = Json::parse(entry.source());
+    recipe.erase("deformation"); // which has its own
     change_file(recipe, [&](const fs::path& file) { return absolute_path(folder / file); });
     try {
         return recipe.dump();
@@ -260,13 +262,9 @@ std::string recipe_of(const Node& entry, const fs::path& folder)
     }
 }
 
-} // namespace
-
-GeometryId add_geometry(SceneInfo& scene, std::string_view given_name, const Node& entry, const fs::path& folder,
-                        const SceneReading& reading)
+GeometryId add_rigid(SceneInfo& scene, const std::string& name, const Node& entry, std::string_view source,
+                     const fs::path& folder, const SceneReading& reading)
 {
-    const std::string name(given_name);
-    const std::string_view source = entry.one_of({"mesh", "shape", "octomap", "terrain"});
     const Node node = entry[source];
     if (source == "shape") return at(node, [&] { return scene.add(name, read_shape(node)); });
 
@@ -286,6 +284,25 @@ GeometryId add_geometry(SceneInfo& scene, std::string_view given_name, const Nod
         scene.warnings.push_back(
             fmt::format("{}: {} triangle{} without area (kept)", name, flat, flat == 1 ? "" : "s"));
     return at(entry, [&] { return scene.add(name, std::move(mesh), recipe_of(entry, folder)); });
+}
+
+} // namespace
+
+GeometryId add_geometry(SceneInfo& scene, std::string_view given_name, const Node& entry, const fs::path& folder,
+                        const SceneReading& reading)
+{
+    const std::string name(given_name);
+    if (!entry.is_object() || !entry.has("deformation"))
+        return add_rigid(scene, name, entry, entry.one_of({"mesh", "shape", "octomap", "terrain"}), folder, reading);
+    const Node deformation = entry["deformation"];
+    for (const char* kind : {"shape", "octomap", "terrain"})
+        if (entry.has(kind)) deformation.fail(fmt::format("is for meshes; this geometry is of the kind '{}'", kind));
+    entry.only({"mesh", "deformation"});
+    SceneReading in_memory = reading;
+    in_memory.on_demand = false;
+    const GeometryId mesh = add_rigid(scene, name, entry, "mesh", folder, in_memory);
+    at(deformation, [&] { scene.deform(mesh, read_deformation(deformation, folder)); });
+    return mesh;
 }
 
 void Expansion::count(const Geometry& geometry, const Node& entry)

@@ -8,6 +8,7 @@
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/reading_progress.hpp>
 #include <oncollide/base/text/near_word.hpp>
+#include <oncollide/scenes/deformation.hpp>
 #include <oncollide/scenes/files/common/quaternion.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/geometry_recipe.hpp>
@@ -228,6 +229,15 @@ bool excludes_names(const Node& root)
     return false;
 }
 
+/// The length of the longest recording; 1 without any.
+int frames_of_recordings(const SceneInfo& info)
+{
+    std::uint64_t frames = info.recording ? info.recording->frames : 1;
+    for (const std::uint32_t g : info.geometries.deforming())
+        frames = std::max(frames, info.geometries.deformation(g)->frames);
+    return static_cast<int>(std::min<std::uint64_t>(frames, 1'000'000'000));
+}
+
 void read_scene(SceneText& text, const fs::path& path, const SceneReading& reading, SceneInfo& info, SceneBuilder scene)
 {
     const Node root = text.root();
@@ -249,9 +259,8 @@ void read_scene(SceneText& text, const fs::path& path, const SceneReading& readi
     if (root.has("recording")) {
         const Node entry = root["recording"];
         at(entry, [&] { scene.record(open_recording(entry, folder)); });
-        if (!root.has("frames"))
-            info.frames = static_cast<int>(std::min<std::uint64_t>(info.recording->frames, 1'000'000'000));
     }
+    if (!root.has("frames")) info.frames = frames_of_recordings(info);
     if (root.has("exclude")) read_excluded(scene, root["exclude"]);
 }
 

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,6 +47,44 @@ ONCOLLIDE_API SceneInfo load_scene(const std::filesystem::path& path, BodySink& 
 /// Geometries made in code without a recipe are written into the scene file (meshes) or beside it as `.bt` files
 /// (maps). Temporary name, then renamed. Throws Error{cannot_write}.
 ONCOLLIDE_API void save_scene(const Scene& scene, const std::filesystem::path& path);
+
+// --- Recorded vertices of a mesh that deforms: frames x vertices x (x, y, z), in its frame, metres.
+
+/// The vertices in a `.npy` file or in a dataset of an HDF5 file, for SceneInfo::deform(). They are read while they are
+/// played: as they are at the last whole frame, and after the last frame as there. Throws Error{no_input},
+/// Error{bad_data}, and Error{usage} for a kind of file that this build cannot read.
+ONCOLLIDE_API std::shared_ptr<Deformation> open_vertices(const std::filesystem::path& path,
+                                                         const std::string& dataset = "vertices");
+
+/// Writes such a file (HDF5, doubles, dataset "vertices") frame by frame.
+///
+///     VertexFile file("cloth.h5");
+///     while (simulating) file.add(solver.positions());
+///     file.close();
+class ONCOLLIDE_API VertexFile {
+public:
+    /// Throws Error{cannot_write}, and Error{usage} if the build or the machine has no HDF5.
+    explicit VertexFile(const std::filesystem::path& path);
+    /// Removes the file unless it was closed.
+    ~VertexFile();
+    VertexFile(const VertexFile&) = delete;
+    VertexFile& operator=(const VertexFile&) = delete;
+
+    /// Appends a frame. Throws Error{usage} for no positions, or another number than in the first frame, and
+    /// Error{cannot_write}.
+    void add(std::span<const Eigen::Vector3d> positions);
+    /// The file appears under its name; no frame can be added afterwards. Throws Error{cannot_write}, also for a file
+    /// without a frame.
+    void close();
+
+private:
+    struct ONCOLLIDE_LOCAL Open; ///< the file, while it is open
+    [[noreturn]] void fail();
+
+    std::string name_;
+    std::unique_ptr<Open> open_;
+    std::uint64_t frames_ = 0, vertices_ = 0;
+};
 
 // --- Assemblies.
 

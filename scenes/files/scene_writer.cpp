@@ -7,6 +7,7 @@
 #include <oncollide/base/files/output_file.hpp>
 #include <oncollide/base/files/paths.hpp>
 #include <oncollide/base/text/json_writer.hpp>
+#include <oncollide/scenes/files/deformation_entry.hpp>
 #include <oncollide/scenes/files/geometry_recipe.hpp>
 #include <oncollide/scenes/files/scene_pose.hpp>
 #include <oncollide/scenes/recording.hpp>
@@ -118,7 +119,10 @@ void write_text(const Scene& scene, const fs::path& path, const std::vector<std:
     for (std::size_t i = 0; i < scene.geometries.size(); ++i) {
         const std::string name = Json(scene.geometries[i].name).dump(); // refuses text that is not UTF-8
         json.line(2), json.raw_key(name);
-        json.raw(entry_of(scene.geometries[i], folder, made_files[i]).dump());
+        Json entry = entry_of(scene.geometries.at_rest(i), folder, made_files[i]);
+        if (const Deformation* const deformation = scene.geometries.deformation(i))
+            entry["deformation"] = entry_of(*deformation, folder, scene.geometries[i].name);
+        json.raw(entry.dump());
     }
     json.line(), json.end_object();
     json.line(), json.key("bodies"), json.begin_array();

@@ -58,6 +58,31 @@ TEST_F(RanksTest, ScenesOfTheCatalogueAreThoseOfOneWorld)
     EXPECT_EQ(by_many(campus, 4), by_one(campus));
 }
 
+TEST_F(RanksTest, MeshesThatDeformAreThoseOfOneWorld)
+{
+    Scene flags = catalogue_scene("flags", 60, 30);
+    expect_the_same(flags);
+    expect_the_same(flags, {.ignore_touching = true});
+    expect_the_same(flags, {.threads = 2, .coherence = false});
+    flags.pace = 7;
+    expect_the_same(flags, {.exact = ExactLevel::predicates, .skip = {StageId::bounds}});
+    for (const Settings& inexact : {Settings{.max_error = 0.01}, Settings{.depth = 5}, Settings{.clearance = 0.1},
+                                    Settings{.exact = ExactLevel::off}})
+        expect_refused(ErrorKind::usage, "geometry 'flag 0' deforms, and results within an error",
+                       [&] { by_many(flags, 2, inexact); });
+    expect_refused(ErrorKind::usage, "geometry 'flag 0' deforms: contacts on the way",
+                   [&] { by_many(flags, 2, {}, {.continuous = true}); });
+}
+
+TEST_F(RanksTest, ARunOfMeshesThatDeformContinuesFromItsCheckpoint)
+{
+    const Scene flags = catalogue_scene("flags", 60, 30);
+    RankedOptions options{.checkpoint = folder_ / "cp", .checkpoint_every = 10};
+    by_many(flags, 3, {}, options, &make_morton_partitioner, 25);
+    options.resume = true;
+    EXPECT_EQ(by_many(flags, 2, {}, options), by_one(flags));
+}
+
 TEST_F(RanksTest, HardCasesAreThoseOfOneWorldInEverySetting)
 {
     const Scene hard = catalogue_scene("hard", {}, 3);

@@ -57,7 +57,8 @@ TEST(SceneSlice, OfTheCatalogueIsMadeFromTheIndicesOfItsBodies)
         expect_slices({[&] { return make_scene(name, options); },
                        [&](BodySink& sink) { return make_scene(name, sink, options); }});
     };
-    for (const char* name : {"many", "city", "swarm", "boxes", "octomap", "hills", "random", "chunks", "st-helens"})
+    for (const char* name :
+         {"many", "city", "swarm", "boxes", "octomap", "hills", "random", "chunks", "st-helens", "flags"})
         made(name, 3000);
     made("hard", {});
 }

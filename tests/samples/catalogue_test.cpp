@@ -139,7 +139,8 @@ TEST(Catalogue, NamesTheKnownScenesForAnUnknownOne)
 {
     expect_error(
         ErrorKind::usage, [] { make_scene("papr"); }, "'papr'",
-        "paper, paper-5k, many, boxes, city, octomap, hills, avalanche, campus, st-helens, chunks, tiles, swarm, hard");
+        "paper, paper-5k, many, boxes, city, octomap, hills, avalanche, flags, campus, st-helens, chunks, tiles, "
+        "swarm, hard");
 }
 
 TEST(Catalogue, SeedsChangeRandomScenes)

@@ -119,6 +119,17 @@ TEST(MeshGenerators, ASheetIsAFlatSquareThatLooksUp)
     }
 }
 
+TEST(MeshGenerators, ASheetMayHaveTwoSidesAndItsOwnCellsAlongEach)
+{
+    const Mesh mesh = make_sheet_mesh({4, 1}, {8, 3});
+    EXPECT_EQ(mesh.vertices.size(), 36u);
+    EXPECT_EQ(mesh.triangles.size(), 48u);
+    EXPECT_EQ(mesh.bounds.max, Eigen::Vector3d(2, 0.5, 0));
+    EXPECT_EQ(mesh.vertices[9], Eigen::Vector3d(-2, 1.0 / 3 - 0.5, 0));
+    EXPECT_THROW(make_sheet_mesh({4, 0}, {8, 3}), Error);
+    EXPECT_THROW(make_sheet_mesh({4, 1}, {8, 0}), Error);
+}
+
 TEST(MeshGenerators, ATerrainIsAHeightFieldThatLooksUp)
 {
     const Mesh mesh = make_terrain_mesh(100, 10, 64, 7);

@@ -105,20 +105,26 @@ inline void expect_same_poses(const Scene& a, const Scene& b, const char* when)
             << a.label(SceneBodyId{static_cast<std::uint32_t>(i)}) << " " << when;
 }
 
+inline void expect_same_geometries(const Scene& a, const Scene& b, const char* when)
+{
+    ASSERT_EQ(a.geometries.size(), b.geometries.size());
+    for (std::size_t i = 0; i < a.geometries.size(); ++i) {
+        const Geometry &g = a.geometries[i], &h = b.geometries[i];
+        EXPECT_EQ(g.name, h.name);
+        EXPECT_EQ(a.geometries.deforms(i), b.geometries.deforms(i)) << g.name;
+        ASSERT_EQ(g.data.index(), h.data.index()) << g.name;
+        EXPECT_TRUE(
+            std::visit([&](const auto& d) { return same(d, std::get<std::decay_t<decltype(d)>>(h.data)); }, g.data))
+            << g.name << " " << when;
+    }
+}
+
 /// The two scenes are equal in every bit, now and in later frames. Moves both.
 inline void expect_same_scene(Scene& a, Scene& b)
 {
     EXPECT_EQ(a.name, b.name);
     EXPECT_EQ(a.frames, b.frames);
-    ASSERT_EQ(a.geometries.size(), b.geometries.size());
-    for (std::size_t i = 0; i < a.geometries.size(); ++i) {
-        const Geometry &g = a.geometries[i], &h = b.geometries[i];
-        EXPECT_EQ(g.name, h.name);
-        ASSERT_EQ(g.data.index(), h.data.index()) << g.name;
-        EXPECT_TRUE(
-            std::visit([&](const auto& d) { return same(d, std::get<std::decay_t<decltype(d)>>(h.data)); }, g.data))
-            << g.name;
-    }
+    expect_same_geometries(a, b, "as loaded");
     ASSERT_EQ(a.names, b.names);
     EXPECT_EQ(a.geometry, b.geometry);
     EXPECT_EQ(a.is_static, b.is_static);
@@ -132,6 +138,8 @@ inline void expect_same_scene(Scene& a, Scene& b)
         move_a.move(a, frame);
         move_b.move(b, frame);
         expect_same_poses(a, b, ("at frame " + std::to_string(frame)).c_str());
+        if (!a.geometries.deforming().empty())
+            expect_same_geometries(a, b, ("at frame " + std::to_string(frame)).c_str());
     }
 }
 

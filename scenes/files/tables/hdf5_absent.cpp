@@ -3,8 +3,8 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/scenes/files/tables/body_table.hpp>
+#include <oncollide/scenes/files/tables/frame_source.hpp>
 #include <oncollide/scenes/files/tables/number_table.hpp>
-#include <oncollide/scenes/files/tables/recording_file.hpp>
 #include <oncollide/scenes/files/tables/results_file.hpp>
 
 namespace oncollide {
@@ -26,9 +26,9 @@ void read_hdf5_bodies(BodyRows&, const std::filesystem::path& path, const std::s
     fail(path);
 }
 
-std::unique_ptr<PoseSource> open_hdf5_poses(const std::filesystem::path& path, const std::string&)
+std::unique_ptr<FrameSource> open_hdf5_frames(const FrameFile& file, std::uint64_t)
 {
-    fail(path);
+    fail(file.file);
 }
 
 NumberTable read_hdf5_table(const std::filesystem::path& path, const std::string&)

@@ -26,17 +26,4 @@ void add_recorded(const Eigen::Isometry3d& pose, std::vector<float>& numbers);
 /// Error{cannot_write}.
 void save_recording(std::span<const float> numbers, std::size_t bodies, const std::filesystem::path& path);
 
-/// The source of a frame's numbers.
-class PoseSource {
-public:
-    virtual ~PoseSource() = default;
-    std::uint64_t frames = 0, bodies = 0;
-    /// Reads seven numbers for each of `count` bodies from `first` on.
-    virtual void read(std::uint64_t frame, std::uint64_t first, std::uint64_t count, std::vector<double>& numbers) = 0;
-};
-
-// One function per format.
-std::unique_ptr<PoseSource> open_npy_poses(const std::filesystem::path& path);
-std::unique_ptr<PoseSource> open_hdf5_poses(const std::filesystem::path& path, const std::string& dataset);
-
 } // namespace oncollide

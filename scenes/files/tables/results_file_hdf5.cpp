@@ -12,38 +12,16 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/files/output_file.hpp>
-#include <oncollide/scenes/files/tables/hdf5_library.hpp>
+#include <oncollide/scenes/files/tables/hdf5_writing.hpp>
 
 namespace oncollide {
 
 namespace {
 
 namespace fs = std::filesystem;
+using namespace hdf5_writing;
 
-constexpr unsigned truncate = 2;                          // H5F_ACC_TRUNC, a macro that calls a function
 constexpr hsize_t pair_chunk = 16'384, frame_chunk = 128; // rows per chunk of the file
-
-/// Throws Failed if the library returned a failure.
-struct Failed {};
-template <class Result>
-Result sure(Result result)
-{
-    if (result < 0) throw Failed{};
-    return result;
-}
-
-Hdf5Handle type(hid_t id)
-{
-    return {sure(id), hdf5().H5Tclose};
-}
-Hdf5Handle space(hid_t id)
-{
-    return {sure(id), hdf5().H5Sclose};
-}
-Hdf5Handle properties(hid_t kind)
-{
-    return {sure(hdf5().H5Pcreate(kind)), hdf5().H5Pclose};
-}
 
 Hdf5Handle text_type()
 {
@@ -203,14 +181,6 @@ void write_names(hid_t file, const NameColumn& names)
             return h5.H5Dwrite(rows.dataset.id(), rows.row.id(), memory, file_space, H5P_DEFAULT, letters.data());
         });
     }
-}
-
-Hdf5Handle create(const fs::path& path)
-{
-    const Hdf5& h5 = hdf5();
-    const Hdf5Handle access = properties(h5.file_access);
-    sure(h5.H5Pset_libver_bounds(access.id(), H5F_LIBVER_V110, H5F_LIBVER_V110)); // required by SWMR
-    return {sure(h5.H5Fcreate(path.c_str(), truncate, H5P_DEFAULT, access.id())), h5.H5Fclose};
 }
 
 /// Throws unless it was written by this version, of this scene, with these settings.

@@ -152,7 +152,7 @@ void add_run(Arguments app)
                  "0 for every run that succeeds)");
     sub.add_flag("--continuous", options->continuous,
                  "also find contacts on the way from frame to frame: each body moves in a straight line, and rotates "
-                 "along the shorter arc, from each key of its motion to the next");
+                 "along the shorter arc, from each key of its motion to the next; meshes that deform are refused");
     const Option view =
         sub.add_option("--view FILE.html", options->view,
                        "write one HTML page that shows the run in 3D, frame by frame; needs Debian's libjs-three");

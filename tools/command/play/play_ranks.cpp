@@ -124,6 +124,7 @@ public:
             if (ranks_.rank() == 0) check_outputs(outputs_, is_scene_file(scene_.scene) ? scene_.scene : "");
             try {
                 slice = read();
+                check_for_ranks(slice.geometries, settings);
             } catch (const OverwritesInput& error) {
                 usage(error.what());
             }
