@@ -10,6 +10,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/text/printable.hpp>
 #include <oncollide/pipeline/settings_table.hpp>
 #include <oncollide/samples/catalogue.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
@@ -280,6 +281,16 @@ SceneInfo open_scene(const SceneOptions& o, BodySink& sink)
     Scene scene = opened(o, load_parts(o));
     pass_bodies(scene, sink);
     return scene;
+}
+
+void must_be_rigid(const Scene& scene, const char* command)
+{
+    const std::span<const std::uint32_t> deforming = scene.geometries.deforming();
+    if (!deforming.empty())
+        usage(
+            fmt::format("{}: geometry '{}' deforms, and this command compares rigid geometries; 'oncollide run' plays "
+                        "the scene",
+                        command, printable(scene.geometries[deforming.front()].name)));
 }
 
 fs::path data_folder(const std::string& option)

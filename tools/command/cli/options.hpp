@@ -75,6 +75,9 @@ void add_pace_option(Arguments command, SceneOptions& options);       ///< used 
 Scene open_scene(const SceneOptions& options);
 /// The same, but hands the bodies to `sink` as they are read or made.
 SceneInfo open_scene(const SceneOptions& options, BodySink& sink);
+/// Throws Error{usage} if a geometry deforms.
+/// @param command  its name; it makes trees of each geometry once
+void must_be_rigid(const Scene& scene, const char* command);
 /// True if `text` names a file rather than a scene of the catalogue: it is "-" (standard input), contains a '/' or ends
 /// in .json, or is an existing file and not a known name. Throws Error{usage} if it could be both.
 bool is_scene_file(const std::string& text);

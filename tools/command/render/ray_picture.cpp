@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <oncollide/runs/deforming_models.hpp>
+
 namespace oncollide::tools {
 namespace {
 
@@ -28,13 +30,12 @@ std::vector<Vector3d> corners_of(const Geometry& geometry, const Eigen::Isometry
 } // namespace
 
 RayPictures::RayPictures(const Scene& scene, const Settings& settings, const std::vector<std::uint8_t>& shown)
-    : scene_(scene), world_(settings)
+    : scene_(scene), world_(settings), geometries_(scene.geometries), models_(scene.geometries.size())
 {
-    std::vector<ModelId> models(scene.geometries.size());
     for (std::uint32_t body = 0; body < scene.size(); ++body) {
         if (!shown[body]) continue;
-        ModelId& model = models[index(scene.geometry[body])];
-        if (!model) model = world_.models().add(scene.geometries.share(index(scene.geometry[body])));
+        ModelId& model = models_[index(scene.geometry[body])];
+        if (!model) model = add_model(world_.models(), scene.geometries, index(scene.geometry[body]));
         const BodyId id = world_.bodies().add({.model = model, .pose = scene.poses[body]});
         rows_.push_back({body, id});
         colours_.resize(std::max<std::size_t>(colours_.size(), index(id) + 1));
@@ -45,6 +46,10 @@ RayPictures::RayPictures(const Scene& scene, const Settings& settings, const std
 
 void RayPictures::move(const Scene& scene)
 {
+    for (const std::uint32_t g : scene.geometries.deforming())
+        if (models_[g] && geometries_.share(g) != scene.geometries.share(g))
+            renew_model(world_.models(), models_[g], scene.geometries, g);
+    geometries_ = scene.geometries;
     for (const Row& row : rows_) world_.bodies().set_pose(row.id, scene.poses[row.body]);
 }
 

@@ -18,7 +18,7 @@ public:
     /// @param shown  for each body, true if it is drawn
     RayPictures(const Scene& scene, const Settings& settings, const std::vector<std::uint8_t>& shown);
 
-    /// Takes the scene's current poses.
+    /// Takes the scene's current poses and vertices.
     void move(const Scene& scene);
     /// Adds the AABBs of the shown bodies; half-spaces have none.
     void frame(Framing& framing) const;
@@ -38,6 +38,8 @@ private:
 
     const Scene& scene_;
     World world_;
+    GeometryList geometries_;     ///< as the World has them
+    std::vector<ModelId> models_; ///< by geometry; null: no body shows it
     std::vector<Row> rows_;       ///< rows of the shown bodies
     std::vector<Colour> colours_; ///< by slot in the World
     bool unbounded_ = false;

@@ -122,16 +122,15 @@ void ScenePictures::add_mesh(ScenePicture& picture, std::uint32_t body)
         for (std::uint32_t t = 0; t < whole->triangles.size(); ++t)
             if (std::binary_search(meeting.begin(), meeting.end(), t) == red) triangles.push_back(t);
         if (triangles.empty()) return;
-        picture.made.push_back(std::make_unique<Mesh>(part_of(*whole, triangles)));
-        picture.bodies.push_back({picture.made.back().get(), pose, red ? touching : surface_colour(body)});
+        picture.own.push_back(std::make_shared<const Mesh>(part_of(*whole, triangles)));
+        picture.bodies.push_back({picture.own.back().get(), pose, red ? touching : surface_colour(body)});
     };
     meeting_ += meeting.size();
     if (!meeting.empty()) add_part(true);
     if (!shown_.meshes) return;
-    if (meeting.empty())
-        picture.bodies.push_back({whole, pose, surface_colour(body)});
-    else
-        add_part(false);
+    if (!meeting.empty()) return add_part(false);
+    picture.own.emplace_back(scene_.geometries.share(index(scene_.geometry[body])), whole);
+    picture.bodies.push_back({whole, pose, surface_colour(body)});
 }
 
 ScenePicture ScenePictures::make(const World& world, const TreeOf& tree_of, std::span<const PairResult> pairs,

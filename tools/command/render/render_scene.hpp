@@ -16,9 +16,9 @@ namespace oncollide::tools {
 /// The sphere-tree of a geometry; null if there is none.
 using TreeOf = std::function<const Ocst*(GeometryId)>;
 
-/// A picture with the meshes that were made only for it.
+/// A picture with its meshes that would not outlive it: parts, and meshes that deform.
 struct ScenePicture : Picture {
-    std::vector<std::unique_ptr<Mesh>> made;
+    std::vector<std::shared_ptr<const Mesh>> own;
 };
 
 /// Turns a scene, its sphere-trees and its verdicts into pictures.

@@ -41,6 +41,7 @@ StudyWorkload::StudyWorkload(const WorkloadOptions& o) : every_(o.every)
         SceneOptions one = o.scene;
         one.scene = o.what[0];
         scene = open_scene(one);
+        must_be_rigid(scene, "accuracy");
         title = scene.name;
         frames_ = (scene.frames + every_ - 1) / every_;
     } else {

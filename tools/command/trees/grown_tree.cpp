@@ -56,7 +56,11 @@ double GrownTree::certified_reach(int level) const
 
 const GrownTree& GrownTrees::operator[](GeometryId id)
 {
-    trees_.resize(scene_.geometries.size());
+    const GeometryList& now = scene_.geometries;
+    trees_.resize(now.size());
+    for (const std::uint32_t g : now.deforming())
+        if (g >= geometries_.size() || geometries_.share(g) != now.share(g)) trees_[g].reset();
+    geometries_ = now;
     std::unique_ptr<GrownTree>& tree = trees_[index(id)];
     if (!tree)
         tree = std::make_unique<GrownTree>(scene_.geometries.share(index(id)),

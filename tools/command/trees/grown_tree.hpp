@@ -41,7 +41,7 @@ private:
     std::vector<std::vector<CellKey>> levels_;
 };
 
-/// The trees of a scene's geometries, all of the same depth, each grown on first use.
+/// The trees of a scene's geometries, all of the same depth, each grown on first use, and again after a mesh deforms.
 class GrownTrees {
 public:
     /// The scene must outlive it.
@@ -52,6 +52,7 @@ public:
 private:
     const Scene& scene_;
     int depth_, threads_;
+    GeometryList geometries_; ///< of the trees
     std::vector<std::unique_ptr<GrownTree>> trees_;
 };
 

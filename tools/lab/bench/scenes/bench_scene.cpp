@@ -22,6 +22,7 @@ int bench_scene(const CompareOptions& given)
     if (options.contacts && exact_level(settings) != ExactLevel::predicates)
         usage("--contacts: needs --exact predicates");
     Scene scene = open_scene(options.scene);
+    must_be_rigid(scene, "bench scene");
     const Shard shard = shard_from(options.shard);
     check_parts(shard, std::size_t(scene.frames), "frames");
     const auto [begin, end] = shard.range(std::size_t(scene.frames));
