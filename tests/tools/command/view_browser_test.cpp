@@ -220,6 +220,40 @@ for (const key of ["l", "c"]) dispatchEvent(new KeyboardEvent("keydown", {key}))
     EXPECT_GT(in_scene(seen.picture, is_colliding), 30'000) << "24,000 if the spheres behind were drawn first";
 }
 
+TEST_F(ViewInBrowser, MeshesDeformFromFrameToFrame)
+{
+    folder_.write("s.json",
+                  R"({"frames": 9, "geometries": {"cloth": {"mesh": {"generate": {"kind": "sheet", "size": [2, 1],
+        "cells": [40, 20]}}, "deformation": {"flutter": {"edge": [-1, 0, 0], "along": [1, 0, 0], "normal": [0, 0, 1],
+        "growth": 0.1, "waves": [[1, 3, 12, 0, 0]]}}}},
+        "bodies": [{"geometry": "cloth"}, {"geometry": "cloth", "position": [0, 0, 3]}]})");
+    ASSERT_EQ(run({"run", "s.json", "--quiet", "--view", "x.html"}).code, 0);
+    folder_.write("y.html", folder_.read("x.html") + R"(<script>
+const slider = document.getElementById("scrub");
+const wait = () => {
+  if (+document.documentElement.dataset.drawn < 3) return (slider.value = 1 - slider.value, slider.dispatchEvent(new Event("input"))), requestAnimationFrame(wait);
+  slider.value = 6, slider.dispatchEvent(new Event("input"));
+};
+wait();
+</script>)");
+    const std::string camera = "&theme=light&at=0,0,1.5,3,0.1,-1,0.2";
+    const auto first = look("x.html", "frame=0" + camera), sixth = look("x.html", "frame=6" + camera),
+               moved = look("y.html", "frame=0" + camera, "900,640", 6000);
+    EXPECT_EQ(moved.data("frame"), "6");
+    const auto differ = [&](const Seen& a, const Seen& b) {
+        int count = 0;
+        for (int y = 60; y < 420; ++y)
+            for (int x = 0; x < 520; ++x) {
+                const std::uint8_t *p = a.picture.at(x, y), *q = b.picture.at(x, y);
+                count += std::abs(p[0] - q[0]) + std::abs(p[1] - q[1]) + std::abs(p[2] - q[2]) > 60;
+            }
+        return count;
+    };
+    EXPECT_GT(drawn(first.picture), 5000);
+    EXPECT_GT(differ(first, sixth), 3000);
+    EXPECT_LT(differ(moved, sixth), 100) << "the frame is the same however it is reached";
+}
+
 TEST_F(ViewInBrowser, RegionsAndMarksOfALargeScene)
 {
     ASSERT_EQ(

@@ -62,8 +62,9 @@ nlohmann::json levels_json(std::span<const DelimitationLevel> levels)
 
 } // namespace
 
-PageFrames::PageFrames(const Scene& scene, const Pipeline& pipeline, bool separate, std::size_t most_pairs)
-    : scene_(scene), pipeline_(pipeline), separate_(separate), most_pairs_(most_pairs),
+PageFrames::PageFrames(const Scene& scene, const Pipeline& pipeline, const DeformingModels& deforming, bool separate,
+                       std::size_t most_pairs)
+    : scene_(scene), pipeline_(pipeline), deforming_(deforming), separate_(separate), most_pairs_(most_pairs),
       touched_(scene.geometries.size(), 0)
 {
     Aabb around;
@@ -232,12 +233,14 @@ PageFrame PageFrames::make(const FrameView& view)
         small.insert(small.end(), worst.begin(), worst.end());
     }
 
+    const DeformingModels::Columns deformed = deforming_.columns();
     PageFrame frame;
+    frame.block.add(deformed.boxes);
     frame.block.add(positions), frame.block.add(a), frame.block.add(b), frame.block.add(bounds);
     frame.block.add(errors), frame.block.add(places.where), frame.block.add(places.nearest);
     frame.block.add(places.apart), frame.block.add(times), frame.block.add(places.curve),
         frame.block.add(places.of_curve);
-    frame.block.add(boxes), frame.block.add(turns), frame.block.add(small);
+    frame.block.add(boxes), frame.block.add(turns), frame.block.add(deformed.vertices), frame.block.add(small);
     frame.header = {{"frame", view.frame},
                     {"ms", number(view.ms)},
                     {"hash", fmt::format("{:016x}", view.hash)},

@@ -8,6 +8,7 @@
 #include <oncollide/scenes/scene.hpp>
 
 #include "view/page_blocks.hpp"
+#include "view/page_deforming.hpp"
 
 namespace oncollide::tools {
 
@@ -20,9 +21,10 @@ struct PageFrame {
 /// Turns frames into page data.
 class PageFrames {
 public:
-    /// Keeps references to both. @param most_pairs  pairs per frame; beyond this number pairs are left out, separate
+    /// Keeps references to all. @param most_pairs  pairs per frame; beyond this number pairs are left out, separate
     /// ones first, and the frame has the worst verdict of each body instead
-    PageFrames(const Scene& scene, const Pipeline& pipeline, bool separate, std::size_t most_pairs);
+    PageFrames(const Scene& scene, const Pipeline& pipeline, const DeformingModels& deforming, bool separate,
+               std::size_t most_pairs);
 
     /// `view`: the frame that the pipeline ran last.
     PageFrame make(const FrameView& view);
@@ -34,7 +36,7 @@ public:
     const std::vector<std::uint64_t>& touched() const { return touched_; }
 
     /// Bytes of a frame without pairs.
-    std::size_t least_bytes() const { return 20 * moving_.size() + scene_.size() + 512; }
+    std::size_t least_bytes() const { return 20 * moving_.size() + deforming_.bytes_of_frame() + scene_.size() + 512; }
     std::size_t bytes_of_pair() const;
     static const std::size_t bytes_of_rest; ///< bytes of the curves and regions of a frame, at most
 
@@ -53,6 +55,7 @@ private:
 
     const Scene& scene_;
     const Pipeline& pipeline_;
+    const DeformingModels& deforming_;
     bool separate_;
     std::size_t most_pairs_;
     Eigen::Vector3d origin_;

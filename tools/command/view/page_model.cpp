@@ -78,14 +78,9 @@ Mesh coarsened(const OccupancyMap& map, std::uint64_t most, bool& exactly)
 
 PageModel::Mesh in_box(const Mesh& mesh, const Aabb& box)
 {
-    const Eigen::Array3d size = (box.max - box.min).array().max(1e-300);
     PageModel::Mesh out;
     out.vertices.reserve(mesh.vertices.size()), out.indices.reserve(3 * mesh.triangles.size());
-    for (const Eigen::Vector3d& v : mesh.vertices) {
-        const Eigen::Array3d at = ((v - box.min).array() / size).max(0).min(1) * 65535;
-        out.vertices.push_back({std::uint16_t(std::lround(at.x())), std::uint16_t(std::lround(at.y())),
-                                std::uint16_t(std::lround(at.z()))});
-    }
+    for (const Eigen::Vector3d& v : mesh.vertices) out.vertices.push_back(fraction_of(box, v));
     for (const Triangle& t : mesh.triangles) out.indices.insert(out.indices.end(), t.begin(), t.end());
     return out;
 }
@@ -102,8 +97,9 @@ void compact(PageModel::Mesh& mesh)
     for (std::size_t k = 0; k < count; ++k) mesh.vertices[k] = {used[k][0], used[k][1], used[k][2]};
 }
 
+/// The result keeps all vertices.
 /// @param size  the size of the box, metres: simplification errors are measured in metres
-PageModel::Mesh simplified(const PageModel::Mesh& fine, const Eigen::Vector3d& size, std::uint64_t triangles)
+PageModel::Mesh with_fewer_triangles(const PageModel::Mesh& fine, const Eigen::Vector3d& size, std::uint64_t triangles)
 {
     std::vector<std::array<float, 3>> points;
     points.reserve(fine.vertices.size());
@@ -119,8 +115,13 @@ PageModel::Mesh simplified(const PageModel::Mesh& fine, const Eigen::Vector3d& s
         coarse.indices.resize(fine.indices.size());
         run([](auto... given) { return meshopt_simplifySloppy(given..., 1e9f, nullptr); });
     }
-    if (coarse.triangles() == 0) return fine;
-    compact(coarse);
+    return coarse.triangles() == 0 ? fine : coarse;
+}
+
+PageModel::Mesh simplified(const PageModel::Mesh& fine, const Eigen::Vector3d& size, std::uint64_t triangles)
+{
+    PageModel::Mesh coarse = with_fewer_triangles(fine, size, triangles);
+    if (coarse.triangles() < fine.triangles()) compact(coarse);
     return coarse;
 }
 
@@ -192,6 +193,34 @@ PageModel make_page_model(const Scene& scene, GeometryId id, std::uint64_t most)
     for (const std::uint64_t coarse : {1200, 160, 24})
         if (model.meshes.back().triangles() > 2 * coarse)
             model.meshes.push_back(simplified(model.meshes.back(), size, coarse));
+    return model;
+}
+
+std::array<std::uint16_t, 3> fraction_of(const Aabb& box, const Eigen::Vector3d& point)
+{
+    const Eigen::Array3d size = (box.max - box.min).array().max(1e-300);
+    const Eigen::Array3d at = ((point - box.min).array() / size).max(0).min(1) * 65535;
+    return {std::uint16_t(std::lround(at.x())), std::uint16_t(std::lround(at.y())), std::uint16_t(std::lround(at.z()))};
+}
+
+PageModel make_page_model(const Scene& scene, GeometryId id, std::uint64_t most, std::vector<std::uint32_t>& source)
+{
+    const auto& mesh = std::get<Mesh>(scene.geometries[index(id)].data);
+    PageModel model{.kind = "mesh", .box = mesh.bounds, .triangles = mesh.triangles.size(), .meshes = {}};
+    model.simplified = model.triangles > most;
+    PageModel::Mesh shown = in_box(mesh, model.box);
+    if (model.simplified) shown = with_fewer_triangles(shown, model.box.max - model.box.min, most);
+    constexpr std::uint32_t unused = ~0u;
+    std::vector<std::uint32_t> place(mesh.vertices.size(), unused); // of the vertices that are shown
+    source.clear();
+    for (std::uint32_t& v : shown.indices) {
+        if (place[v] == unused) place[v] = static_cast<std::uint32_t>(source.size()), source.push_back(v);
+        v = place[v];
+    }
+    std::vector<std::array<std::uint16_t, 3>> vertices;
+    for (const std::uint32_t v : source) vertices.push_back(shown.vertices[v]);
+    shown.vertices = std::move(vertices);
+    model.meshes.push_back(std::move(shown));
     return model;
 }
 

@@ -32,5 +32,10 @@ std::uint64_t page_triangles(const Geometry& geometry);
 
 /// @param most  approximate limit on the triangles of the finest mesh
 PageModel make_page_model(const Scene& scene, GeometryId geometry, std::uint64_t most);
+/// The same for a mesh that deforms: only the finest mesh. @param source  set to the vertex of the geometry for each of
+/// its vertices
+PageModel make_page_model(const Scene& scene, GeometryId mesh, std::uint64_t most, std::vector<std::uint32_t>& source);
+/// A vertex of PageModel::Mesh.
+std::array<std::uint16_t, 3> fraction_of(const Aabb& box, const Eigen::Vector3d& point);
 
 } // namespace oncollide::tools

@@ -29,7 +29,8 @@ constexpr std::size_t bytes_of_body = 25, bytes_of_triangle = 16;
 /// Sizes as JSON, with the coarsest meshes.
 constexpr std::size_t bytes_of_header = 800, bytes_of_geometry = 600;
 constexpr std::uint64_t most_triangles = 1'500'000, most_of_model = 250'000; ///< browsers draw this many easily
-constexpr std::size_t most_of_level = 3000;                                  ///< volumes of trees
+constexpr std::size_t least_frames = 32;    ///< that fit, with meshes that deform: these are simplified until they do
+constexpr std::size_t most_of_level = 3000; ///< volumes of trees
 /// Bytes of the trees of one geometry.
 constexpr std::size_t most_bytes_of_trees = 12 * most_of_level * 4 / 3 + 32 * most_of_level * 8 / 7;
 
@@ -117,14 +118,15 @@ struct ViewPage::Shown {
 };
 
 ViewPage::ViewPage(const Scene& scene, const Pipeline& pipeline, const Options& options)
-    : scene_(scene), pipeline_(pipeline), options_(options), three_(read_three_js())
+    : scene_(scene), pipeline_(pipeline), options_(options), three_(read_three_js()),
+      deforming_(scene, std::min<std::uint64_t>(options.most_bytes / encoded(6 * least_frames), most_triangles))
 {
     using namespace page;
     std::size_t fixed = three_.library.size() + three_.controls.size() + 16'384;
     for (const std::string_view text :
          {page_html, style_css, data_js, bodies_js, sprites_js, overlay_js, trees_js, panel_js, main_js})
         fixed += text.size();
-    frames_ = std::make_unique<PageFrames>(scene, pipeline, options.separate, 0);
+    frames_ = std::make_unique<PageFrames>(scene, pipeline, deforming_, options.separate, 0);
     const std::size_t bodies = encoded(bytes_of_body * scene.size()) + bytes_of_geometry * scene.geometries.size();
     const std::size_t least = fixed + bodies + 2 * encoded(frames_->least_bytes()) + 500'000;
     if (least > options.most_bytes)
@@ -140,7 +142,8 @@ ViewPage::ViewPage(const Scene& scene, const Pipeline& pipeline, const Options& 
     const std::size_t without_pairs = encoded(frames_->least_bytes() + PageFrames::bytes_of_rest) + bytes_of_header;
     const std::size_t of_frame = frames_room_ / (options.frames == 1 ? 1 : 2);
     const std::size_t most_pairs = (std::max(of_frame, without_pairs) - without_pairs) * 3 / 4;
-    frames_ = std::make_unique<PageFrames>(scene, pipeline, options.separate, most_pairs / frames_->bytes_of_pair());
+    frames_ = std::make_unique<PageFrames>(scene, pipeline, deforming_, options.separate,
+                                           most_pairs / frames_->bytes_of_pair());
 }
 
 void ViewPage::add(const FrameView& frame)
@@ -211,8 +214,10 @@ ViewPage::Shown ViewPage::shown() const
 /// @param cap  largest number of triangles
 void ViewPage::add_model(Shown& shown, std::uint32_t g, std::uint64_t cap) const
 {
-    const PageModel model = make_page_model(scene_, GeometryId{g}, cap);
+    const PageModel* const deforming = deforming_.of(g);
+    const PageModel model = deforming ? *deforming : make_page_model(scene_, GeometryId{g}, cap);
     json& entry = shown.geometries[g];
+    if (deforming) entry["deforms"] = true;
     entry["kind"] = model.kind, entry["triangles"] = model.triangles;
     entry["low"] = columns_of(model.box.min), entry["high"] = columns_of(model.box.max);
     entry["meshes"] = json::array();
@@ -225,12 +230,12 @@ void ViewPage::add_model(Shown& shown, std::uint32_t g, std::uint64_t cap) const
     shown.shown_triangles += model.meshes[0].triangles();
 }
 
-/// Adds the trees of the geometries that were in pairs, the most frequent first, while there is room.
+/// Adds the trees of the rigid geometries that were in pairs, the most frequent first, while there is room.
 void ViewPage::add_all_trees(Shown& shown) const
 {
     std::vector<std::uint32_t> order;
     for (std::uint32_t g = 0; g < scene_.geometries.size(); ++g)
-        if (frames_->touched()[g]) order.push_back(g);
+        if (frames_->touched()[g] && !scene_.geometries.deforms(g)) order.push_back(g);
     std::stable_sort(order.begin(), order.end(),
                      [&](std::uint32_t x, std::uint32_t y) { return frames_->touched()[x] > frames_->touched()[y]; });
     for (const std::uint32_t g : order) {

@@ -74,6 +74,7 @@ private:
     const Pipeline& pipeline_;
     Options options_;
     ThreeJs three_;
+    DeformingModels deforming_;
     bool names_ = true;                      ///< there is room for the bodies' names
     std::size_t room_ = 0, frames_room_ = 0; ///< bytes for all scene data; for frames
     std::unique_ptr<PageFrames> frames_;

@@ -83,15 +83,19 @@ void main() {
     fragmentShader: stripes + "varying vec4 vColour; void main() { gl_FragColor = vec4(striped(vColour), 1.0); }",
     uniforms: {...uniforms, ...copies.uniforms, ...boxUniforms(model)}, side: THREE.DoubleSide});
 }
-const boxUniforms = (model) => ({low: {value: new THREE.Vector3(...model.low)},
-                                 size: {value: new THREE.Vector3(...model.high).sub(new THREE.Vector3(...model.low))}});
+// The uniforms of a model, which follow its box if it deforms.
+function boxUniforms(model) {
+  const own = (model.uniforms = model.uniforms || {low: {value: new THREE.Vector3()}, size: {value: new THREE.Vector3()}});
+  own.low.value.set(...model.low), own.size.value.set(...model.high).sub(own.low.value);
+  return own;
+}
 const pickFragment = `varying vec4 vNumber; void main() { gl_FragColor = vec4(vNumber.xyz, 1.0); }`;
 
 // Vertices of all triangles, with smooth normals except at edges of more than 35 degrees.
 function surfaceOf(geometry, level) {
   const model = header.geometries[geometry], [vertices, triangles] = model.meshes[level], columns = new Columns(`m${geometry}.${level}`);
   const wide = vertices > 65536 && columns.take(Uint32Array, 3 * triangles);
-  const at = columns.take(Uint16Array, 3 * vertices), index = wide || columns.take(Uint16Array, 3 * triangles);
+  const own = columns.take(Uint16Array, 3 * vertices), at = model.vertices || own, index = wide || columns.take(Uint16Array, 3 * triangles);
   const size = model.high.map((x, k) => x - model.low[k]), face = new Float32Array(3 * triangles), first = new Uint32Array(vertices + 1);
   for (let t = 0; t < triangles; ++t) {
     const [p, q, r] = [index[3 * t] * 3, index[3 * t + 1] * 3, index[3 * t + 2] * 3];
@@ -163,6 +167,11 @@ class Copies {
     for (let k = 0; k < this.copies; ++k) array.set(attribute.array, k * attribute.array.length);
     return new THREE.BufferAttribute(array, attribute.itemSize, attribute.normalized);
   }
+  renew(name, attribute) {
+    const own = this.shape.attributes[name];
+    for (let k = 0; k < this.copies; ++k) own.array.set(attribute.array, k * attribute.array.length);
+    own.needsUpdate = true;
+  }
   shader(source) {
     return `uniform highp sampler2D data; uniform int copies, corners, count;
 int copy() { return gl_InstanceID * copies + gl_VertexID / corners; }
@@ -208,19 +217,34 @@ class Drawer {
 
 // Bodies drawn with the same level of the same geometry.
 class Batch extends Drawer {
-  constructor(surface, model, ghost) {
+  constructor(geometry, level, ghost) {
+    const surface = surfaceAt(geometry, level), model = header.geometries[geometry];
     super(new Copies(surface.positions, surface.normals, surface.index, bodyColumns), ghost ? ghosts : solids);
-    this.surface = surface, this.triangles = surface.triangles;
+    this.model = model, this.geometry = geometry, this.surface = surface, this.triangles = surface.triangles;
     this.fine = bodyMaterial(model, ghost, this.copies), this.plain = ghost ? this.fine : plainMaterial(model, this.copies);
+  }
+  // Takes the vertices of the frame that is shown.
+  deform() {
+    boxUniforms(this.model);
+    const surface = surfaceAt(this.geometry, 0);
+    if (surface === this.surface) return;
+    this.surface = surface;
+    this.copies.renew("position", surface.positions), this.copies.renew("normal", surface.normals);
   }
   flush() {
     super.flush();
+    if (this.model.deforms && this.count) this.deform();
     this.mesh.material = manner.plain ? this.plain : this.fine;
   }
 }
 
+// All batches of a geometry share a surface; a mesh that deforms has another surface in each frame.
+const surfaces = new Map(); // by geometry and level
 function surfaceAt(geometry, level) {
+  const id = geometry + "." + level, known = surfaces.get(id), {vertices} = header.geometries[geometry];
+  if (known && known.vertices === vertices) return known;
   const surface = surfaceOf(geometry, level);
+  surface.vertices = vertices, surfaces.set(id, surface);
   surface.positions = new THREE.BufferAttribute(surface.position, 4, true);
   surface.normals = new THREE.BufferAttribute(surface.normal, 4, true);
   surface.triangles = header.geometries[geometry].meshes[level][1];
@@ -229,9 +253,9 @@ function surfaceAt(geometry, level) {
 
 const batches = []; // by geometry, then [levels of solids..., levels of ghosts...]
 function batchOf(geometry, level, ghost) {
-  const model = header.geometries[geometry], levels = model.meshes.length, all = (batches[geometry] = batches[geometry] || []);
-  const k = level + (ghost ? levels : 0), other = all[level + (ghost ? 0 : levels)];
-  return (all[k] = all[k] || new Batch(other ? other.surface : surfaceAt(geometry, level), model, ghost));
+  const levels = header.geometries[geometry].meshes.length, all = (batches[geometry] = batches[geometry] || []);
+  const k = level + (ghost ? levels : 0);
+  return (all[k] = all[k] || new Batch(geometry, level, ghost));
 }
 
 // Drawing quality: the first row at rest, otherwise as far down the list as needed to keep up.

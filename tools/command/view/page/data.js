@@ -39,11 +39,12 @@ const bodies = (() => {
 const RANKS = ["free", "separate", "within", "undecided", "colliding"]; // of bodies, best first
 const RANK_OF_VERDICT = [1, 2, 4, 3];
 
-for (const g of header.geometries) {
-  if (!g.low) continue;
+function measure(g) {
   g.middle = g.low.map((x, k) => (x + g.high[k]) / 2);
   g.radius = Math.hypot(...g.low.map((x, k) => (g.high[k] - x) / 2));
 }
+for (const g of header.geometries) if (g.low) measure(g);
+const deforming = header.geometries.filter((g) => g.deforms);
 for (let b = 0; b < bodies.count; ++b) bodies.radius[b] = header.geometries[bodies.geometry[b]].radius;
 
 // Static bodies that are much larger than the dynamic ones: buildings, terrains. They stay grey; marks show contacts.
@@ -80,10 +81,12 @@ const decoded = new Map(); // the last few frames
 function frameAt(k) {
   if (decoded.has(k)) return decoded.get(k);
   const h = header.frames[k], c = new Columns("f" + k), m = header.moving, n = h.pairs;
-  const frame = {position: c.take(Float32Array, 3 * m), a: c.take(Uint32Array, n), b: c.take(Uint32Array, n),
+  const boxes = c.take(Float64Array, 6 * deforming.length);
+  const frame = {boxes, position: c.take(Float32Array, 3 * m), a: c.take(Uint32Array, n), b: c.take(Uint32Array, n),
     bound: c.take(Float32Array, n), error: c.take(Float32Array, n), where: c.take(Float32Array, 3 * n),
     nearest: c.take(Float32Array, n), apart: c.take(Float32Array, n), times: c.take(Float32Array, h.swept ? 2 * n : 0), curve: c.take(Float32Array, 6 * h.curve),
     ofCurve: c.take(Uint32Array, h.curve), regions: c.take(Float32Array, 6 * h.regions), turn: c.take(Int16Array, 4 * m),
+    vertices: deforming.map((g) => c.take(Uint16Array, 3 * g.meshes[0][0])),
     verdict: c.take(Uint8Array, n), stage: c.take(Uint8Array, n), kind: c.take(Uint8Array, n),
     level: c.take(Uint8Array, h.regions), rejected: c.take(Uint8Array, h.regions),
     worst: c.take(Uint8Array, h.left_out ? header.bodies : 0), header: h, pairs: n}; // worst: ranks of all bodies where pairs are left out
@@ -100,14 +103,22 @@ function findPlaces(frame) {
   for (let p = 0; p < frame.pairs; ++p) frame.known[p] = isFinite(frame.where[3 * p]);
 }
 
-// Moves the bodies to their poses in this frame.
+// Moves the vertices of meshes that deform, and the bodies to their poses in this frame.
 function showFrame(frame) {
   const {moving, position, turn, verdict, middle, radius} = bodies;
+  deforming.forEach((g, i) => {
+    g.low = [...frame.boxes.subarray(6 * i, 6 * i + 3)], g.high = [...frame.boxes.subarray(6 * i + 3, 6 * i + 6)];
+    g.vertices = frame.vertices[i], measure(g);
+  });
   for (let i = 0; i < moving.length; ++i) {
     const b = moving[i];
     for (let k = 0; k < 3; ++k) position[3 * b + k] = frame.position[3 * i + k];
     for (let k = 0; k < 4; ++k) turn[4 * b + k] = frame.turn[4 * i + k];
     findMiddle(b);
+  }
+  for (let b = 0; b < (deforming.length ? bodies.count : 0); ++b) {
+    const g = header.geometries[bodies.geometry[b]];
+    if (g.deforms) (radius[b] = g.radius), findMiddle(b);
   }
   verdict.fill(0), verdict.set(frame.worst);
   for (let p = 0; p < frame.pairs; ++p) {

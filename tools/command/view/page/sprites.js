@@ -68,7 +68,7 @@ class Sprites {
     // Only geometries of many bodies get pictures, which take time and memory.
     const users = header.geometries.map(() => 0);
     for (const g of bodies.geometry) ++users[g];
-    this.shown = new Set([...users.keys()].filter((g) => users[g] >= 16).sort((g, h) => users[h] - users[g]).slice(0, 48));
+    this.shown = new Set([...users.keys()].filter((g) => users[g] >= 16 && !header.geometries[g].deforms).sort((g, h) => users[h] - users[g]).slice(0, 48));
     this.seen = {}, this.colours = new Uint32Array(0), this.depths = new Float32Array(0); // per pixel of the view, from the bottom row
     this.uniforms = {colours: {value: null}, depths: {value: null}};
     this.mesh = new THREE.Mesh(new THREE.PlaneBufferGeometry(2, 2), new THREE.ShaderMaterial({
