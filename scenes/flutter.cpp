@@ -40,7 +40,7 @@ void Flutter::check() const
     }
 }
 
-/// Of the cloth to its direction at rest.
+/// The angle of the cloth to its direction at rest.
 double Flutter::angle(double distance, double beside, double time) const
 {
     double sum = 0;

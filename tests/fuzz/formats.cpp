@@ -64,6 +64,7 @@ constexpr Format all_formats[] = {
     {"aabbs", "input.aabbs", aabbs_seeds},
     {"table", "input.csv", table_seeds},
     {"recording", "recorded.npy", recording_seeds},
+    {"vertices", "moved.npy", vertices_seeds},
     {"cooked", "input.cooked", cooked_seeds, mutated_cooked}, // with checksums that match any contents
     {"damaged", "input.cooked", cooked_seeds, mutated_cooked},
     {"tiles", "tiles.json", tiles_seeds},
@@ -183,8 +184,9 @@ void load(const fs::path& file)
 #endif
     } else if (ending == ".csv") {
         check(test::load_with_samples(file.parent_path() / "table.json"));
-    } else if (file.filename() == "recorded.npy") {
-        Scene scene = test::load_with_samples(file.parent_path() / "recorded.json");
+    } else if (file.filename() == "recorded.npy" || file.filename() == "moved.npy") {
+        Scene scene = test::load_with_samples(file.parent_path() /
+                                              (file.filename() == "moved.npy" ? "deforming.json" : "recorded.json"));
         Mover mover;
         for (int frame = 0; frame < std::min(scene.frames, 5); ++frame) mover.move(scene, frame), check(scene);
     } else if (ending == ".bt" || ending == ".ot") {

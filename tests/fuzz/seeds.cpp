@@ -182,6 +182,12 @@ std::vector<std::string> scene_seeds()
 {"name": "walker", "geometry": "ball", "motion": {"tum": {"file": "walk.tum", "frames_per_second": 30}}},
 {"name": "gear", "geometry": "gear", "motion": {"keys": [[0, 5, 0, 1, 0, 0, 0, 1], [120, 5, 4, 1, 0, 0, 1, 0]]}}]}
 )",
+        R"({"frames": 3, "geometries": {
+"recorded": {"mesh": {"vertices": [[0, 0, 0], [4, 0, 0], [0, 2, 0], [4, 2, 1]], "triangles": [[0, 1, 2]]}, "deformation": {"file": "vertices.npy"}},
+"flag": {"mesh": {"generate": {"kind": "sheet", "size": [2, 1], "cells": [3, 2]}}, "deformation": {"flutter":
+{"edge": [-1, 0, 0], "along": [1, 0, 0], "normal": [0, 0, 1], "growth": 0.4, "waves": [[0.8, 1.5, 20, 0.1, 0], [0.3, 0.5, 9, 0, 0.5]]}}}},
+"bodies": [{"geometry": "recorded"}, {"geometry": "flag"}]}
+)",
         R"({"geometries": {
 "a": {"mesh": {"generate": {"kind": "box", "half": [1, 2, 3]}}},
 "b": {"mesh": {"generate": {"kind": "sphere", "radius": 1, "triangles": 32}}},
@@ -266,18 +272,32 @@ std::vector<std::string> table_seeds()
             "geometry,x,y,z\nball,1,2,3\nball,4,5,6\n"};
 }
 
+namespace {
+
+std::string npy_of(const char* shape, int count, auto number, auto number_of)
+{
+    std::string header =
+        fmt::format("{{'descr': '<f{}', 'fortran_order': False, 'shape': {}, }}", sizeof number, shape);
+    header.resize(117, ' '), header += '\n';
+    std::string bytes = std::string("\x93NUMPY\x01\0", 8) + char(header.size()) + '\0' + header;
+    for (int i = 0; i < count; ++i) number = number_of(i), append(bytes, number);
+    return bytes;
+}
+
+} // namespace
+
 /// Two frames of one body, three of two.
 std::vector<std::string> recording_seeds()
 {
-    const auto array = [](const char* shape, int poses, auto number) {
-        std::string header =
-            fmt::format("{{'descr': '<f{}', 'fortran_order': False, 'shape': {}, }}", sizeof number, shape);
-        header.resize(117, ' '), header += '\n';
-        std::string bytes = std::string("\x93NUMPY\x01\0", 8) + char(header.size()) + '\0' + header;
-        for (int i = 0; i < 7 * poses; ++i) number = i % 7 < 3 ? 0.5f : i % 7 == 6, append(bytes, number);
-        return bytes;
-    };
-    return {array("(2, 1, 7)", 2, 0.0), array("(3, 2, 7)", 6, 0.0f)};
+    const auto number = [](int i) { return i % 7 < 3 ? 0.5f : float(i % 7 == 6); };
+    return {npy_of("(2, 1, 7)", 14, 0.0, number), npy_of("(3, 2, 7)", 42, 0.0f, number)};
+}
+
+/// Two and three frames of four vertices.
+std::vector<std::string> vertices_seeds()
+{
+    const auto number = [](int i) { return 0.25f * float(i % 13); };
+    return {npy_of("(2, 4, 3)", 24, 0.0, number), npy_of("(3, 4, 3)", 36, 0.0f, number)};
 }
 
 /// Meshes of one chunk, and of several under up to three levels of nodes; floats and doubles; with vertices that no
@@ -356,6 +376,9 @@ void add_companions(const TemporaryFolder& folder)
     folder.write("thing.off", as_off(box()));
     folder.write("walk.tum", "0 1 2 3 0 0 0 1\n0.5 1 2 4 0 0 0.6 0.8\n");
     folder.write("land.pgm", pgm_seeds()[0]);
+    folder.write("vertices.npy", vertices_seeds()[0]);
+    folder.write("deforming.json", R"({"geometries": {"cloth": {"mesh": {"vertices": [[0, 0, 0], [4, 0, 0], [0, 2, 0],
+        [4, 2, 1]], "triangles": [[0, 1, 2]]}, "deformation": {"file": "moved.npy"}}}, "bodies": [{"geometry": "cloth"}]})");
     folder.write("expected", "0 1 7\n");
     const std::string geometries = R"({"geometries": {"ball": {"shape": {"kind": "sphere", "radius": 1}},
         "b, c": {"shape": {"kind": "box", "half": [1, 1, 1]}}}, )";

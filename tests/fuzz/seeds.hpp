@@ -29,7 +29,8 @@ std::vector<std::string> scene_seeds();
 std::vector<std::string> poses_seeds();
 std::vector<std::string> aabbs_seeds();
 std::vector<std::string> table_seeds();     ///< CSV
-std::vector<std::string> recording_seeds(); ///< NumPy
+std::vector<std::string> recording_seeds();
+std::vector<std::string> vertices_seeds(); ///< NumPy
 std::vector<std::string> cooked_seeds();
 std::vector<std::string> tiles_seeds(); ///< of one chunk, and of several
 
