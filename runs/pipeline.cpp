@@ -10,7 +10,7 @@
 namespace oncollide {
 
 struct Pipeline::Played {
-    GeometryList geometries;
+    std::vector<std::shared_ptr<const Geometry>> geometries;
     std::uint32_t bodies = 0;
     ChangeLog::Mark changes;  ///< the mark of the scene, already applied to the World
     std::size_t excluded = 0; ///< number of pairs applied
@@ -37,25 +37,19 @@ FrameView Pipeline::step(const Scene& scene)
 
 void Pipeline::play_geometries(const Scene& scene)
 {
-    const GeometryList& known = played_->geometries;
+    auto& known = played_->geometries;
     if (continuous_) check_rigid(scene.geometries);
     if (scene.geometries.size() < known.size())
         throw Error(ErrorKind::usage,
                     fmt::format("the scene has {} geometries, {} in the last call; pass the same scene",
                                 scene.geometries.size(), known.size()));
     for (std::uint32_t g = 0; g < scene.geometries.size(); ++g) {
-        if (g >= known.size())
-            add_model(world_.models(), scene.geometries, g);
-        else if (known.share(g) != scene.geometries.share(g))
-            renew_model(world_.models(), world_.models().at(g), scene.geometries, g);
+        const std::shared_ptr<const Geometry>& geometry = scene.geometries.share(g);
+        if (g == known.size())
+            add_model(world_.models(), scene.geometries, g), known.push_back(geometry);
+        else if (known[g] != geometry)
+            renew_model(world_.models(), world_.models().at(g), scene.geometries, g), known[g] = geometry;
     }
-    played_->geometries = scene.geometries;
-}
-
-void Pipeline::set_continuous(bool continuous)
-{
-    if (continuous) check_rigid(played_->geometries);
-    continuous_ = continuous;
 }
 
 void Pipeline::add_body(const Scene& scene, std::uint32_t body)

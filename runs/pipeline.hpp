@@ -31,8 +31,8 @@ public:
 
     /// From now on, step() moves bodies from their poses to the new ones by Bodies::set_motion(), so contacts on the
     /// way are reported: straight, but through the keys between the times of the last step and this one (Scene::time).
-    /// Default: off. Throws Error{usage} if a geometry of the scene deforms, here or in step().
-    void set_continuous(bool continuous);
+    /// Default: off. step() then throws Error{usage} if a geometry deforms.
+    void set_continuous(bool continuous) { continuous_ = continuous; }
     bool continuous() const { return continuous_; }
 
     World& world() { return world_; }

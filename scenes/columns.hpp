@@ -228,6 +228,9 @@ private:
         std::shared_ptr<Deformation> deformation;
     };
     const Rest* rest_of(std::size_t i) const;
+    /// The geometry at `time`: `before` if its vertices are the same.
+    static std::shared_ptr<const Geometry> at_time(const Rest& rest, const std::shared_ptr<const Geometry>& before,
+                                                   double time);
 
     std::vector<std::shared_ptr<const Geometry>> items_; ///< as they are now
     std::vector<std::uint32_t> deforming_;

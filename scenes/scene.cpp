@@ -59,12 +59,11 @@ void SceneInfo::deform(GeometryId mesh, std::shared_ptr<Deformation> deformation
     if (!std::holds_alternative<Mesh>(rest->data))
         refuse(fmt::format("geometry '{}'", rest->name), "only a mesh in memory can deform");
     if (geometries.deforms(number)) refuse(fmt::format("geometry '{}'", rest->name), "has a deformation already");
-    GeometryList with = geometries;
-    const auto at = std::ranges::lower_bound(with.deforming_, number) - with.deforming_.begin();
-    with.deforming_.insert(with.deforming_.begin() + at, number);
-    with.rest_.insert(with.rest_.begin() + at, {rest, std::move(deformation)});
-    with.deform(0);
-    geometries = std::move(with);
+    GeometryList::Rest at_rest{rest, std::move(deformation)};
+    geometries.items_[number] = GeometryList::at_time(at_rest, rest, 0);
+    const auto at = std::ranges::lower_bound(geometries.deforming_, number) - geometries.deforming_.begin();
+    geometries.deforming_.insert(geometries.deforming_.begin() + at, number);
+    geometries.rest_.insert(geometries.rest_.begin() + at, std::move(at_rest));
 }
 
 void SceneInfo::check_body(const BodyInit& body) const

@@ -44,7 +44,7 @@ void check_for_ranks(const Settings& settings)
 
 RankWorld::RankWorld(const GeometryList& geometries, const Settings& settings, const Partitioner& partition, int rank)
     : geometries_(geometries), partition_(partition), rank_(rank), world_(settings),
-      half_margin_(0.5 * settings.clearance), models_(geometries.size()), known_(geometries)
+      half_margin_(0.5 * settings.clearance), models_(geometries.size()), known_(geometries.deforming().size())
 {
     check_for_ranks(settings);
     check_for_ranks(geometries, settings);
@@ -69,10 +69,11 @@ ModelId RankWorld::model_of(std::uint32_t geometry)
 
 void RankWorld::renew_models()
 {
-    for (const std::uint32_t g : geometries_.deforming())
-        if (models_[g] && known_.share(g) != geometries_.share(g))
-            renew_model(world_.models(), *models_[g], geometries_, g);
-    known_ = geometries_;
+    for (std::size_t k = 0; k < known_.size(); ++k) {
+        const std::uint32_t g = geometries_.deforming()[k];
+        if (models_[g] && known_[k] != geometries_.share(g)) renew_model(world_.models(), *models_[g], geometries_, g);
+        known_[k] = geometries_.share(g);
+    }
 }
 
 Aabb RankWorld::grown(const Aabb& box) const

@@ -54,7 +54,8 @@ private:
     World world_;
     double half_margin_;
     std::vector<std::optional<ModelId>> models_; ///< by geometry
-    GeometryList known_;                         ///< as in the models of meshes that deform
+    /// The meshes that deform, as their models have them.
+    std::vector<std::shared_ptr<const Geometry>> known_;
     std::unordered_map<std::uint32_t, Entry> here_;
     std::vector<const BodyHere*> come_;
     std::uint32_t step_ = 0;

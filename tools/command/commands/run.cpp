@@ -21,6 +21,7 @@
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/pipeline/result_hash.hpp>
 #include <oncollide/pipeline/world/world_access.hpp>
+#include <oncollide/runs/deforming_models.hpp>
 
 namespace oncollide::tools {
 namespace {
@@ -104,6 +105,7 @@ int run(const RunOptions& options)
         usage(fmt::format("--from-frame {}: the scene has frames 0 to {}", options.from_frame, scene.frames - 1));
     const auto [begin, end] = shard.range(std::size_t(scene.frames));
     const int first = shard.whole() ? options.from_frame : int(begin);
+    if (options.continuous) check_rigid(scene.geometries);
     // The bodies start from the poses of the frame before.
     if (options.continuous) Mover().move(scene, std::max(first - 1, 0));
     Pipeline pipeline(scene, settings);
