@@ -117,6 +117,14 @@ void Model::deform(std::uint32_t first, std::uint32_t count, double radius2)
     if (obb_tree_) obb_tree_->deform(first, count, radius2);
 }
 
+void Model::change_heights(const TerrainRectangle& where)
+{
+    ONCOLLIDE_ASSERT(terrain() && !file_);
+    bounds_.deform();
+    parts_.reset(), fcl_.reset();
+    if (auto* const heights = heights_.made()) (*heights)->change(where);
+}
+
 const Convex& Model::convex() const
 {
     return convex_.get([this] {

@@ -162,6 +162,8 @@ public:
     /// from the old vertices, except the OBB tree, which follows them. The model must be a mesh in memory.
     /// @param radius2  as VertexMove::radius2
     void deform(std::uint32_t first, std::uint32_t count, double radius2);
+    /// The same for heights of a terrain in memory: its quadtree follows them.
+    void change_heights(const TerrainRectangle& where);
 
     /// Prefetches the members that a pair reads first.
     void prefetch() const { oncollide::prefetch(this, 192); }

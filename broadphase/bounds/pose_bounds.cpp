@@ -120,9 +120,9 @@ void PoseBounds::set_size()
 
 void PoseBounds::deform()
 {
-    const Mesh& mesh = std::get<Mesh>(geometry_);
-    if (moves_ == Moves::none) {
-        const std::vector<bool> used = used_vertices(mesh);
+    const Mesh* const mesh = std::get_if<Mesh>(&geometry_);
+    if (mesh && moves_ == Moves::none) {
+        const std::vector<bool> used = used_vertices(*mesh);
         moves_ = std::ranges::find(used, false) == used.end() ? Moves::all_used : Moves::some_used;
     }
     set_size();

@@ -18,8 +18,9 @@ public:
     /// Keeps a reference to `geometry`. Cost: O(1).
     explicit PoseBounds(const GeometryData& geometry);
 
-    /// Call it after vertices of the mesh have moved and its bounds were renewed. Not concurrently with any other call.
-    /// From now on each expect() after a change of the vertices copies them, instead of sorting them into a map.
+    /// Call it after the bounds of a terrain changed, or vertices of a mesh moved and its bounds were renewed. Not
+    /// concurrently with any other call. From now on each expect() after a change of the vertices copies them, instead
+    /// of sorting them into a map.
     void deform();
 
     /// Announces that box() will be called at this pose, and prepares data if this pays off. Not concurrently with any

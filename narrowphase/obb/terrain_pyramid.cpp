@@ -98,6 +98,54 @@ void TerrainTree::make_squares()
     }
 }
 
+/// The blocks over these cells.
+TerrainTree::BlockRange TerrainTree::blocks_over(std::uint32_t level, const BlockRange& cells)
+{
+    const auto over = [&](const Block& cell) { return Block{cell.x >> log_width(level), cell.y >> log_height(level)}; };
+    return {over(cells.first), over(cells.last)};
+}
+
+/// As make_squares(), for some of them.
+void TerrainTree::find_squares(const BlockRange& of)
+{
+    constexpr std::uint32_t width = square_side + 1;
+    const double zero = centre_.z() - terrain_.origin().z();
+    const std::uint32_t across = blocks(2).x;
+    TerrainAccess::with_heights(terrain_, [&](auto height) {
+        float z[width * width];
+        for (std::uint32_t y = of.first.y; y <= of.last.y; ++y)
+            for (std::uint32_t x = of.first.x; x <= of.last.x; ++x) {
+                for (std::uint32_t j = 0; j < width; ++j)
+                    for (std::uint32_t i = 0; i < width; ++i)
+                        z[j * width + i] =
+                            static_cast<float>(height(std::min(x * square_side + i, terrain_.cells_x()),
+                                                      std::min(y * square_side + j, terrain_.cells_y())) -
+                                               zero);
+                squares_[std::size_t(y) * across + x] = square_of(z, width);
+            }
+    });
+}
+
+void TerrainTree::change(const TerrainRectangle& where)
+{
+    ONCOLLIDE_ASSERT(!TerrainAccess::chunks(terrain_) && where.columns > 0 && where.rows > 0);
+    const Block last{terrain_.cells_x() - 1, terrain_.cells_y() - 1};
+    BlockRange cells{
+        {where.column - (where.column > 0), where.row - (where.row > 0)},
+        {std::min(where.column + where.columns - 1, last.x), std::min(where.row + where.rows - 1, last.y)}};
+    set_bounds();
+    // Floats round ranges that are far from their zero level more than necessary.
+    constexpr float most_off = 4;
+    const BlockRange of = blocks_over(2, cells);
+    const std::uint64_t changed = std::uint64_t(of.last.x - of.first.x + 1) * (of.last.y - of.first.y + 1);
+    if (2 * changed >= squares_.size() || farthest() > most_off * 0.5f * (all_.high - all_.low)) {
+        centre_ = terrain_.bounds().centre(), cells = {{0, 0}, last};
+        set_bounds();
+    }
+    find_squares(blocks_over(2, cells));
+    for (std::uint32_t level = 3; level <= top_.level; ++level) find_level(level, blocks_over(level, cells));
+}
+
 /// The height ranges of the eight blocks of a square.
 void TerrainTree::ranges_of_blocks(const float* z, std::size_t width, bool holes, Range (&of)[8])
 {
@@ -188,14 +236,20 @@ void TerrainTree::add_slabs(Square& square, const float* z, std::size_t width, b
 void TerrainTree::make_level(std::uint32_t level)
 {
     const Block all = blocks(level);
-    std::vector<Bounds> bounds(std::size_t(all.x) * all.y);
-    for (std::uint32_t y = 0; y < all.y; ++y)
-        for (std::uint32_t x = 0; x < all.x; ++x)
-            bounds[std::size_t(y) * all.x + x] =
+    bounds_.emplace_back(std::size_t(all.x) * all.y);
+    find_level(level, {{0, 0}, {all.x - 1, all.y - 1}});
+}
+
+/// Finds the bounds of blocks of level 3 or above from the level below.
+void TerrainTree::find_level(std::uint32_t level, const BlockRange& of)
+{
+    const std::uint32_t across = blocks(level).x;
+    for (std::uint32_t y = of.first.y; y <= of.last.y; ++y)
+        for (std::uint32_t x = of.first.x; x <= of.last.x; ++x)
+            bounds_[level - 3][std::size_t(y) * across + x] =
                 bounds_around(level, x, y, [&](std::uint32_t of_x, std::uint32_t of_y) {
                     return bounds_below(level - 1, of_x, of_y);
                 });
-    bounds_.push_back(std::move(bounds));
 }
 
 /// The level is 2 or above.

@@ -10,12 +10,9 @@
 
 namespace oncollide {
 
-TerrainTree::TerrainTree(const Terrain& terrain)
-    : terrain_(terrain), centre_(terrain.bounds().centre()),
-      radius_(0.5 * terrain.bounds().diagonal() * (1 + 0x1p-50) + 1e-150)
+TerrainTree::TerrainTree(const Terrain& terrain) : terrain_(terrain), centre_(terrain.bounds().centre())
 {
-    const Eigen::Vector3d half = terrain.bounds().half_extent();
-    all_ = {static_cast<float>(-half.z()), static_cast<float>(half.z())};
+    set_bounds();
     std::uint32_t level = 0;
     for (Block all = blocks(0); all.x > wide(level) || all.y > high(level); all = blocks(level)) ++level;
     top_ = {0, 0, level, false};
@@ -31,6 +28,16 @@ TerrainTree::TerrainTree(const Terrain& terrain)
     for (const CookedRange& r : cooked.ranges())
         bounds_[1].push_back({{r.low, r.high}, {{r.slab_low, r.slab_high}, r.slope_x, r.slope_y}});
     for (std::uint32_t l = part_level + 1; l <= level; ++l) make_level(l);
+}
+
+/// Sets the bounds of all cells. The zero level of the ranges stays, and so may be off their middle.
+void TerrainTree::set_bounds()
+{
+    const Aabb& bounds = terrain_.bounds();
+    const double half = bounds.half_extent().z(), off = bounds.centre().z() - centre_.z();
+    centre_.head<2>() = bounds.centre().head<2>();
+    radius_ = (0.5 * bounds.diagonal() + std::abs(off)) * (1 + 0x1p-50) + 1e-150;
+    all_ = {static_cast<float>(off - half), static_cast<float>(off + half)};
 }
 
 TerrainTree::~TerrainTree()
@@ -242,7 +249,7 @@ LaneMasks TerrainTree::open(const Node& node, const BoxPlacement* placement, Ope
     }
     for (int axis = 0; axis < 3; ++axis)
         for (int i = 0; i < 3; ++i) std::fill_n(boxes.axis[axis][i], 8, r ? r[3 * i + axis] : float(axis == i));
-    boxes.margin = box_margin * largest + range_rounding * all_.high;
+    boxes.margin = box_margin * largest + range_rounding * farthest();
     return {node.level == 0 && !node.whole ? blocks.lanes : 0, 0};
 }
 
@@ -291,7 +298,7 @@ void TerrainTree::open_blocks(const Node& node, const Eigen::Vector3d& from, Ter
     blocks.half_x = half.x(), blocks.half_y = half.y();
     blocks.wide = w == 4, blocks.one_slope = level == 1;
     blocks.zero = static_cast<float>(centre_.z() - from.z());
-    blocks.margin = box_margin * 2 * (half.x() + half.y()) + range_rounding * all_.high;
+    blocks.margin = box_margin * 2 * (half.x() + half.y()) + range_rounding * farthest();
     const auto put = [&](unsigned k, const Range& range, const Slab& slab) {
         blocks.low[k] = range.low, blocks.high[k] = range.high;
         blocks.slab_low[k] = slab.low, blocks.slab_high[k] = slab.high;

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
@@ -36,6 +37,10 @@ public:
     /// Keeps a reference to the terrain. Cost: 6 ns per cell; for a cooked terrain, per block of 64 by 64 cells.
     explicit TerrainTree(const Terrain& terrain);
     ~TerrainTree() override;
+    /// Call it after heights of the terrain in memory have changed, while no traversal runs. Bounds of blocks without a
+    /// changed height stay as they are, unless the terrain's own bounds have moved far. Cost: 10 ns per cell of the
+    /// squares of eight by eight cells that have a changed height, and the blocks above them; allocates nothing.
+    void change(const TerrainRectangle& where);
     TerrainTree(const TerrainTree&) = delete;
     TerrainTree& operator=(const TerrainTree&) = delete;
 
@@ -135,8 +140,7 @@ private:
         std::uint32_t x, y;
     };
     static constexpr float nothing = std::numeric_limits<float>::infinity(); ///< stored as `low` where no cell exists
-    static constexpr float range_rounding = 0x1p-20f; ///< error bound of stored heights, as a share of half the
-                                                      ///< terrain's height
+    static constexpr float range_rounding = 0x1p-20f; ///< error bound of stored heights, as a share of farthest()
     /// Eight by eight squares: a block of level 4.
     static constexpr std::uint32_t part_level = 4;
     struct Part {
@@ -202,9 +206,16 @@ private:
     void fill(Part& part, std::uint32_t x, std::uint32_t y) const;
     /// The origin of the boxes' coordinates, in the terrain's frame.
     Eigen::Vector3d origin(const BoxPlacement* placement) const;
+    void set_bounds();
+    float farthest() const { return std::max(-all_.low, all_.high); } ///< from the zero level of the ranges
     LaneMasks open_cell(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const;
     void cell_ranges(const Node& node, Range (&ranges)[8]) const;
     void make_squares();
+    struct BlockRange {
+        Block first, last; ///< both are included
+    };
+    static BlockRange blocks_over(std::uint32_t level, const BlockRange& cells);
+    void find_squares(const BlockRange& of);
     Square square_of(const float* z, std::size_t width) const;
     static void ranges_of_blocks(const float* z, std::size_t width, bool holes, Range (&of)[8]);
     void add_slabs(Square& square, const float* z, std::size_t width, bool holes) const;
@@ -214,12 +225,13 @@ private:
     template <class Below>
     Slab slab_around(std::uint32_t level, std::uint32_t x, std::uint32_t y, Below below) const;
     void make_level(std::uint32_t level);
+    void find_level(std::uint32_t level, const BlockRange& of);
     Bounds bounds_below(std::uint32_t level, std::uint32_t x, std::uint32_t y) const;
 
     const Terrain& terrain_;
-    Eigen::Vector3d centre_;
+    Eigen::Vector3d centre_; ///< its height is the zero level of the ranges
     double radius_;
-    Range all_;
+    Range all_;                               ///< heights of the terrain's bounds
     Node top_;                                ///< the node that holds all cells
     std::vector<Square> squares_;             ///< blocks of level 2, row by row
     std::vector<std::vector<Bounds>> bounds_; ///< by level from 3, row by row

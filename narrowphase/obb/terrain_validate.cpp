@@ -34,7 +34,7 @@ std::string TerrainTree::fault_of_level(std::uint32_t level) const
 std::string TerrainTree::fault_of_cells() const
 {
     const double zero = centre_.z() - terrain_.origin().z();
-    const float slack = 4 * range_rounding * std::max(std::abs(all_.low), std::abs(all_.high));
+    const float slack = 4 * range_rounding * farthest();
     std::vector<float> low(terrain_.columns()), high(terrain_.columns());
     for (std::uint32_t y = 0; y < terrain_.cells_y(); ++y) {
         terrain_.read_row(y, zero, low.data()), terrain_.read_row(y + 1, zero, high.data());

@@ -36,6 +36,12 @@ struct TerrainGrid {
                                                   ///< falling diagonal
 };
 
+/// Heights of a terrain: some of its columns, in some of its rows.
+struct TerrainRectangle {
+    std::uint32_t column = 0, row = 0;   ///< the first ones
+    std::uint32_t columns = 0, rows = 0; ///< their numbers
+};
+
 /// A surface over a regular grid of heights, in its own frame: column c, row r is at origin + (c spacing, r spacing,
 /// height). Each cell between four heights is two triangles; cells at a hole are absent. It has no inside.
 ///
@@ -56,7 +62,9 @@ public:
     const Aabb& bounds() const { return bounds_; } ///< bounds of the surface, both as given and as stored
     /// Bound, in metres, on the error of the stored heights and of the surface through them. 0: exact.
     double error() const { return error_; }
-    bool holes() const { return holes_; }          ///< true if a cell is absent
+    bool holes() const { return holes_; } ///< true if a cell is absent
+    /// As TerrainGrid::no_data; empty for a terrain in a cooked file.
+    const std::optional<double>& no_data() const { return no_data_; }
     std::uint64_t cells() const { return cells_; } ///< number of present cells
     int bytes_per_height() const { return bytes_; }
     std::size_t bytes() const;
@@ -87,6 +95,7 @@ public:
 
 private:
     friend class TerrainBuilder;
+    friend class HeightMover;
     friend struct TerrainAccess;
     friend class TerrainChunks;
     friend class CookedTerrain;
@@ -102,6 +111,7 @@ private:
     double low_ = 0, high_ = 0; ///< heights that bound the present cells
     Aabb bounds_;
     double error_ = 0, unit_ = 0;
+    std::optional<double> no_data_;
     bool holes_ = false;
     std::uint64_t cells_ = 0;
     CellDiagonal diagonal_ = CellDiagonal::rising;

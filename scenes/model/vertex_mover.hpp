@@ -8,7 +8,7 @@
 
 namespace oncollide {
 
-constexpr double largest_coordinate = 1e15; ///< of a vertex, metres
+constexpr double largest_coordinate = 1e15; ///< of a vertex or a height, metres
 
 /// Throws Error{bad_data} that names the first vertex that is not finite or too far from the origin, as make_mesh.
 /// @param first  number of the first vertex

@@ -61,6 +61,13 @@ struct TerrainAccess {
             },
             t.heights_->samples);
     }
+    /// The index of a height in the samples.
+    static std::size_t place(const Terrain& t, std::uint32_t column, std::uint32_t row)
+    {
+        constexpr std::uint32_t tile = Terrain::tile;
+        return (std::size_t(row / tile) * t.tiles_x_ + column / tile) * (tile * tile) + row % tile * tile +
+               column % tile;
+    }
     static CellDiagonal diagonal(const Terrain& t, std::uint32_t x, std::uint32_t y)
     {
         if (!t.mixed_) return t.diagonal_;
@@ -81,14 +88,13 @@ private:
     template <class Sample>
     static double height(const Terrain& t, const LargeVector<Sample>& samples, std::uint32_t column, std::uint32_t row)
     {
-        constexpr std::uint32_t tile = Terrain::tile;
-        const std::size_t number = std::size_t(row / tile) * t.tiles_x_ + column / tile;
-        const Sample q = samples[number * (tile * tile) + row % tile * tile + column % tile];
+        const std::size_t at = place(t, column, row);
+        const Sample q = samples[at];
         if constexpr (std::is_floating_point_v<Sample>) {
             return q;
         } else {
             if (q == std::numeric_limits<Sample>::max()) return std::numeric_limits<double>::quiet_NaN();
-            return t.unit_ * static_cast<double>(t.heights_->tiles[number].at(q));
+            return t.unit_ * static_cast<double>(t.heights_->tiles[at / (Terrain::tile * Terrain::tile)].at(q));
         }
     }
 };

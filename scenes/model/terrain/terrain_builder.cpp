@@ -7,13 +7,13 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/memory/large_vector.hpp>
-#include <oncollide/scenes/model/terrain/terrain_access.hpp>
+#include <oncollide/scenes/model/terrain/height_mover.hpp>
+#include <oncollide/scenes/model/vertex_mover.hpp>
 
 namespace oncollide {
 
 namespace {
 
-constexpr double farthest_coordinate = 1e15;
 constexpr std::uint32_t tile = Terrain::tile;
 
 /// Exponent of the lowest bit that is set; a large number for 0.
@@ -52,7 +52,7 @@ public:
         t.columns_ = grid_.columns, t.rows_ = grid_.rows;
         t.tiles_x_ = (grid_.columns + tile - 1) / tile;
         t.spacing_ = grid_.spacing, t.origin_ = grid_.origin, t.diagonal_ = grid_.diagonal;
-        t.bytes_ = bytes;
+        t.bytes_ = bytes, t.no_data_ = grid_.no_data;
         if (bytes == 1) heights_->samples = keep_whole<std::uint8_t>(heights);
         if (bytes == 2) heights_->samples = keep_whole<std::uint16_t>(heights);
         if (bytes == 4) heights_->samples = keep_real<float>(heights);
@@ -66,7 +66,6 @@ public:
 
 private:
     [[noreturn]] void fail(const std::string& what) const { refuse(name_, what); }
-    [[noreturn]] void fail_at(double height, std::size_t number) const;
     void check_grid(std::size_t count) const;
     template <class Height>
     void look_at(std::span<const Height> heights);
@@ -135,30 +134,22 @@ void TerrainBuilder::check_grid(std::size_t count) const
         throw Error(ErrorKind::usage,
                     fmt::format("{}: heights of {} bytes; must be 1, 2, 4 or 8, or 0 for the fewest that are exact",
                                 name_, grid_.bytes));
-    if (!(grid_.error >= 0 && grid_.error <= farthest_coordinate))
+    if (!(grid_.error >= 0 && grid_.error <= largest_coordinate))
         fail(fmt::format("the error of heights is {}; must be 0 or more", grid_.error));
-    if (!(grid_.unit >= 0 && grid_.unit <= farthest_coordinate))
+    if (!(grid_.unit >= 0 && grid_.unit <= largest_coordinate))
         fail(fmt::format("the unit of heights is {}; must be 0 or more", grid_.unit));
     for (int i = 0; i < 2; ++i) {
         const double from = grid_.origin[i], to = from + grid_.spacing[i] * (i ? rows - 1 : columns - 1);
         const double far = std::max(std::abs(from), std::abs(to));
         if (!(grid_.spacing[i] > 0)) fail(fmt::format("the spacing is {}; must be above 0", grid_.spacing[i]));
-        if (!(far <= farthest_coordinate))
+        if (!(far <= largest_coordinate))
             fail(fmt::format("the grid is from {} to {}, at most {:g} m from the origin are allowed", from, to,
-                             farthest_coordinate));
+                             largest_coordinate));
         if (grid_.spacing[i] < 0x1p-30 * far)
             fail(
                 fmt::format("the spacing of {} m is too small for a grid from {} to {} m", grid_.spacing[i], from, to));
     }
-    if (!(std::abs(grid_.origin.z()) <= farthest_coordinate)) fail("the origin is not finite, or too far");
-}
-
-void TerrainBuilder::fail_at(double height, std::size_t number) const
-{
-    fail(fmt::format("the height in column {}, row {} is {}; {}", number % grid_.columns, number / grid_.columns,
-                     height,
-                     std::isnan(height) ? "set no_data to NaN if such heights are holes"
-                                        : fmt::format("at most {:g} m are allowed", farthest_coordinate)));
+    if (!(std::abs(grid_.origin.z()) <= largest_coordinate)) fail("the origin is not finite, or too far");
 }
 
 template <class Height>
@@ -172,8 +163,10 @@ void TerrainBuilder::look_at(std::span<const Height> heights)
             holes_ = true;
             continue;
         }
-        if (!(std::abs(height) <= farthest_coordinate))
-            fail_at(height, static_cast<std::size_t>(&given - heights.data()));
+        if (!(std::abs(height) <= largest_coordinate)) {
+            const auto number = static_cast<std::size_t>(&given - heights.data());
+            refuse_height(name_, number % grid_.columns, number / grid_.columns, height);
+        }
         least_ = std::min(least_, height), greatest_ = std::max(greatest_, height);
         const double multiple = height * per_lowest;
         if (per_lowest == 0 || nearest(multiple) != multiple) {
