@@ -52,6 +52,22 @@ public:
     void set_vertices(ModelId model, std::span<const Eigen::Vector3d> positions);
     /// The same for vertices first, first + 1, ... Trees are fitted anew only where these vertices are.
     void set_vertices(ModelId model, std::size_t first, std::span<const Eigen::Vector3d> positions);
+    /// Gives heights of a terrain new values, for all bodies of the model. The World copies them. Results are as in a
+    /// World that had this terrain from the beginning, with the exceptions of set_vertices().
+    ///
+    /// Cost: about 20 ns per height, and O(bodies of the World). The tree stays: the parts over these heights are found
+    /// anew at once. The first call also copies the terrain, which has 8 bytes per height from then on, and drops its
+    /// tree. Geometry::recipe becomes empty.
+    ///
+    /// @param where    the columns and rows of the heights
+    /// @param heights  row by row, where.columns * where.rows, metres. NaN and Terrain::no_data() are holes, if the
+    ///                 terrain was made with no_data
+    /// Throws Error{usage} for a model that is not a terrain in memory, a rectangle that is not part of it, or another
+    /// number of heights, and Error{bad_data} that names a height that make_terrain() would refuse, or if no cell would
+    /// be left.
+    ///
+    ///     world.models().set_heights(ground, {.column = 400, .row = 250, .columns = 20, .rows = 10}, heights);
+    void set_heights(ModelId terrain, const TerrainRectangle& where, std::span<const double> heights);
     /// Lets `change` set cells of a map, for all bodies of the model; if it throws, the cells that it has set stay set.
     /// Cost: proportional to the change; the first change also copies the map, 8 bytes per inner node. Sphere-trees of
     /// the map grow anew. Throws Error{usage} for a model that is not a map.

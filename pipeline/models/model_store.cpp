@@ -41,6 +41,14 @@ double ModelStore::move_vertices(ModelId id, const std::string& name, std::size_
     return moved.distance;
 }
 
+HeightMove ModelStore::move_heights(ModelId id, const std::string& name, const TerrainRectangle& where,
+                                    std::span<const double> heights)
+{
+    const HeightMove moved = models_.move_heights(id, name, where, heights);
+    if (moved.any()) models_[id].change_heights(where);
+    return moved;
+}
+
 void ModelStore::remove(ModelId id)
 {
     drop(models_[id]);

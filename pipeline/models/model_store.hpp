@@ -24,10 +24,15 @@ public:
     /// an upper bound of the distance that a vertex moved; 0: none did.
     double move_vertices(ModelId id, const std::string& name, std::size_t first,
                          std::span<const Eigen::Vector3d> positions);
+    /// The same for the heights of a terrain.
+    HeightMove move_heights(ModelId id, const std::string& name, const TerrainRectangle& where,
+                            std::span<const double> heights);
     void remove(ModelId id);
     // The functions of ModelTable.
     bool owns_vertices(ModelId id) const { return models_.owns_vertices(id); }
     void own_vertices(ModelId id) { models_.own_vertices(id); }
+    bool owns_heights(ModelId id) const { return models_.owns_heights(id); }
+    void own_heights(ModelId id) { models_.own_heights(id); }
     std::shared_ptr<Geometry> own(ModelId id) { return models_.own(id); }
     bool valid(ModelId id) const { return models_.valid(id); }
     ModelId id(std::uint32_t slot) const { return models_.id(slot); }

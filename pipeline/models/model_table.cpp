@@ -18,7 +18,7 @@ void ModelTable::replace(ModelId id, std::shared_ptr<const Geometry> geometry)
 {
     Slot& slot = slots_[id.slot];
     if (geometry != slot.own) slot.own.reset();
-    slot.mover.reset();
+    slot.mover.reset(), slot.heights.reset();
     slot.model = std::make_unique<Model>(std::move(geometry), 2 * id.slot);
 }
 
@@ -44,10 +44,25 @@ VertexMove ModelTable::move_vertices(ModelId id, const std::string& name, std::s
     return slot.mover->move(name, std::get<Mesh>(slot.own->data), first, positions);
 }
 
+void ModelTable::own_heights(ModelId id)
+{
+    Slot& slot = slots_[id.slot];
+    ONCOLLIDE_ASSERT(&slot.model->geometry() == slot.own.get());
+    slot.own->recipe.clear();
+    slot.heights.emplace(std::get<Terrain>(slot.own->data));
+}
+
+HeightMove ModelTable::move_heights(ModelId id, const std::string& name, const TerrainRectangle& where,
+                                    std::span<const double> heights)
+{
+    Slot& slot = slots_[id.slot];
+    return slot.heights->move(name, std::get<Terrain>(slot.own->data), where, heights);
+}
+
 void ModelTable::remove(ModelId id)
 {
     Slot& slot = slots_[id.slot];
-    slot.model.reset(), slot.own.reset(), slot.mover.reset();
+    slot.model.reset(), slot.own.reset(), slot.mover.reset(), slot.heights.reset();
     if (slot.generation++ < last_generation) free_.push_back(id.slot);
     --size_;
 }

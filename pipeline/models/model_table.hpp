@@ -7,6 +7,7 @@
 
 #include <oncollide/narrowphase/model.hpp>
 #include <oncollide/pipeline/results.hpp>
+#include <oncollide/scenes/model/terrain/height_mover.hpp>
 #include <oncollide/scenes/model/vertex_mover.hpp>
 
 namespace oncollide {
@@ -29,6 +30,11 @@ public:
     /// As VertexMover::move(). Call Model::deform() after it.
     VertexMove move_vertices(ModelId id, const std::string& name, std::size_t first,
                              std::span<const Eigen::Vector3d> positions);
+    /// The same for the heights of a terrain, with HeightMover::move() and Model::change_heights().
+    bool owns_heights(ModelId id) const { return slots_[id.slot].heights.has_value(); }
+    void own_heights(ModelId id);
+    HeightMove move_heights(ModelId id, const std::string& name, const TerrainRectangle& where,
+                            std::span<const double> heights);
     void remove(ModelId id);
     bool valid(ModelId id) const { return alive(id.slot) && this->id(id.slot) == id; }
     ModelId id(std::uint32_t slot) const { return {slot, slots_[slot].generation, world_}; }
@@ -52,6 +58,7 @@ private:
         std::unique_ptr<Model> model;  ///< null: free
         std::shared_ptr<Geometry> own; ///< the model's geometry, if it is the table's own copy
         std::optional<VertexMover> mover;
+        std::optional<HeightMover> heights;
         std::uint16_t generation = 1;
     };
 

@@ -76,6 +76,9 @@ struct ONCOLLIDE_LOCAL WorldImpl {
     const Mesh& check_vertices(ModelId id); ///< throws for a model whose vertices cannot move
     /// Moves vertices [first, first + positions.size()), which must exist.
     void set_vertices(ModelId id, std::size_t first, std::span<const Eigen::Vector3d> positions);
+    /// Throws for a model whose heights cannot change, or a rectangle that is not part of it.
+    void check_heights(ModelId id, const TerrainRectangle& where, std::size_t count);
+    void set_heights(ModelId id, const TerrainRectangle& where, std::span<const double> heights);
     /// Calls visit(slot) for the bodies of a model.
     template <class Visit>
     void each_body(ModelId id, Visit visit);

@@ -9,11 +9,20 @@ namespace oncollide {
 
 namespace {
 
-constexpr const char* kind_names[] = {"mesh", "shape", "map", "terrain", "mesh"}; // names of the alternatives
+/// The name of a geometry in errors.
+const std::string& title_of(const std::string& name, const GeometryData& data)
+{
+    static const std::string kinds[] = {"mesh", "shape", "map", "terrain", "mesh"}; // names of the alternatives
+    return name.empty() ? kinds[data.index()] : name;
+}
+const std::string& title_of(const Geometry& geometry)
+{
+    return title_of(geometry.name, geometry.data);
+}
 
 std::shared_ptr<const Geometry> checked(std::string name, GeometryData data)
 {
-    check_geometry(name.empty() ? kind_names[data.index()] : name, data);
+    check_geometry(title_of(name, data), data);
     return std::make_shared<const Geometry>(Geometry{std::move(name), std::move(data), {}});
 }
 std::shared_ptr<const Geometry> checked(std::shared_ptr<const Geometry> geometry)
@@ -56,26 +65,62 @@ const Mesh& WorldImpl::check_vertices(ModelId id)
 
 void WorldImpl::set_vertices(ModelId id, std::size_t first, std::span<const Eigen::Vector3d> positions)
 {
-    const std::string& given = models[id].geometry().name;
-    const std::string name = given.empty() ? "mesh" : given;
     const bool solid = settings.mode == Mode::solid;
     if (solid && id.slot < users.size() && users[id.slot]) {
         const auto moved = std::make_shared<Geometry>(models[id].geometry());
         auto& mesh = std::get<Mesh>(moved->data);
-        VertexMover(mesh).move(name, mesh, first, positions);
+        VertexMover(mesh).move(title_of(*moved), mesh, first, positions);
         check_inside(Model(moved));
     }
     if (!models.owns_vertices(id)) {
-        oncollide::check_vertices(name, positions, first); // before anything changes
+        oncollide::check_vertices(title_of(models[id].geometry()), positions, first); // before anything changes
         replace(id, models.own(id));
         models.own_vertices(id);
     }
-    const double moved = models.move_vertices(id, name, first, positions);
+    const double moved = models.move_vertices(id, title_of(models[id].geometry()), first, positions);
     if (moved == 0) return;
     each_body(id, [&](std::uint32_t slot) {
         // The memory of solid bodies does not hold for as long as their surfaces are apart: an open mesh may now be
         // closed.
         solid ? bodies.set_model(slot, &models[id], id) : bodies.deform(slot, moved);
+    });
+    changed();
+}
+
+void WorldImpl::check_heights(ModelId id, const TerrainRectangle& where, std::size_t count)
+{
+    const Model& model = model_of(id);
+    const auto refuse = [&](const std::string& why) {
+        throw Error(ErrorKind::usage, text_of("model", id.slot, id.generation) + ": " + why);
+    };
+    if (!model.terrain()) refuse("is not a terrain, so it has no heights to set; replace() gives it another geometry");
+    const Terrain& terrain = *model.terrain();
+    if (model.file())
+        refuse("is a terrain in a cooked file, whose heights are fixed; make_terrain() makes one in memory from its "
+               "heights");
+    if (std::uint64_t(where.columns) * where.rows != count)
+        refuse(fmt::format("{} heights are given for {} columns and {} rows", count, where.columns, where.rows));
+    if (where.column > terrain.columns() || where.columns > terrain.columns() - where.column ||
+        where.row > terrain.rows() || where.rows > terrain.rows() - where.row)
+        refuse(fmt::format("{} columns and {} rows of heights from column {}, row {} are given, but the terrain has {} "
+                           "columns and {} rows",
+                           where.columns, where.rows, where.column, where.row, terrain.columns(), terrain.rows()));
+}
+
+void WorldImpl::set_heights(ModelId id, const TerrainRectangle& where, std::span<const double> heights)
+{
+    if (heights.empty()) return;
+    if (!models.owns_heights(id)) {
+        examine_heights(title_of(models[id].geometry()), *models[id].terrain(), where,
+                        heights); // before anything changes
+        replace(id, models.own(id));
+        models.own_heights(id);
+    }
+    const HeightMove moved = models.move_heights(id, title_of(models[id].geometry()), where, heights);
+    if (!moved.any()) return;
+    each_body(id, [&](std::uint32_t slot) {
+        // The surface has moved to where it was not, if a cell appeared there.
+        moved.holes ? bodies.set_model(slot, &models[id], id) : bodies.deform(slot, moved.distance);
     });
     changed();
 }
@@ -115,6 +160,12 @@ void Models::set_vertices(ModelId model, std::size_t first, std::span<const Eige
                     fmt::format("{}: {} positions from vertex {} are given, but the mesh has {} vertices",
                                 text_of("model", model.slot, model.generation), positions.size(), first, vertices));
     world_->set_vertices(model, first, positions);
+}
+
+void Models::set_heights(ModelId terrain, const TerrainRectangle& where, std::span<const double> heights)
+{
+    world_->check_heights(terrain, where, heights.size());
+    world_->set_heights(terrain, where, heights);
 }
 
 void Models::edit(ModelId map, const std::function<void(OccupancyMap&)>& change)

@@ -114,6 +114,27 @@ void set_vertices(ModelsView& models, py::handle model, py::handle positions, py
         models.held->world.models().set_vertices(id, from, vertices);
 }
 
+void set_heights(ModelsView& models, py::handle terrain, py::handle heights, py::handle column, py::handle row)
+{
+    const char* const call = "models.set_heights";
+    const Place place{call, "heights"};
+    const ModelId id = model_of(terrain, {call, "terrain"});
+    const py::array array = doubles(heights, place);
+    if (!has_shape(array, {-1, -1})) refuse_value(place, "expected shape (rows, columns), got " + shape_of(array));
+    constexpr std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
+    const auto limited = [&](py::ssize_t length) {
+        if (length > most) refuse_value(place, "too many rows or columns");
+        return static_cast<std::uint32_t>(length);
+    };
+    const TerrainRectangle where{static_cast<std::uint32_t>(whole(column, {call, "column"}, most)),
+                                 static_cast<std::uint32_t>(whole(row, {call, "row"}, most)), limited(array.shape(1)),
+                                 limited(array.shape(0))};
+    const std::span values(static_cast<const double*>(array.data()), static_cast<std::size_t>(array.size()));
+    const Inside inside(*models.held, call);
+    const Released released;
+    models.held->world.models().set_heights(id, where, values);
+}
+
 /// Lets `change` change the map of a model; other Python threads run meanwhile.
 template <class Change>
 void edit(ModelsView& models, const char* call, py::handle map, Change change)
@@ -233,6 +254,13 @@ World.models.add() returns it. int(model) is its number, for arrays of models (u
     define(models, "remove", &remove_model, "Removes a model. Raises Error while a body uses it.", "model"_a);
     define(models, "geometry", &geometry_of,
            "The Geometry of a model; a copy if set_cells(), set_vertices() or others have changed it.", "model"_a);
+    define(models, "set_heights", &set_heights,
+           R"(Gives heights of a terrain new values, for all bodies of the model.
+
+heights: (rows, columns) metres, read where they are if they are contiguous float64; nan and the terrain's no_data are
+holes, if it was made with no_data. column, row: the place of heights[0, 0] in the terrain. The tree follows, at the
+cost of the change. The Geometry does not change; this World uses a copy of 8 bytes per height from now on.)",
+           "terrain"_a, "heights"_a, "column"_a = 0, "row"_a = 0);
     define(models, "set_vertices", &set_vertices,
            R"(Gives the vertices of a mesh new positions, for all bodies of the model; the triangles stay.
 

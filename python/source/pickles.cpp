@@ -1,5 +1,9 @@
 // Geometries as tuples, for pickles.
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
+#include <optional>
 
 #include <oncollide/scenes/cooked/cooked_map.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
@@ -61,6 +65,8 @@ OccupancyMap map_of(const std::string& name, const py::tuple& parts)
                               parts[1].cast<bool>());
 }
 
+constexpr double no_holes = std::numeric_limits<double>::infinity(); ///< in the place of no_data
+
 /// The stored heights, which are exact in double.
 py::tuple parts_of(const Terrain& terrain)
 {
@@ -73,8 +79,15 @@ py::tuple parts_of(const Terrain& terrain)
         for (std::uint32_t y = 0; y < terrain.cells_y(); ++y)
             for (std::uint32_t x = 0; x < terrain.cells_x(); ++x)
                 falling.push_back(terrain.diagonal(x, y) == CellDiagonal::falling);
-    const Doubles numbers{terrain.spacing().x(), terrain.spacing().y(), terrain.origin().x(), terrain.origin().y(),
-                          terrain.origin().z(),  terrain.error(),       record.unit};
+    std::optional<double> no_data = terrain.no_data();
+    if (no_data && std::ranges::count(heights, *no_data)) // an inexact height is stored so
+        no_data = std::numeric_limits<double>::quiet_NaN();
+    if (no_data)
+        std::ranges::replace_if(
+            heights, [](double height) { return std::isnan(height); }, *no_data);
+    const Doubles numbers{terrain.spacing().x(), terrain.spacing().y(),     terrain.origin().x(),
+                          terrain.origin().y(),  terrain.origin().z(),      terrain.error(),
+                          record.unit,           no_data.value_or(no_holes)};
     return py::make_tuple(terrain.columns(), terrain.rows(), bytes_of(std::span<const double>(numbers)),
                           terrain.diagonal(0, 0) == CellDiagonal::falling,
                           bytes_of(std::span<const std::uint8_t>(falling)), bytes_of(std::span<const double>(heights)));
@@ -83,11 +96,12 @@ py::tuple parts_of(const Terrain& terrain)
 Terrain terrain_of(const std::string& name, const py::tuple& parts)
 {
     Doubles n = values_in<double>(parts[2]);
-    n.resize(7);
+    n.resize(std::max<std::size_t>(n.size(), 7)),
+        n.resize(8, std::numeric_limits<double>::quiet_NaN()); // as older pickles mean it
     TerrainGrid grid;
     grid.columns = parts[0].cast<std::uint32_t>(), grid.rows = parts[1].cast<std::uint32_t>();
     grid.spacing = {n[0], n[1]}, grid.origin = {n[2], n[3], n[4]}, grid.error = n[5], grid.unit = n[6];
-    grid.no_data = std::numeric_limits<double>::quiet_NaN();
+    if (n[7] != no_holes) grid.no_data = n[7];
     grid.diagonal = parts[3].cast<bool>() ? CellDiagonal::falling : CellDiagonal::rising;
     const std::vector<std::uint8_t> falling = values_in<std::uint8_t>(parts[4]);
     grid.falling.assign(falling.begin(), falling.end());

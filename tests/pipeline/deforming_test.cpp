@@ -1,5 +1,4 @@
 // World::models().set_vertices(): Worlds whose meshes deform have the results of a new World.
-#include <map>
 #include <memory>
 #include <random>
 
@@ -12,6 +11,7 @@
 #include "deforming_mesh.hpp"
 #include "every_kind.hpp"
 #include "random_pose.hpp"
+#include "same_results.hpp"
 
 namespace oncollide::deforming_test {
 namespace {
@@ -127,16 +127,6 @@ private:
     std::vector<Body> bodies_;
 };
 
-using Slots = std::pair<std::uint32_t, std::uint32_t>;
-/// The pairs that are not separate.
-std::map<Slots, PairResult> found_in(const FrameView& frame)
-{
-    std::map<Slots, PairResult> results;
-    for (const PairResult& r : frame.pairs)
-        if (r.verdict != Verdict::separate) results[{r.a.slot, r.b.slot}] = r;
-    return results;
-}
-
 struct Case {
     const char* name;
     Settings settings;
@@ -159,17 +149,6 @@ std::vector<Case> cases()
 
 class Deforming : public testing::TestWithParam<Case> {};
 class DeformingInContact : public Deforming {};
-
-/// True if the verdict is right for this distance.
-void expect_true(const PairResult& r, const Distance& d, const Settings& settings, const std::string& when)
-{
-    const double rounding = 1e-6;
-    if (r.verdict == Verdict::separate) {
-        EXPECT_GT(d.upper + rounding, settings.clearance) << when;
-    } else {
-        EXPECT_LE(d.lower, r.bound + rounding) << when;
-    }
-}
 
 TEST_P(Deforming, GivesTheResultsOfANewWorld)
 {
@@ -225,31 +204,6 @@ TEST_P(Deforming, GivesTheResultsOfANewWorld)
     EXPECT_GT(kept, 1000u);
     if (settings.bounding_volume != BoundingVolume::sphere && settings.mode != Mode::solid) {
         EXPECT_GT(by_gap, 1000u) << "remembered gaps are used";
-    }
-}
-
-/// The same bits where surfaces meet. Where they do not, regions come from distances: of parts that are equally near,
-/// another one may be found first, with another normal.
-void expect_same(const FrameManifolds& now, const FrameManifolds& expected, const std::string& when)
-{
-    ASSERT_EQ(now.offsets, expected.offsets) << when;
-    ASSERT_EQ(now.complete, expected.complete) << when;
-    for (std::size_t i = 0; i < now.regions.size(); ++i) {
-        const ManifoldRegion &r = now.regions[i], &e = expected.regions[i];
-        ASSERT_EQ(r.kind, e.kind) << when;
-        const bool by_distance = r.kind == RegionKind::enclosed || r.kind == RegionKind::near;
-        ASSERT_NEAR(r.depth_lower, e.depth_lower, by_distance ? 1e-11 : 0) << when;
-        if (by_distance) continue;
-        ASSERT_EQ(r.normal, e.normal) << when;
-        ASSERT_EQ(r.depth_upper, e.depth_upper) << when;
-        ASSERT_EQ(r.count, e.count) << when;
-        for (std::uint32_t k = 0; k < r.count; ++k) {
-            const ManifoldPoint &p = now.points[r.first + k], &q = expected.points[e.first + k];
-            ASSERT_EQ(p.point_a, q.point_a) << when;
-            ASSERT_EQ(p.point_b, q.point_b) << when;
-            ASSERT_EQ(p.depth, q.depth) << when;
-            ASSERT_EQ(p.normal, q.normal) << when;
-        }
     }
 }
 

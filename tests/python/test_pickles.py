@@ -62,6 +62,18 @@ def test_a_geometry_is_the_same_after_a_pickle(name):
     assert copy.copy(made) is made and copy.deepcopy([made])[0] is made, "it never changes"
 
 
+@pytest.mark.parametrize("no_data", [None, np.nan, -1000.0])
+def test_a_terrain_takes_the_same_holes_after_a_pickle(no_data):
+    world = oncollide.World()
+    terrain = world.models.add(pickle.loads(pickle.dumps(oncollide.terrain(np.ones((4, 4)), no_data=no_data))))
+    if no_data is None:
+        with pytest.raises(oncollide.Error, match="set no_data"):
+            world.models.set_heights(terrain, [[np.nan]])
+    else:
+        world.models.set_heights(terrain, [[np.nan, no_data]])
+        assert world.models.geometry(terrain).bounds[0][2] == 1
+
+
 @pytest.mark.parametrize("name", ["knot", "map", "terrain"])
 def test_what_stays_in_its_file_is_pickled_as_its_path(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

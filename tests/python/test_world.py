@@ -371,3 +371,29 @@ def test_vertices_move_from_an_array_that_stays_where_it_is():
         world.models.set_vertices(sheet, [[np.inf, 0, 0]], first=7)
     with pytest.raises(TypeError, match="first"):
         world.models.set_vertices(sheet, grid, first="one")
+
+
+def test_heights_change_from_an_array_that_stays_where_it_is():
+    world = oncollide.World()
+    ground = oncollide.terrain(np.zeros((20, 30)), no_data=-1000)
+    terrain = world.models.add(ground)
+    world.bodies.add(terrain)
+    world.bodies.add(world.models.add(oncollide.sphere(0.5)), at(10, 5, 2))
+    assert Verdict.COLLIDING not in world.step().pairs["verdict"]
+    heap = np.full((3, 4), 1.75)
+    world.models.set_heights(terrain, heap, 8, 4)  # column, row
+    assert Verdict.COLLIDING in world.step().pairs["verdict"]
+    assert world.models.geometry(terrain).bounds[1][2] == 1.75 and ground.bounds[1][2] == 0
+    world.models.set_heights(terrain, np.full((3, 4), -1000.0), column=8, row=4)  # holes
+    assert Verdict.COLLIDING not in world.step().pairs["verdict"]
+    world.models.set_heights(terrain, [[np.nan, 2], [1, 0]])
+    with pytest.raises(ValueError, match=r"models.set_heights: heights: expected shape \(rows, columns\)"):
+        world.models.set_heights(terrain, [1, 2, 3])
+    with pytest.raises(oncollide.Error, match="4 columns and 3 rows of heights from column 27, row 0 are given, but the"):
+        world.models.set_heights(terrain, heap, 27)
+    with pytest.raises(oncollide.Error, match="the height in column 1, row 2 is inf"):
+        world.models.set_heights(terrain, [[np.inf]], 1, 2)
+    with pytest.raises(TypeError, match="row"):
+        world.models.set_heights(terrain, heap, 0, "one")
+    with pytest.raises(oncollide.Error, match="is not a terrain"):
+        world.models.set_heights(world.models.add(oncollide.sphere(1)), heap)

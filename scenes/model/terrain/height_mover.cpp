@@ -71,7 +71,7 @@ HeightMove examine_heights(const std::string& name, const Terrain& terrain, cons
     });
     if (move.holes && cells_after(terrain, where, heights) == 0)
         refuse(name, "the terrain has no cell: each touches a hole");
-    // The difference was rounded, and so are the points that are at these heights.
+    // The difference was rounded, and points at these heights are rounded, too.
     if (move.distance > 0)
         move.distance = move.distance * (1 + 0x1p-50) + 0x1p-51 * (largest + std::abs(terrain.origin().z()));
     return move;

@@ -10,7 +10,7 @@
 
 namespace oncollide {
 
-/// Throws Error{bad_data} that names the height and what is allowed.
+/// Throws Error{bad_data} that names the height and the limit.
 [[noreturn]] void refuse_height(const std::string& name, std::size_t column, std::size_t row, double height);
 
 /// The result of a change of heights.
@@ -20,9 +20,9 @@ struct HeightMove {
     bool any() const { return distance > 0 || holes; }
 };
 
-/// What a change of these heights would do, which may be any of the terrain's. NaN is a hole, as is the terrain's
-/// no_data(). Throws Error{bad_data} that names a height that is not finite or too far, or a hole in a terrain that has
-/// no no_data(), or if no cell would be left. Cost: O(heights).
+/// Returns the effect of a change of heights, without making it. NaN is a hole, as is the terrain's no_data(). Throws
+/// Error{bad_data} that names a height that is not finite or too far, or a hole in a terrain without no_data(), or if
+/// no cell would be left. Cost: O(heights).
 /// @param heights  row by row
 HeightMove examine_heights(const std::string& name, const Terrain& terrain, const TerrainRectangle& where,
                            std::span<const double> heights);

@@ -11,8 +11,8 @@
 namespace oncollide::terrain_change_test {
 namespace {
 
-/// The boxes of all nodes of two trees of the same heights, from the top: equal, or, if the ranges have other zero
-/// levels, equal but for rounding.
+/// Compares the boxes of all nodes of two trees of the same heights, from the top. They are equal; if the ranges have
+/// other zero levels, rounding may differ.
 class Comparison {
 public:
     Comparison(const TerrainTree& now, const TerrainTree& made, double scale)
