@@ -3,7 +3,7 @@ from . import phases, products, scenes, spheres
 
 TABLES = {f.__name__: f for f in (
     phases.headline, scenes.many, scenes.many_pairs, scenes.exact_cost, scenes.worlds, scenes.world, scenes.environments,
-    scenes.distances, scenes.shape_distances, scenes.self_contacts, scenes.deform, scenes.shapes, phases.broad, phases.broad_ratios, phases.delimitation,
+    scenes.distances, scenes.shape_distances, scenes.self_contacts, scenes.deform, scenes.dig, scenes.shapes, phases.broad, phases.broad_ratios, phases.delimitation,
     phases.narrow_pairs, phases.planner, spheres.study, spheres.study_peers, spheres.occlusion_losses, spheres.spheres,
     spheres.sphere_levels, spheres.octants, spheres.octants_missed, spheres.paper, spheres.comparators, spheres.gpu,
     spheres.hard, spheres.continuous, products.rays, products.contacts, products.contacts_played,

@@ -202,6 +202,16 @@ def deform():
     })
 
 
+def dig():
+    return listed(rows_of("dig"), {
+        "library": of("contender", str),
+        "update, ms": of("update_ms", three),
+        "contacts, ms": of("contacts_ms", three),
+        "ratio": of("ratio", ".1f"),
+        "update, as copies of the heights": of("copies", ".1f"),
+    })
+
+
 def shapes():
     rows = {(r["a"], r["b"]): float(r["fcl_ns"]) / float(r["oncollide_ns"]) for r in rows_of("shapes")}
     names = list(dict.fromkeys([a for a, _ in rows] + [b for _, b in rows]))

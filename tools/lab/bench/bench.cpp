@@ -11,10 +11,11 @@ void add_bench(Arguments app)
                                  "alternation");
     bench.at_most_one_command();
     bench.action([]() -> int {
-        usage("bench: choose a benchmark: broad, narrow, planner, continuous, rays, edges, contacts, avalanche, robot, "
-              "robot-distances, "
-              "world, environment, distances, self, deform, shapes, clash, read, scale, many, gpu, poses or scene "
-              "(oncollide-lab bench --help)");
+        usage(
+            "bench: choose a benchmark: broad, narrow, planner, continuous, rays, edges, contacts, avalanche, robot, "
+            "robot-distances, world, environment, distances, self, deform, dig, shapes, clash, read, scale, many, gpu, "
+            "poses or scene "
+            "(oncollide-lab bench --help)");
     });
     add_broad(bench);
     add_narrow(bench);
@@ -31,6 +32,7 @@ void add_bench(Arguments app)
     add_distances(bench);
     add_self(bench);
     add_deform_bench(bench);
+    add_dig(bench);
     add_shapes(bench);
     add_clash_bench(bench);
     add_read(bench);

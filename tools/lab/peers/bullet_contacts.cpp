@@ -55,6 +55,7 @@ public:
         for (const ContactPeerBody& body : bodies) {
             auto& object = objects_.emplace_back(std::make_unique<btCollisionObject>());
             const BulletShapes::Shape shape = shapes_.of(*body.geometry, body.is_static);
+            geometries_.push_back(body.geometry);
             object->setCollisionShape(shape.shape), origins_.push_back(shape.origin);
             object->setCollisionFlags(body.is_static ? btCollisionObject::CF_STATIC_OBJECT : 0);
             place(objects_.size() - 1, body.pose);
@@ -87,6 +88,10 @@ public:
         for (const auto& pair : pairs_) count += pair->contacts(space_.world.getDispatchInfo());
         return count;
     }
+    bool set_heights(std::size_t body, const TerrainRectangle& where, std::span<const double> heights) override
+    {
+        return shapes_.set_heights(*geometries_[body], where, heights), true;
+    }
 
 private:
     void place(std::size_t i, const Eigen::Isometry3d& pose)
@@ -96,6 +101,7 @@ private:
     BulletSpace space_;
     BulletShapes shapes_{false};
     std::vector<std::unique_ptr<btCollisionObject>> objects_;
+    std::vector<const Geometry*> geometries_;
     std::vector<Eigen::Vector3d> origins_; ///< of the bodies' shapes, in the bodies' frames
     std::vector<std::unique_ptr<BulletPair>> pairs_;
 };

@@ -111,6 +111,15 @@ public:
         middle.z() = 0.5 * (low + high);
     }
 
+    /// Bullet reads them where they are.
+    void set_heights(const Terrain& terrain, const TerrainRectangle& where, std::span<const double> heights)
+    {
+        for (std::size_t row = 0; row < where.rows; ++row)
+            for (std::size_t column = 0; column < where.columns; ++column)
+                heights_[(where.row + row) * terrain.columns() + where.column + column] =
+                    float(terrain.origin().z() + heights[row * where.columns + column]);
+    }
+
 private:
     std::vector<float> heights_;
 
@@ -132,6 +141,11 @@ BulletShapes::Shape BulletShapes::of(const Geometry& geometry, bool is_static)
     auto& shape = shapes_[{&geometry, is_static}];
     if (!shape) shape = make(geometry, is_static);
     return {shape.get(), Eigen::Vector3d::Zero()};
+}
+
+void BulletShapes::set_heights(const Geometry& terrain, const TerrainRectangle& where, std::span<const double> heights)
+{
+    terrains_.at(&terrain)->set_heights(std::get<Terrain>(terrain.data), where, heights);
 }
 
 std::unique_ptr<btCollisionShape> BulletShapes::make(const Geometry& geometry, bool is_static)

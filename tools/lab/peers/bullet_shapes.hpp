@@ -23,6 +23,8 @@ public:
     };
     /// Shapes become primitives of Bullet, static meshes become trees of triangles, terrains become height fields.
     Shape of(const Geometry& geometry, bool is_static);
+    /// The terrain's lowest and highest height must stay.
+    void set_heights(const Geometry& terrain, const TerrainRectangle& where, std::span<const double> heights);
 
 private:
     std::unique_ptr<btCollisionShape> make(const Geometry& geometry, bool is_static);

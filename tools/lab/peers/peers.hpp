@@ -148,6 +148,9 @@ public:
     /// Finds the contacts of these pairs alone, anew in each call. All calls have the same
     /// pairs, so the peer may keep memory for each.
     virtual std::size_t contacts_of(std::span<const BodyPair> pairs) = 0;
+    /// Changes the heights of a terrain, in its frame; its lowest and its highest height stay. Returns false if it
+    /// cannot.
+    virtual bool set_heights(std::size_t /*body*/, const TerrainRectangle&, std::span<const double>) { return false; }
 };
 using ContactContender = Contender<ContactPeer, std::span<const ContactPeerBody>>;
 

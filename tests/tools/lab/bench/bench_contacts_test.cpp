@@ -120,5 +120,17 @@ TEST_F(CommandLine, AccuracyManifoldsContradictsNoClaim)
     expect_error(64, {"manifolds", "--pairs", "0"}, {"--pairs 0"});
 }
 
+TEST_F(CommandLine, BenchDigFindsTheContactsOfANewTerrain)
+{
+    const Outcome outcome =
+        run({"bench", "dig", "--side", "100", "--bodies", "40", "--frames", "5", "--repeats", "1", "--csv", "d.csv"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    std::map<std::string, std::string> contacts;
+    for (auto& row : read_csv(folder_.read("d.csv"))) contacts[row["contender"]] = row["contacts"];
+    EXPECT_GT(std::stoi(contacts.at("oncollide")), 100);
+    EXPECT_EQ(contacts.at("oncollide"), contacts.at("oncollide-replace"));
+    expect_error(64, {"bench", "dig", "--side", "2"}, {"--side 2"});
+}
+
 } // namespace
 } // namespace oncollide::test

@@ -12,6 +12,7 @@ void add_planner(Arguments bench);
 void add_continuous(Arguments bench);
 void add_self(Arguments bench);
 void add_deform_bench(Arguments bench);
+void add_dig(Arguments bench);
 void add_shapes(Arguments bench);
 void add_rays(Arguments bench);
 void add_edges_bench(Arguments bench);
