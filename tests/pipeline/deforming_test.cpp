@@ -49,7 +49,7 @@ public:
         for (std::uint32_t m = 0; m < meshes_.size(); ++m) {
             if (below(3) == 0) continue;
             DeformingMesh& mesh = meshes_[m];
-            if (below(25) == 0) mesh.how = static_cast<Deformation>(below(deformations));
+            if (below(25) == 0) mesh.how = static_cast<DeformingWay>(below(deformations));
             mesh.time += below(8) ? 0.003 : 0.1 * u();
             const std::vector<Vector3d> now = deformed(mesh.rest, mesh.how, mesh.time);
             const std::size_t first = below(3) ? 0 : below(now.size()),
@@ -98,7 +98,7 @@ public:
 private:
     struct DeformingMesh {
         std::vector<Vector3d> rest;
-        Deformation how;
+        DeformingWay how;
         double time = 0;
     };
     struct Body {
@@ -109,7 +109,7 @@ private:
     void add_mesh(Mesh mesh)
     {
         const auto geometry = std::make_shared<const Geometry>(Geometry{"deforming", std::move(mesh), {}});
-        meshes_.push_back({std::get<Mesh>(geometry->data).vertices, static_cast<Deformation>(meshes_.size()), 0.1});
+        meshes_.push_back({std::get<Mesh>(geometry->data).vertices, static_cast<DeformingWay>(meshes_.size()), 0.1});
         for (auto& world : worlds_) world->models().add(geometry);
     }
     BodySpec spec(const World& world, std::uint32_t i) const

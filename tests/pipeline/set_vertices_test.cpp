@@ -77,7 +77,7 @@ TEST(SetVertices, AllocatesNothingOnceWarm)
     Sheet s;
     const BodyId turned = s.world.bodies().add({.model = s.sheet, .pose = random_pose(3, 0.5)});
     std::vector<std::vector<Vector3d>> shapes;
-    for (int k = 0; k < 20; ++k) shapes.push_back(deformed(s.mesh.vertices, Deformation::wave, 0.05 * k));
+    for (int k = 0; k < 20; ++k) shapes.push_back(deformed(s.mesh.vertices, DeformingWay::wave, 0.05 * k));
     const auto play = [&] {
         for (const auto& shape : shapes) {
             s.world.models().set_vertices(s.sheet, shape);

@@ -82,7 +82,7 @@ TEST(DeformedObbTree, FindsWhatANewTreeFinds)
             for (int frame = 0; frame < 40; ++frame) {
                 const auto when = std::to_string(triangles) + " triangles, deformation " + std::to_string(how) +
                                   ", frame " + std::to_string(frame);
-                moving.set(0, deformed(moving.rest, Deformation(how), 0.037 * frame));
+                moving.set(0, deformed(moving.rest, DeformingWay(how), 0.037 * frame));
                 if (frame % 7 == 3) continue; // no traversal between two changes
                 ASSERT_NO_FATAL_FAILURE(
                     expect_as_new(moving, other, static_cast<std::uint64_t>(50 * how + frame), when));
@@ -100,7 +100,7 @@ TEST(DeformedObbTree, FollowsRangesOfVertices)
             const std::size_t all = moving.rest.size(),
                               first = static_cast<std::size_t>(double(all) * u01(frame, 1, 0)),
                               count = std::min<std::size_t>(all - first, 1 + all / 20 * (frame % 4));
-            const auto how = static_cast<Deformation>(frame % 5 == 4 ? Deformation::wave : Deformation::shiver);
+            const auto how = static_cast<DeformingWay>(frame % 5 == 4 ? DeformingWay::wave : DeformingWay::shiver);
             const std::vector<Vector3d> now = deformed(moving.rest, how, 0.01 * double(frame));
             moving.set(first, std::span(now).subspan(first, count));
             ASSERT_NO_FATAL_FAILURE(expect_as_new(moving, other, frame, "frame " + std::to_string(frame)));

@@ -72,6 +72,8 @@ TEST_F(RobotBenchmarks, DistancesAgreeWithChecks)
     EXPECT_EQ(rows[0].at("differ"), "0");
     EXPECT_GT(std::stod(rows[0].at("meeting")), 5);
     EXPECT_LT(std::stod(rows[4].at("most_apart")), 1e-3);
+    EXPECT_GT(std::stod(rows[0].at("gradients")), 20);
+    EXPECT_LT(std::stod(rows[0].at("gradient_error")), 1e-6);
 }
 
 TEST_F(RobotBenchmarks, CertifiedMotionsAreNotRefuted)

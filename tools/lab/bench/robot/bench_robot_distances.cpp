@@ -14,7 +14,7 @@ namespace {
 
 struct RobotDistanceBenchOptions : SharedOptions {
     RobotOptions robot;
-    int bodies = 40, configurations = 1000;
+    int bodies = 40, configurations = 1000, differences = 100;
     double cutoff = 0.05;
 };
 
@@ -58,6 +58,51 @@ std::vector<double> random_configurations(const RobotDistanceBenchOptions& optio
         numbers.insert(numbers.end(), at.begin(), at.end());
     }
     return numbers;
+}
+
+/// Gradients against differences of distances, where the gradient is unique and the nearest features stay.
+struct GradientErrors {
+    std::size_t compared = 0;
+    double most = 0; ///< of a component, as a share of the gradient
+};
+
+GradientErrors gradient_errors(const RobotPlace& place, std::span<const double> numbers, std::size_t count)
+{
+    constexpr double step = 1e-4; // rad or m
+    const std::size_t width = place.robot.width();
+    GradientErrors errors;
+    RobotDistances found, moved;
+    place.robot.distances(place.world, numbers.first(count * width), found);
+    if (found.pairs.size() != count) return errors; // nothing to measure
+    std::vector<double> around;
+    for (std::size_t i = 0; i < count; ++i) {
+        const RobotDistance& d = found.pairs[i];
+        if (!d.unique || d.lower <= 10 * step) continue;
+        around.clear();
+        for (std::size_t k = 0; k < width; ++k)
+            for (const double by : {-2 * step, -step, step, 2 * step}) {
+                around.insert(around.end(), &numbers[i * width], &numbers[i * width] + width);
+                around[around.size() - width + k] += by;
+            }
+        place.robot.distances(place.world, around, moved, {.gradients = false});
+        const auto other_pair = [&](const RobotDistance& m) {
+            return std::tuple(m.link, m.other, m.body) != std::tuple(d.link, d.other, d.body);
+        };
+        if (std::ranges::any_of(moved.pairs, other_pair)) continue;
+        const Eigen::Map<const Eigen::VectorXd> gradient(&found.gradients[i * width], static_cast<Eigen::Index>(width));
+        Eigen::VectorXd slope(gradient.size());
+        bool is_smooth = true;
+        for (std::size_t k = 0; k < width; ++k) {
+            const auto at = [&](std::size_t n) { return moved.pairs[4 * k + n].upper; };
+            const double slim = (at(2) - at(1)) / (2 * step), wide = (at(3) - at(0)) / (4 * step);
+            slope[static_cast<Eigen::Index>(k)] = (4 * slim - wide) / 3;
+            is_smooth = is_smooth && std::abs(slim - wide) < 1e-6;
+        }
+        if (!is_smooth || slope.norm() < 1e-3) continue;
+        ++errors.compared;
+        errors.most = std::max(errors.most, (slope - gradient).cwiseAbs().maxCoeff() / slope.norm());
+    }
+    return errors;
 }
 
 int bench_robot_distances(const RobotDistanceBenchOptions& options)
@@ -119,17 +164,21 @@ int bench_robot_distances(const RobotDistanceBenchOptions& options)
         meeting += meets, differ += meets != (ours <= 0), of_fcl_differ += meets != (of_fcl[i] <= 0);
         if (ours > 0 && of_fcl[i] > 0) most = std::max(most, std::abs(ours - of_fcl[i]));
     }
+    const GradientErrors errors =
+        gradient_errors(place, numbers, std::min(count, static_cast<std::size_t>(options.differences)));
     ResultTable table(options.csv, {36});
     for (const Entrant& each : all)
         table.row(figures("who", each.name, "us", 1e6 * each.seconds / double(count), "of_oncollide",
                           each.seconds / all[0].seconds, "pairs", each.pairs),
                   figures("configurations", count, "bodies", options.bodies, "meeting", meeting, "differ",
-                          each.name.starts_with("FCL") ? of_fcl_differ : differ, "most_apart", most));
+                          each.name.starts_with("FCL") ? of_fcl_differ : differ, "most_apart", most, "gradients",
+                          errors.compared, "gradient_error", errors.most));
     table.commit();
     say("\n{} of {} configurations collide; the distance is above 0 for {} of them, or 0 for others, and FCL's for "
         "{}.\n"
-        "Where both find a gap, the two differ by {:.1e} m at most.\n",
-        meeting, count, differ, of_fcl_differ, most);
+        "Where both find a gap, the two differ by {:.1e} m at most.\n"
+        "{} gradients differ from differences of distances by {:.1e} of their length at most.\n",
+        meeting, count, differ, of_fcl_differ, most, errors.compared, errors.most);
     return code_of(differ > 0);
 }
 
@@ -147,6 +196,8 @@ void add_robot_distances_bench(Arguments bench)
     b.whole("--bodies N", b->bodies, "bodies around the robot (default 40)", {0, 100'000});
     b.whole("--configurations N", b->configurations, "random configurations (default 1000)", {1, 1'000'000});
     b.option("--cutoff", b->cutoff, "of the row with all pairs (default 5cm)").length();
+    b.whole("--differences N", b->differences, "configurations whose gradients are compared (default 100)",
+            {0, 1'000'000});
     b.seed("bodies and configurations"), b.repeats("runs, of which the fastest counts"), b.csv("way to measure");
     b.footer("us: microseconds a configuration, one thread; pairs: of all configurations.\n"
              "Exit code 70: a distance is not above 0 exactly where check() finds no collision.\n"
