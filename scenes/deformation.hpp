@@ -3,13 +3,12 @@
 #include <span>
 #include <string>
 
-#include <oncollide/base/error.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide {
 
 /// Moves the vertices of a mesh, frame by frame; the triangles stay. Not thread-safe.
-class ONCOLLIDE_API Deformation {
+class Deformation {
 public:
     virtual ~Deformation() = default;
 
