@@ -19,6 +19,7 @@ public:
     double thickness = 0.002; ///< metres: the distance that contacts keep
     double reach = 0.006;     ///< metres: features that are nearer are contacts; above the thickness
     double friction = 0.5, drag = 3, bending = 0.1; ///< drag: share of the velocity lost in a second
+    double damping = 0.6; ///< share of the difference of two neighbours' velocities lost in a step
     int iterations = 20;
     Eigen::Vector3d gravity{0, 0, -9.81};
 
@@ -58,6 +59,10 @@ public:
             const Eigen::Vector3d way = p_[i] - x_[i];
             const double length = way.norm(), share = length > most_[i] ? most_[i] / length : 1;
             x_[i] += share * way, v_[i] = share / dt * way;
+        }
+        for (const Link& link : links_) { // neighbours move alike
+            const Eigen::Vector3d more = 0.5 * damping * link.stiffness * (v_[link.b] - v_[link.a]);
+            v_[link.a] += more, v_[link.b] -= more;
         }
         world_.models().set_vertices(model_, x_);
     }

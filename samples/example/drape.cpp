@@ -1,5 +1,5 @@
 // A cloth of 5,000 triangles falls on a knot and comes to rest, without passing through the knot or itself.
-// Usage: drape [cells of a side, default 50] [SCENE.json]. 100 cells make 20,000 triangles, which move on for longer.
+// Usage: drape [cells of a side, default 50] [SCENE.json]. 100 cells make 20,000 triangles.
 // With SCENE.json it also writes the motion as a scene for 'oncollide run', and its vertices beside it (SCENE.h5).
 #include <cstdio>
 #include <cstdlib>
