@@ -7,8 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <oncollide/base/threads/idle_objects.hpp>
-
 namespace oncollide {
 
 namespace {
@@ -273,22 +271,8 @@ private:
     std::vector<Eigen::Isometry3d> poses_of_batch_;
 };
 
-/// Checkers of earlier calls, with their memory.
-struct Robot::Impl::IdleCheckers : IdleObjects<Checker, LockRank::robot_checkers> {
-    struct GiveBack {
-        IdleCheckers* to = nullptr;
-        void operator()(Checker* checker) const { to->give_back(std::unique_ptr<Checker>(checker)); }
-    };
-    using Lease = std::unique_ptr<Checker, GiveBack>;
-
-    Lease lease(const Impl& robot, const World& world, const RobotCheck& what)
-    {
-        std::unique_ptr<Checker> checker = take();
-        if (!checker || !checker->is_for(world)) checker = std::make_unique<Checker>(robot, world);
-        checker->begin(world, what);
-        return Lease(checker.release(), GiveBack{this});
-    }
-};
+/// Checkers of earlier calls.
+struct Robot::Impl::IdleCheckers : IdleCheckersOf<Checker> {};
 
 std::shared_ptr<Robot::Impl::IdleCheckers> Robot::Impl::no_checkers()
 {

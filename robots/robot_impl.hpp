@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include <oncollide/base/threads/idle_objects.hpp>
 #include <oncollide/base/threads/lock_order.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/robots/cover.hpp>
@@ -167,6 +168,25 @@ private:
     std::vector<Placed> groups_, spheres_; ///< spheres_: for each part, first the sphere around the whole part, then
                                            ///< the others
     std::vector<std::uint8_t> placed_;     ///< by part
+};
+
+/// Objects that check configurations, kept with their memory from call to call.
+template <class Checker>
+struct IdleCheckersOf : IdleObjects<Checker, LockRank::robot_checkers> {
+    struct GiveBack {
+        IdleCheckersOf* to = nullptr;
+        void operator()(Checker* checker) const { to->give_back(std::unique_ptr<Checker>(checker)); }
+    };
+    using Lease = std::unique_ptr<Checker, GiveBack>;
+
+    /// An idle one, or a new one, that has begun() with the World as it is now.
+    Lease lease(const auto& robot, const World& world, const auto& what)
+    {
+        std::unique_ptr<Checker> checker = this->take();
+        if (!checker || !checker->is_for(world)) checker = std::make_unique<Checker>(robot, world);
+        checker->begin(world, what);
+        return Lease(checker.release(), GiveBack{this});
+    }
 };
 
 /// Calls work(checker, first, count) for chunks of `items`, on the World's threads, with one checker of make() each.

@@ -3,12 +3,10 @@
 #include <oncollide/robots/robot_impl.hpp>
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
+#include <tuple>
 
 #include <fmt/format.h>
 
-#include <oncollide/base/threads/idle_objects.hpp>
 #include <oncollide/narrowphase/model.hpp>
 #include <oncollide/pipeline/world/placed_tests.hpp>
 #include <oncollide/robots/distances/nearest_features.hpp>
@@ -50,7 +48,7 @@ public:
         in_reach_ = false;
         if (!options.pairs.environment || world.bodies().size() <= own_.size()) return;
         in_reach_ = world.bodies().size() > most_listed + own_.size();
-        if (!in_reach_) list_bodies(all_space());
+        if (!in_reach_) list_bodies(half_space_end);
     }
 
     /// Appends the pairs of each configuration.
@@ -90,23 +88,24 @@ private:
         std::uint32_t slot;
         Aabb box;
         PlacedBox own_box;
-        bool endless; ///< a half-space, which no box bounds
     };
 
-    static Aabb all_space()
+    /// Lists the bodies within reach of a group; nothing is beyond half_space_end.
+    void list_bodies(double reach)
     {
-        return {Vector3d::Constant(-2 * half_space_end), Vector3d::Constant(2 * half_space_end)};
-    }
-
-    void list_bodies(const Aabb& where)
-    {
+        bodies_.clear();
+        Aabb where{Vector3d::Constant(-2 * half_space_end), Vector3d::Constant(2 * half_space_end)};
+        if (reach < half_space_end) {
+            where = {};
+            for (std::uint32_t g = 0; g < robot_.groups.size(); ++g) where.add(cull_.box_of_group(g));
+            where.min.array() -= reach, where.max.array() += reach;
+        }
         for (const AabbHit& hit : tests_.around({&where, 1}, options_.pairs.filter)) {
             if (std::ranges::binary_search(own_, hit.body)) continue;
             Model& model = tests_.model_at(hit.body);
             const Eigen::Isometry3d& pose = tests_.pose_at(hit.body);
             bodies_.push_back({hit.body, model.bounds().box(pose),
-                               PlacedBox(model.bounds().box(Eigen::Isometry3d::Identity()), pose),
-                               model.kind() == Kind::half_space});
+                               PlacedBox(model.bounds().box(Eigen::Isometry3d::Identity()), pose)});
         }
     }
 
@@ -138,35 +137,27 @@ private:
     void push_bodies()
     {
         for (std::uint32_t b = 0; b < bodies_.size(); ++b)
-            for (std::uint32_t g = 0; g < robot_.groups.size(); ++g) {
-                const double gap = bodies_[b].endless ? 0 : cull_.gap_of_group(g, bodies_[b].box);
-                push({gap, Stage::group_and_body, g, b});
-            }
-    }
-
-    void begin_configuration()
-    {
-        open_.clear(), measured_.clear();
-        if (in_reach_) bodies_.clear();
+            for (std::uint32_t g = 0; g < robot_.groups.size(); ++g)
+                push({cull_.gap_of_group(g, bodies_[b].box), Stage::group_and_body, g, b});
     }
 
     void find_least()
     {
-        begin_configuration();
+        measured_.clear();
         const Candidate hint = hint_;
         if (has_hint_) measure(hint); // nearly the limit
         push_self();
         if (!in_reach_) push_bodies();
         measure_open(has_hint_ ? &hint : nullptr);
-        if (in_reach_) list_in_reach(), push_bodies(), measure_open();
+        if (in_reach_) measure_in_reach();
         has_hint_ = !measured_.empty() && !(in_reach_ && measured_.front().candidate.stage == Stage::part_and_body);
         if (has_hint_) hint_ = measured_.front().candidate;
     }
 
     void find_every()
     {
-        begin_configuration();
-        if (in_reach_) list_in_reach();
+        measured_.clear();
+        if (in_reach_) list_bodies(options_.cutoff);
         push_self(), push_bodies();
         measure_open();
         // The least of the parts of each pair.
@@ -195,24 +186,18 @@ private:
         return m.candidate.stage == Stage::part_and_body ? m.candidate.b : 0;
     }
 
-    /// Bodies within the limit of a group. Without a limit, it grows until a body is there.
-    void list_in_reach()
+    /// Measures the bodies within the limit. Without a limit, nothing was measured yet: the reach grows until the
+    /// nearest body in it is nearer than all beyond it.
+    void measure_in_reach()
     {
-        bodies_.clear();
-        double reach = limit();
-        const bool grows = reach == endless;
-        if (grows) reach = 1;
-        for (;; reach *= 4) {
-            Aabb around;
-            for (std::uint32_t g = 0; g < robot_.groups.size(); ++g) around.add(cull_.box_of_group(g));
-            around.min.array() -= reach, around.max.array() += reach;
-            list_bodies(around);
-            if (!grows || options_.every_pair || reach > half_space_end) break;
-            if (bodies_.empty()) continue;
+        const bool grows = limit() == endless;
+        for (double reach = grows ? 1 : limit();;) {
+            if (grows) measured_.clear();
+            list_bodies(reach);
             push_bodies();
             measure_open();
-            if (limit() <= reach) return; // none beyond is nearer
-            bodies_.clear();
+            if (!grows || limit() <= reach || reach >= half_space_end) return;
+            reach = limit() == endless ? 4 * reach : limit();
         }
     }
 
@@ -246,8 +231,8 @@ private:
         const Body& body = bodies_[c.b];
         if (robot_.allows(robot_.groups[c.a].link, tests_.body_at(body.slot))) return;
         for (std::uint32_t part = robot_.groups[c.a].first; part < robot_.groups[c.a].end; ++part) {
-            const double gap = body.endless ? 0 : cull_.gap_of_part(part, body.own_box);
-            push({std::max(gap, c.lower), Stage::part_and_body, part, c.b});
+            const double gap = std::max(cull_.gap_of_part(part, body.own_box), c.lower);
+            push({gap, Stage::part_and_body, part, c.b});
         }
     }
 
@@ -345,22 +330,8 @@ private:
     bool has_hint_ = false;
 };
 
-/// Finders of earlier calls, with their memory.
-struct Robot::Impl::IdleFinders : IdleObjects<DistanceFinder, LockRank::robot_checkers> {
-    struct GiveBack {
-        IdleFinders* to = nullptr;
-        void operator()(DistanceFinder* finder) const { to->give_back(std::unique_ptr<DistanceFinder>(finder)); }
-    };
-    using Lease = std::unique_ptr<DistanceFinder, GiveBack>;
-
-    Lease lease(const Impl& robot, const World& world, const RobotDistanceOptions& options)
-    {
-        std::unique_ptr<DistanceFinder> finder = take();
-        if (!finder || !finder->is_for(world)) finder = std::make_unique<DistanceFinder>(robot, world);
-        finder->begin(world, options);
-        return Lease(finder.release(), GiveBack{this});
-    }
-};
+/// Finders of earlier calls.
+struct Robot::Impl::IdleFinders : IdleCheckersOf<DistanceFinder> {};
 
 std::shared_ptr<Robot::Impl::IdleFinders> Robot::Impl::no_finders()
 {

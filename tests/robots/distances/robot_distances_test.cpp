@@ -171,16 +171,21 @@ TEST(RobotDistances, AmongHundredsOfBodiesAreTheSame)
         base.translation().x() += away;
         const Parts parts(world, long_arm(), base);
         const std::vector<double> numbers = numbers_of(parts.robot, 10, 0.3);
-        RobotDistances least;
+        RobotDistances least, all;
         for (const bool self : {true, false}) {
             parts.robot.distances(world, numbers, least, {.pairs = {.self = self}});
+            parts.robot.distances(world, numbers, all, {.pairs = {.self = self}, .every_pair = true});
             ASSERT_EQ(least.pairs.size(), 10u);
             for (std::size_t i = 0; i < 10; ++i) {
                 double nearest = std::numeric_limits<double>::infinity();
+                std::size_t count = 0;
                 for (const auto& [key, d] :
                      parts.all(std::span(numbers).subspan(i * parts.robot.width(), parts.robot.width())))
-                    if (self || key.second >= 1000) nearest = std::min(nearest, d.upper);
+                    if (self || key.second >= 1000) nearest = std::min(nearest, d.upper), ++count;
                 EXPECT_NEAR(std::max(least.pairs[i].upper, 0.0), nearest, 1e-12);
+                ASSERT_EQ(all.offsets[i + 1] - all.offsets[i], count) << "without a cutoff, all pairs";
+                const RobotDistance &first = all.pairs[all.offsets[i]], &second = all.pairs[all.offsets[i] + 1];
+                EXPECT_EQ(least.pairs[i].unique, first.unique && second.lower > first.upper) << i;
             }
         }
     }
