@@ -1,13 +1,12 @@
 // Robot::edge_clearance(): branch and bound over pairs and windows of time.
 #include <oncollide/robots/edges/edge_motion.hpp>
+#include <oncollide/robots/surroundings.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <tuple>
 
 #include <fmt/format.h>
 
-#include <oncollide/narrowphase/model.hpp>
 #include <oncollide/pipeline/world/placed_tests.hpp>
 
 namespace oncollide {
@@ -22,7 +21,8 @@ constexpr std::size_t edges_per_chunk = 4;
 class Robot::EdgeMeasure {
 public:
     EdgeMeasure(const Robot::Impl& robot, const World& world, const RobotClearanceOptions& options)
-        : robot_(robot), options_(options), tests_(world), cull_(robot, 0), motion_(robot), own_(robot.own_slots(world))
+        : robot_(robot), options_(options), tests_(world), cull_(robot, 0), motion_(robot),
+          own_(robot.own_slots(world)), bodies_(tests_)
     {
         tests_.begin();
         for (const Robot::Impl::Part& part : robot.parts) models_.push_back(&tests_.model(part.model));
@@ -39,8 +39,7 @@ public:
         motion_.start(from, to);
         motion_.place(0.5);
         if (options_.pairs.self)
-            for (const Robot::Impl::PartPair& pair : robot_.pairs)
-                push({{0, 1, pair.a, pair.b, {}, pair.seen_from}, 0, nullptr}, 0);
+            for (const Robot::Impl::PartPair& pair : robot_.pairs) push({0, 1, pair.a, pair.b, {}, pair.seen_from}, 0);
         if (options_.pairs.environment) push_bodies();
         std::size_t tests = 0;
         while (!open_.empty() && found.upper > 0 && tests < options_.most_tests) {
@@ -56,19 +55,13 @@ public:
     }
 
 private:
-    struct Body {
-        std::uint32_t slot;
-        PlacedBox box;
-        bool endless; ///< a half-space, which no box bounds
-    };
     struct Window {
-        EdgeItem item;
-        double lower; ///< of the pair's distance in the window
-        const Body* body;
+        EdgeItem item; ///< its box is a number of bodies_
+        double lower;  ///< bound of the pair's distance in the window
 
         std::tuple<double, double, std::uint32_t, std::uint32_t, std::uint32_t> order() const
         {
-            return std::tuple(lower, item.begin, item.a, item.b, body ? body->slot : 0);
+            return {lower, item.begin, item.a, item.b, item.body.slot};
         }
     };
 
@@ -78,17 +71,19 @@ private:
         if (share != culled_at_) cull_.place(links), culled_at_ = share;
         return links;
     }
-    /// Adds a window with the bound from bounding spheres, or a larger one that is known.
-    void push(Window window, double known)
+    void push(const Window& window)
     {
-        place(window.item.middle());
-        const double gap = !window.body           ? cull_.gap_of_parts(window.item.a, window.item.b)
-                           : window.body->endless ? 0
-                                                  : cull_.gap_of_part(window.item.a, window.body->box);
-        window.lower = std::max(known, gap - motion_.reach(motion_.ways_of(window.item)));
         if (window.lower >= found_->upper) return;
         open_.push_back(window);
         std::ranges::push_heap(open_, std::greater{}, &Window::order);
+    }
+    /// Adds a window with the bound from bounding spheres, or a larger one that is known.
+    void push(const EdgeItem& item, double known)
+    {
+        place(item.middle());
+        const double gap =
+            item.b == no_part ? cull_.gap_of_part(item.a, bodies_[item.box].box) : cull_.gap_of_parts(item.a, item.b);
+        push({item, std::max(known, gap - motion_.reach(motion_.ways_of(item)))});
     }
     void push_bodies()
     {
@@ -103,17 +98,11 @@ private:
             const double all = std::min(reach * (1 + 1e-12) + 1e-12 * at.norm(), 2 * half_space_end);
             around.push_back({at.array() - all, at.array() + all});
         }
-        const std::span<const AabbHit> hits = tests_.around(around, options_.pairs.filter);
-        bodies_.reserve(hits.size()); // windows point to them
-        for (const AabbHit& hit : hits) {
+        for (const AabbHit& hit : tests_.around(around, options_.pairs.filter)) {
             const BodyId body = tests_.body_at(hit.body);
             if (std::ranges::binary_search(own_, hit.body) || robot_.allows(robot_.parts[hit.query].link, body))
                 continue;
-            const Model& model = tests_.model_at(hit.body);
-            bodies_.push_back({hit.body,
-                               PlacedBox(model.bounds().box(Eigen::Isometry3d::Identity()), tests_.pose_at(hit.body)),
-                               model.kind() == Kind::half_space});
-            push({{0, 1, hit.query, no_part, body, root}, 0, &bodies_.back()}, 0);
+            push({0, 1, hit.query, no_part, body, root, bodies_.number_of(hit.body)}, 0);
         }
     }
 
@@ -121,30 +110,27 @@ private:
     void halve(const Window& window)
     {
         const EdgeItem& item = window.item;
+        const bool with_body = item.b == no_part;
         const Eigen::Isometry3d* const links = place(item.middle());
         const double reach = motion_.reach(motion_.ways_of(item));
         const Eigen::Isometry3d pose_a = robot_.pose_of(robot_.parts[item.a], links),
-                                pose_b = window.body ? tests_.pose_at(window.body->slot)
-                                                     : robot_.pose_of(robot_.parts[item.b], links);
-        const PairTask task{0, models_[item.a], window.body ? &tests_.model_at(window.body->slot) : models_[item.b],
-                            &pose_a, &pose_b};
+                                pose_b = with_body ? tests_.pose_at(item.body.slot)
+                                                   : robot_.pose_of(robot_.parts[item.b], links);
+        const PairTask task{0, models_[item.a], with_body ? &tests_.model_at(item.body.slot) : models_[item.b], &pose_a,
+                            &pose_b};
         const double cutoff = found_->upper + reach;
         const Distance d = tests_.distance(task, {.tolerance = 0.25 * options_.tolerance, .cutoff = cutoff});
         if (d.upper < found_->upper) {
-            const std::uint32_t other = window.body ? RobotFinding::no_link : robot_.parts[item.b].link;
+            const std::uint32_t other = with_body ? RobotFinding::no_link : robot_.parts[item.b].link;
             *found_ = {0, d.upper, item.middle(), robot_.parts[item.a].link, other, item.body};
         }
         const double lower = std::max(d.lower - reach, window.lower);
         if (lower >= found_->upper - options_.tolerance) {
-            // It need not be halved, but its bound counts.
-            if (lower < found_->upper) {
-                open_.push_back({item, lower, window.body});
-                std::ranges::push_heap(open_, std::greater{}, &Window::order);
-            }
+            push({item, lower}); // it need not be halved, but its bound counts
             return;
         }
-        Window first = window, second = window;
-        first.item.end = second.item.begin = item.middle();
+        EdgeItem first = item, second = item;
+        first.end = second.begin = item.middle();
         push(first, lower), push(second, lower);
     }
 
@@ -157,7 +143,7 @@ private:
     std::vector<Model*> models_;           ///< by part
     double culled_at_ = -1;
     RobotEdgeClearance* found_ = nullptr;
-    std::vector<Body> bodies_;
+    PlacedBodies bodies_;
     std::vector<Window> open_; ///< a heap, the least bound first
 };
 
