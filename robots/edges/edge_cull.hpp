@@ -28,6 +28,12 @@ public:
     {
         return tests_.around(boxes, filter);
     }
+    /// For a pair that is apart by the World's settings: whether it is at most the clearance apart, as check() finds.
+    bool within(const PairOfModels& pair, double clearance)
+    {
+        const PairTask task{0, &tests_.model(pair.a.model), &tests_.model(pair.b.model), &pair.a.pose, &pair.b.pose};
+        return tests_.within(task, clearance).verdict == Verdict::within;
+    }
     BodyId body_at(std::uint32_t slot) const { return tests_.body_at(slot); }
     /// The number of a body's box.
     std::uint32_t box_of(std::uint32_t slot) { return bodies_.number_of(slot); }

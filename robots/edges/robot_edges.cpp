@@ -134,13 +134,10 @@ private:
         return all - clearances_.of_world();
     }
     /// The verdict of pairs_[i], which the World decided, with its clearance.
-    Verdict padded(std::size_t i, Verdict verdict) const
+    Verdict padded(std::size_t i, Verdict verdict)
     {
         if (!clearances_.padded() || verdict != Verdict::separate) return verdict;
-        const double clearance = clearances_.of_world() + more(tested_[i]);
-        if (clearance == clearances_.of_world()) return verdict;
-        const Distance d = world_.pairs().distance(pairs_[i].a, pairs_[i].b, {.cutoff = clearance});
-        return d.lower <= clearance && d.upper <= clearance ? Verdict::within : verdict;
+        return solids_.within(pairs_[i], clearances_.of_world() + more(tested_[i])) ? Verdict::within : verdict;
     }
     bool is_done() const { return !what_.first && has_contact(); }
     /// Leaves in tested_ the items whose pairs may meet, if they can be anywhere within the reach of the motion.
