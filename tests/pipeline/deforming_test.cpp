@@ -8,6 +8,7 @@
 #include <oncollide/pipeline/world.hpp>
 #include <oncollide/samples/generators.hpp>
 
+#include "changing_scene.hpp"
 #include "deforming_mesh.hpp"
 #include "every_kind.hpp"
 #include "random_pose.hpp"
@@ -20,11 +21,10 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 /// Meshes that deform, open and closed, small and large, among bodies of every kind, in several Worlds at once.
-class Scene {
+class Scene : public ChangingScene {
 public:
-    Scene(std::uint64_t seed, const std::vector<Settings>& settings) : random_(seed)
+    Scene(std::uint64_t seed, const std::vector<Settings>& settings) : ChangingScene(seed, settings)
     {
-        for (const Settings& s : settings) worlds_.push_back(std::make_unique<World>(s));
         add_mesh(make_torus_knot_mesh(2, 3, 0.4, 0.2, 0.08, 400));
         add_mesh(make_sphere_mesh(0.5, 200));
         add_mesh(make_box_mesh({0.4, 0.3, 0.5}, 3)); // vertices at equal positions, and coplanar triangles
@@ -33,13 +33,12 @@ public:
         for (std::size_t kind = 0; kind < kinds; ++kind) {
             partners_.push_back(
                 std::make_shared<const Geometry>(Geometry{every_kind[kind], draw_geometry(kind, seed + kind), {}}));
-            for (auto& world : worlds_) world->models().add(partners_.back());
+            add_model(partners_.back());
         }
         const auto models = static_cast<std::uint32_t>(meshes_.size() + partners_.size());
         for (std::uint32_t i = 0; i < 2 * models; ++i) {
             const auto pose = i % 3 ? random_pose(random_(), 1.6) : Isometry3d(Eigen::Translation3d(u(), u(), u()));
-            bodies_.push_back({i % models, pose, i % 5 == 4});
-            for (auto& world : worlds_) world->bodies().add(spec(*world, i));
+            add_body({i % models, pose, i % 5 == 4});
         }
     }
 
@@ -60,14 +59,8 @@ public:
                 else
                     world->models().set_vertices(world->models().at(m), first, std::span(now).subspan(first, count));
         }
-        for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
-            if (below(6)) continue;
-            if (below(10) == 0) bodies_[i].pose = random_pose(random_(), 1.6);
-            bodies_[i].pose.translation() += 0.02 * Vector3d(u() - 0.5, u() - 0.5, u() - 0.5);
-            for (auto& world : worlds_) world->bodies().set_pose(world->bodies().at(i), bodies_[i].pose);
-        }
+        move_bodies(6, 1.6);
     }
-    World& world(std::size_t i) { return *worlds_[i]; }
     /// A World without history.
     World fresh(const Settings& settings)
     {
@@ -75,7 +68,7 @@ public:
         for (std::uint32_t m = 0; m < meshes_.size(); ++m)
             world.models().add(worlds_[0]->models().geometry(worlds_[0]->models().at(m)).data);
         for (const auto& partner : partners_) world.models().add(partner);
-        for (std::uint32_t i = 0; i < bodies_.size(); ++i) world.bodies().add(spec(world, i));
+        add_bodies_to(world);
         return world;
     }
     /// Gives all bodies ways to go.
@@ -101,53 +94,26 @@ private:
         DeformingWay how;
         double time = 0;
     };
-    struct Body {
-        std::uint32_t model;
-        Isometry3d pose;
-        bool is_static;
-    };
     void add_mesh(Mesh mesh)
     {
         const auto geometry = std::make_shared<const Geometry>(Geometry{"deforming", std::move(mesh), {}});
         meshes_.push_back({std::get<Mesh>(geometry->data).vertices, static_cast<DeformingWay>(meshes_.size()), 0.1});
-        for (auto& world : worlds_) world->models().add(geometry);
+        add_model(geometry);
     }
-    BodySpec spec(const World& world, std::uint32_t i) const
-    {
-        return {
-            .model = world.models().at(bodies_[i].model), .pose = bodies_[i].pose, .is_static = bodies_[i].is_static};
-    }
-    double u() { return std::uniform_real_distribution<>()(random_); }
-    std::size_t below(std::size_t n) { return random_() % n; }
-
-    std::mt19937_64 random_;
-    std::vector<std::unique_ptr<World>> worlds_;
     std::vector<DeformingMesh> meshes_;
     std::vector<std::shared_ptr<const Geometry>> partners_;
-    std::vector<Body> bodies_;
 };
 
-struct Case {
-    const char* name;
-    Settings settings;
-    bool same_bits; ///< decided exactly, so that hashes are equal
-};
-
-std::vector<Case> cases()
+std::vector<SettingsCase> cases()
 {
+    std::vector<SettingsCase> all = settings_cases();
     Settings sphere_trees{.bounding_volume = BoundingVolume::sphere};
     sphere_trees.depth = 4;
-    return {{"default", {}, true},
-            {"kinds", {.exact = ExactLevel::predicates, .contact_kinds = true}, true},
-            {"touching", {.exact = ExactLevel::predicates, .ignore_touching = true}, true},
-            {"solid", {.exact = ExactLevel::predicates, .mode = Mode::solid, .open_as_surface = true}, true},
-            {"without_coherence", {.exact = ExactLevel::predicates, .coherence = false}, true},
-            {"clearance", {.clearance = 0.02, .exact = ExactLevel::predicates}, false},
-            {"error", {.max_error = 0.002, .clearance = 0.01}, false},
-            {"sphere_trees", sphere_trees, false}};
+    all.push_back({"sphere_trees", sphere_trees, false});
+    return all;
 }
 
-class Deforming : public testing::TestWithParam<Case> {};
+class Deforming : public testing::TestWithParam<SettingsCase> {};
 class DeformingInContact : public Deforming {};
 
 TEST_P(Deforming, GivesTheResultsOfANewWorld)
@@ -260,10 +226,10 @@ TEST_P(DeformingInContact, GivesTheManifoldsContactsAndSweepsOfANewWorld)
     EXPECT_GT(swept, 20u);
 }
 
-std::vector<Case> cases_in_contact()
+std::vector<SettingsCase> cases_in_contact()
 {
-    std::vector<Case> some = cases();
-    std::erase_if(some, [](const Case& c) {
+    std::vector<SettingsCase> some = cases();
+    std::erase_if(some, [](const SettingsCase& c) {
         const std::string name = c.name;
         return name != "default" && name != "solid" && name != "clearance";
     });

@@ -31,6 +31,22 @@ inline void expect_true(const PairResult& r, const Distance& d, const Settings& 
     }
 }
 
+/// The same contacts of two bodies, bit for bit.
+inline void expect_same_contacts(const World& now, const World& expected, const PairResult& pair,
+                                 const std::string& when, std::size_t& contacts)
+{
+    const auto found = now.pairs().contacts(pair.a, pair.b),
+               same = expected.pairs().contacts(expected.bodies().at(pair.a.slot), expected.bodies().at(pair.b.slot));
+    ASSERT_EQ(found.size(), same.size()) << when;
+    for (std::size_t k = 0; k < found.size(); ++k) {
+        ASSERT_EQ(found[k].a, same[k].a) << when;
+        ASSERT_EQ(found[k].b, same[k].b) << when;
+        ASSERT_EQ(found[k].ends, same[k].ends) << when;
+        ASSERT_EQ(found[k].normal_a, same[k].normal_a) << when;
+    }
+    contacts += found.size();
+}
+
 /// The same bits where surfaces meet. Where they do not, regions come from distances: of parts that are equally near,
 /// another one may be found first, with another normal.
 inline void expect_same(const FrameManifolds& now, const FrameManifolds& expected, const std::string& when)

@@ -8,6 +8,7 @@
 
 #include "allocations.hpp"
 #include "digging.hpp"
+#include "refusal.hpp"
 #include "temporary_folder.hpp"
 
 namespace oncollide::set_heights_test {
@@ -136,23 +137,10 @@ TEST(SetHeights, LeavesTheGeometriesOfOthers)
     EXPECT_EQ(height(one.models().geometry(a)), 3);
 }
 
-std::string refusal(auto call)
-{
-    try {
-        call();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "not refused";
-}
-
 TEST(SetHeights, RefusesWhatIsNoTerrainOrNotPartOfIt)
 {
     Ground s;
     auto& models = s.world.models();
-    const auto says = [](const std::string& message, const char* words) {
-        EXPECT_NE(message.find(words), std::string::npos) << message;
-    };
     const std::vector<double> six(6, 1);
     says(refusal([&] { models.set_heights(models.add(Shape(Sphere{1})), {0, 0, 3, 2}, six); }), "is not a terrain");
     says(refusal([&] { models.set_heights(ModelId{}, {0, 0, 3, 2}, six); }), "null");

@@ -7,6 +7,7 @@
 #include "allocations.hpp"
 #include "deforming_mesh.hpp"
 #include "random_pose.hpp"
+#include "refusal.hpp"
 
 namespace oncollide::set_vertices_test {
 namespace {
@@ -132,25 +133,12 @@ TEST(SetVertices, OpensAndClosesAMesh)
     EXPECT_TRUE(solid.models().closed(closed)) << "nothing has changed";
 }
 
-std::string refusal(auto call)
-{
-    try {
-        call();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "not refused";
-}
-
 TEST(SetVertices, RefusesWhatIsNoMeshOrHasNoSuchVertices)
 {
     Sheet s;
     auto& models = s.world.models();
     const std::uint64_t hash = s.world.step().hash;
     const std::vector<Vector3d> good = s.mesh.vertices;
-    const auto says = [](const std::string& message, const char* words) {
-        EXPECT_NE(message.find(words), std::string::npos) << message;
-    };
     const ModelId shape = models.add(Shape(Sphere{1}), "shape");
     says(refusal([&] { models.set_vertices(shape, good); }), "is not a mesh");
     says(refusal([&] { models.set_vertices(ModelId{}, good); }), "null");
