@@ -56,6 +56,20 @@ std::unique_ptr<HeldRobot> make(HeldWorld& held, py::handle urdf, py::handle srd
         HeldRobot{held.shared_from_this(), std::make_unique<Robot>(held.world, std::move(description), at)});
 }
 
+std::size_t count_of(const py::array& rows)
+{
+    return rows.ndim() == 1 ? 1 : static_cast<std::size_t>(rows.shape(0));
+}
+
+/// Both ends of motions, of the same shape.
+std::pair<py::array, py::array> ends_of(const HeldRobot& robot, py::handle from, py::handle to, const char* call)
+{
+    const py::array starts = rows_of(robot, from, {call, "start"}), ends = rows_of(robot, to, {call, "end"});
+    if (starts.size() != ends.size())
+        refuse_value({call, "end"}, fmt::format("expected shape {}, got {}", shape_of(starts), shape_of(ends)));
+    return {starts, ends};
+}
+
 /// One result for one row, or an array.
 template <class Result>
 py::object results_of(const py::array& rows, std::vector<Result> found)
@@ -70,7 +84,7 @@ py::object check(HeldRobot& robot, py::handle configurations, py::handle self, p
     const py::array rows = rows_of(robot, configurations, {call, "configurations"});
     const RobotCheck what{.self = truth(self, {call, "self_collision"}),
                           .environment = truth(environment, {call, "environment"})};
-    std::vector<RobotFinding> found(rows.ndim() == 1 ? 1 : static_cast<std::size_t>(rows.shape(0)));
+    std::vector<RobotFinding> found(count_of(rows));
     {
         const Looking looking(*robot.held, call);
         const Released released;
@@ -111,14 +125,12 @@ py::object check_edges(HeldRobot& robot, py::handle from, py::handle to, py::han
                        py::handle self, py::handle environment)
 {
     const char* const call = "Robot.check_edges";
-    const py::array starts = rows_of(robot, from, {call, "start"}), ends = rows_of(robot, to, {call, "end"});
-    if (starts.size() != ends.size())
-        refuse_value({call, "end"}, fmt::format("expected shape {}, got {}", shape_of(starts), shape_of(ends)));
+    const auto [starts, ends] = ends_of(robot, from, to, call);
     const RobotEdgeCheck what{.pairs = {.self = truth(self, {call, "self_collision"}),
                                         .environment = truth(environment, {call, "environment"})},
                               .tolerance = number(tolerance, {call, "tolerance"}),
                               .first = truth(first, {call, "first"})};
-    std::vector<RobotEdgeFinding> found(starts.ndim() == 1 ? 1 : static_cast<std::size_t>(starts.shape(0)));
+    std::vector<RobotEdgeFinding> found(count_of(starts));
     {
         const Looking looking(*robot.held, call);
         const Released released;
@@ -131,13 +143,11 @@ py::object edge_clearance(HeldRobot& robot, py::handle from, py::handle to, py::
                           py::handle environment)
 {
     const char* const call = "Robot.edge_clearance";
-    const py::array starts = rows_of(robot, from, {call, "start"}), ends = rows_of(robot, to, {call, "end"});
-    if (starts.size() != ends.size())
-        refuse_value({call, "end"}, fmt::format("expected shape {}, got {}", shape_of(starts), shape_of(ends)));
+    const auto [starts, ends] = ends_of(robot, from, to, call);
     const RobotClearanceOptions options{.pairs = {.self = truth(self, {call, "self_collision"}),
                                                   .environment = truth(environment, {call, "environment"})},
                                         .tolerance = number(tolerance, {call, "tolerance"})};
-    std::vector<RobotEdgeClearance> found(starts.ndim() == 1 ? 1 : static_cast<std::size_t>(starts.shape(0)));
+    std::vector<RobotEdgeClearance> found(count_of(starts));
     {
         const Looking looking(*robot.held, call);
         const Released released;
@@ -163,7 +173,7 @@ py::array link_poses(HeldRobot& robot, py::handle configurations)
 {
     const py::array rows = rows_of(robot, configurations, {"Robot.link_poses", "configuration"});
     const std::size_t width = robot.robot->width(), links = robot.robot->description().links.size();
-    const std::size_t count = rows.ndim() == 1 ? 1 : static_cast<std::size_t>(rows.shape(0));
+    const std::size_t count = count_of(rows);
     std::vector<Eigen::Isometry3d> poses(links);
     std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(links), 4, 4};
     if (rows.ndim() == 2) shape.insert(shape.begin(), rows.shape(0));
