@@ -20,7 +20,8 @@ namespace {
                 fmt::format("temporary file for results: cannot write: {}", std::strerror(errno)));
 }
 
-/// The folder of the results has room for them, but not every file system supports O_TMPFILE.
+} // namespace
+
 std::FILE* open_nameless([[maybe_unused]] const std::filesystem::path& folder)
 {
 #ifdef O_TMPFILE
@@ -32,8 +33,6 @@ std::FILE* open_nameless([[maybe_unused]] const std::filesystem::path& folder)
 #endif
     return std::tmpfile();
 }
-
-} // namespace
 
 void Spool::flush()
 {

@@ -12,6 +12,7 @@
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/scenes/files/assembly/raw_assembly.hpp>
+#include <oncollide/scenes/files/converted_file.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 
 namespace oncollide {
@@ -25,11 +26,12 @@ struct Format {
     RawAssembly (*read)(const MeshSource&, const PartsReading&);
 };
 constexpr Format formats[] = {
-    {".gltf", read_gltf_parts}, {".glb", read_gltf_parts}, {".dae", read_collada_parts}, {".3mf", read_3mf_parts}};
+    {".glb", read_gltf_parts}, {".gltf", read_gltf_parts}, {".dae", read_collada_parts}, {".3mf", read_3mf_parts}};
 
 /// Null: another kind of file.
 const Format* format_of(const std::filesystem::path& path)
 {
+    if (is_converted_file(path)) return &formats[0];
     const std::string extension = lower_extension(path);
     for (const Format& format : formats)
         if (extension == format.extension) return &format;
@@ -45,10 +47,13 @@ Assembly load_parts(const Format& format, const std::filesystem::path& path, con
 {
     const std::string file = path.string();
     RawAssembly raw;
-    {
-        const FileBytes bytes = read_large_file(path, std::uintmax_t(2) << 30);
+    const auto read = [&](std::string_view bytes) {
         raw = format.read({file, bytes}, {options.scale, options.threads, options.most_parts});
-    }
+    };
+    if (is_converted_file(path))
+        read(converted_file(path));
+    else
+        read(read_large_file(path, std::uintmax_t(2) << 30));
     Assembly assembly;
     std::erase_if(raw.parts, [&](const RawPart& part) { return raw.meshes[part.mesh].triangles.empty(); });
     if (raw.parts.empty()) throw Error(ErrorKind::bad_data, fmt::format("{}: the file holds no triangle", file));
@@ -65,7 +70,8 @@ Assembly load_parts(const Format& format, const std::filesystem::path& path, con
         }
     });
     for (RawPart& part : raw.parts)
-        assembly.parts.push_back({std::move(part.name), std::move(part.path), part.above, part.mesh, part.pose});
+        assembly.parts.push_back(
+            {std::move(part.name), std::move(part.path), part.above, part.mesh, part.pose, std::move(part.extras)});
     return assembly;
 }
 

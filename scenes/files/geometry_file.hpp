@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -53,7 +54,15 @@ struct MeshOptions {
 ONCOLLIDE_API Mesh load_mesh(const std::filesystem::path& path, const MeshOptions& options = {});
 
 /// The extensions that load_mesh accepts, lower case, without the dot.
-ONCOLLIDE_API const std::vector<std::string>& mesh_extensions();
+ONCOLLIDE_API std::vector<std::string> mesh_extensions();
+
+/// Makes a GLB file, in metres, of a file in another format; returns its bytes. Throws Error.
+using FileConverter = std::function<std::string(const std::filesystem::path&)>;
+
+/// From now on load_mesh and load_assembly read files with these extensions (lower case, without the dot), too: as the
+/// GLB file that `convert` makes of them. Their messages name the file itself. Replaces the converter of an earlier
+/// call; null: there is none. Several threads may call `convert` at once. Call only while no file is being read.
+ONCOLLIDE_API void convert_files(std::vector<std::string> extensions, FileConverter convert);
 
 // --- Occupancy maps.
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,6 +10,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
+#include <oncollide/scenes/files/converted_file.hpp>
 #include <oncollide/scenes/files/mesh/mesh_source.hpp>
 
 namespace oncollide {
@@ -51,6 +53,7 @@ const Format* format_of(std::string_view extension)
 
 RawMesh read_raw(const std::filesystem::path& path, const std::string& name)
 {
+    if (is_converted_file(path)) return read_gltf({name, converted_file(path)});
     constexpr std::uintmax_t most = std::uintmax_t{2} << 30; // bytes
     const std::string extension = lower_extension(path);
     const Format* format = format_of(extension);
@@ -100,13 +103,10 @@ Mesh load_mesh(const std::filesystem::path& path, const MeshOptions& options)
     return transformed(name, std::move(mesh), scale, origin);
 }
 
-const std::vector<std::string>& mesh_extensions()
+std::vector<std::string> mesh_extensions()
 {
-    static const std::vector<std::string> extensions = [] {
-        std::vector<std::string> names;
-        for (const Format& format : formats) names.push_back(format.extension);
-        return names;
-    }();
+    std::vector<std::string> extensions = converted_extensions();
+    std::ranges::transform(formats, std::inserter(extensions, extensions.begin()), &Format::extension);
     return extensions;
 }
 

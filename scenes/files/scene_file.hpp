@@ -97,6 +97,8 @@ struct AssemblyPart {
     std::uint32_t above; ///< the number of its parent node; no_node_above: it has no parent
     std::size_t mesh;    ///< in Assembly::meshes
     Eigen::Isometry3d pose;
+    std::string extras{}; ///< glTF: the JSON text of the node's "extras"; empty if there are none, or, with a warning,
+                          ///< if it has more than 4,000 bytes
 };
 constexpr std::uint32_t no_node_above = 0xffffffffu;
 
@@ -106,7 +108,7 @@ struct Assembly {
     std::vector<AssemblyPart> parts;
 };
 
-/// Whether the file name means an assembly: glTF, GLB, COLLADA (.dae) and 3MF.
+/// Whether the file name means an assembly: glTF, GLB, COLLADA (.dae), 3MF, and the formats of convert_files().
 ONCOLLIDE_API bool is_assembly_file(const std::filesystem::path& path);
 
 /// How load_assembly reads a file.
@@ -119,9 +121,9 @@ struct AssemblyOptions {
     std::size_t most_parts = 100'000;
 };
 
-/// Reads a mesh file as an assembly: each node of a glTF or COLLADA file, and each object that a 3MF file's build
-/// places, is a part if it has triangles, at its pose in the scene; any other file is one part. Throws as load_mesh,
-/// and Error{bad_data} for a file of more parts than options.most_parts and than it writes.
+/// Reads a mesh file as an assembly: each node of a glTF, COLLADA or converted file, and each object that a 3MF file's
+/// build places, is a part if it has triangles, at its pose in the scene; any other file is one part. Throws as
+/// load_mesh, and Error{bad_data} for a file of more parts than options.most_parts and than it writes.
 ONCOLLIDE_API Assembly load_assembly(const std::filesystem::path& path, const AssemblyOptions& options = {});
 
 /// The same as a scene of one frame: a dynamic body for each part. Parts with equal names get a number appended.

@@ -16,6 +16,7 @@ struct RawPart {
     Eigen::Isometry3d pose;
     std::string name{}, path{}; ///< as in AssemblyPart
     std::uint32_t above = 0;    ///< the parent node, or no_node
+    std::string extras{};       ///< as in AssemblyPart
 };
 constexpr std::uint32_t no_node = 0xffffffffu;
 

@@ -39,9 +39,11 @@ public:
             if (!placer.place(node, mesh, Eigen::Scaling(scale) * pose))
                 nodes_[node].fail("it places its mesh beyond 1e15 m");
         });
-        return placer.take(
+        RawAssembly assembly = placer.take(
             tree_.parents, [this](std::uint32_t node) { return name_of(node); },
             [this](std::uint32_t mesh, const Eigen::Affine3d& pose, WeldedMesh& to) { add(mesh, pose, to); }, threads);
+        add_extras(assembly.parts);
+        return assembly;
     }
 
 private:
@@ -69,6 +71,24 @@ private:
                          fmt::format("{} node{} a skin, which is not applied: the mesh stands as it is stored, at the "
                                      "node's pose",
                                      skins, skins == 1 ? " has" : "s have"));
+    }
+
+    void add_extras(std::vector<RawPart>& parts) const
+    {
+        constexpr std::size_t most = 4000; // bytes: instances may copy it a hundred thousand times
+        std::size_t left_out = 0;
+        for (RawPart& part : parts) {
+            if (!nodes_[part.node].has("extras")) continue;
+            const std::string_view extras = nodes_[part.node]["extras"].source();
+            if (extras.size() <= most)
+                part.extras = extras;
+            else
+                ++left_out;
+        }
+        if (left_out > 0)
+            warn_of_file(document_.source().name,
+                         fmt::format("the \"extras\" of {} part{} are longer than {} bytes, and left out", left_out,
+                                     left_out == 1 ? "" : "s", most));
     }
 
     std::string_view name_of(std::uint32_t i) const

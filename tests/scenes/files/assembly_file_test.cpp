@@ -60,6 +60,49 @@ TEST_F(AssemblyFile, EachNodeWithAMeshIsAPartAndSharesTheMesh)
     EXPECT_NEAR(found.parts[1].pose.linear()(1, 0), 0.96, 1e-15);
 }
 
+TEST_F(AssemblyFile, PartsHaveTheExtrasOfTheirNodes)
+{
+    const std::string extras = R"({"class": "IfcWall", "deflection": 1e-4})", long_text(4000, 'x');
+    on_file_warning([](const std::string& line) {
+        EXPECT_NE(line.find("extras"), line.npos) << line;
+        EXPECT_NE(line.find("1 part "), line.npos) << line;
+    });
+    const Assembly found =
+        load(R"({"children":[1,2,3,4],"extras":{"of": "a group"}},{"mesh":0,"extras":)" + extras +
+             R"(},{"mesh":0},{"mesh":0,"extras":[1, "two"]},{"mesh":0,"extras":")" + long_text + R"("})");
+    on_file_warning(nullptr);
+    ASSERT_EQ(found.parts.size(), 4u);
+    EXPECT_EQ(found.parts[0].extras, extras);
+    EXPECT_EQ(found.parts[1].extras, "");
+    EXPECT_EQ(found.parts[2].extras, R"([1, "two"])");
+    EXPECT_EQ(found.parts[3].extras, "") << "instances could copy it a hundred thousand times";
+}
+
+TEST_F(AssemblyFile, FilesOfOtherFormatsAreReadAsTheGlbFileThatAConverterMakes)
+{
+    const auto convert = [this](const std::filesystem::path& file) -> std::string {
+        if (file.stem() == "bad") throw Error(ErrorKind::bad_data, file.string() + ": nothing in it");
+        if (file.stem() == "cut") return "glTF";
+        return test::as_glb(box_, R"({"children":[1,2]},{"mesh":0,"name":"one"},{"mesh":0,"translation":[9,0,0]})");
+    };
+    const std::filesystem::path part = folder_.write("part.Cad", "anything"), cut = folder_.write("cut.cad", "x"),
+                                bad = folder_.write("bad.cad", "x");
+    EXPECT_FALSE(is_assembly_file(part));
+    convert_files({"cad", "drawing"}, convert);
+    EXPECT_TRUE(is_assembly_file(part));
+    EXPECT_EQ(mesh_extensions().back(), "drawing");
+    const Assembly found = load_assembly(part);
+    ASSERT_EQ(found.parts.size(), 2u);
+    EXPECT_EQ(found.parts[0].name, "one");
+    EXPECT_EQ(load_mesh(part).triangles.size(), 24u);
+    expect_error(ErrorKind::bad_data, [&] { load_assembly(bad); }, "bad.cad: nothing in it");
+    expect_error(ErrorKind::bad_data, [&] { load_mesh(cut); }, "cut.cad: ");
+    expect_error(ErrorKind::no_input, [&] { load_mesh(folder_ / "none.cad"); }, "none.cad: no such file");
+    convert_files({}, nullptr);
+    EXPECT_EQ(mesh_extensions().back(), "3mf");
+    expect_error(ErrorKind::bad_data, [&] { load_mesh(part); }, "part.Cad", "unknown kind of mesh file");
+}
+
 TEST_F(AssemblyFile, ScaledPartsShareAScaledMesh)
 {
     // Like files of many programs that write millimetres: a scale above all nodes.

@@ -17,6 +17,7 @@
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 
 #include "cli/cooked_tiles.hpp"
+#include "convert/converters.hpp"
 
 namespace oncollide::tools {
 
@@ -51,6 +52,7 @@ std::optional<fs::path> CookedCache::cooked(const fs::path& mesh, const MeshOpti
 {
     const std::string extension = lower_extension(mesh);
     if (mesh == "-" || extension == ".gltf" || extension == ".cooked") return {};
+    if (converter_of(mesh)) return {}; // the content does not say with which deflection it was read
     std::uint64_t content, size;
     {
         const FileBytes bytes = read_large_file(mesh, std::uintmax_t(2) << 30);

@@ -1,5 +1,6 @@
 // The commands of oncollide.
 #include "cli/command.hpp"
+#include "convert/converters.hpp"
 
 namespace oncollide::tools {
 
@@ -12,6 +13,7 @@ const Program program{
         "Environment: ONCOLLIDE_LOG=info or debug prints more to standard error, NO_COLOR=1 turns off colours.\n"
         "Start with 'oncollide demo', then 'oncollide COMMAND --help'.",
     .add_commands = [](Arguments app) {
+        read_converted_files();
         add_demo(app);
         add_run(app);
         add_view(app);

@@ -6,6 +6,7 @@
 #include "cli/standard_output.hpp"
 #include "cli/system.hpp"
 #include "common/zip_bytes.hpp"
+#include "convert/converters.hpp"
 #include "render/graphics_process.hpp"
 #include "view/three_js.hpp"
 
@@ -137,6 +138,7 @@ void say_files(Findings& found)
     found.say("YAML files", "left out of this build (Debian's libyaml-cpp-dev)");
 #endif
     say_loaded_libraries(found);
+    for (const auto& [converter, what] : describe_converters()) found.say(converter, what);
 }
 
 /// The platforms of all devices, one per line.

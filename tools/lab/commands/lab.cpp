@@ -1,6 +1,7 @@
 // The commands of oncollide-lab.
 #include "commands/lab.hpp"
 #include "cli/command.hpp"
+#include "convert/converters.hpp"
 #include "peers/peers.hpp"
 #include "peers/study_players.hpp"
 #include "study/study_command.hpp"
@@ -49,6 +50,7 @@ const Program program{
         "Environment: ONCOLLIDE_DATA names the data folder; ONCOLLIDE_LOG=info or debug prints more to standard\n"
         "error, NO_COLOR=1 turns off colours. Scenes, pages and parts of results: see 'oncollide --help'.",
     .add_commands = [](Arguments app) {
+        read_converted_files();
         app.at_most_one_command(); // words after a command belong to it: `study hard` plays the scene hard
         add_bench(app);
         add_study(app, "oncollide-lab study", study_peers());

@@ -343,17 +343,17 @@ TEST_F(ClashCommand, FilesOfAFolderThatAreNotReadAreNamed)
     std::filesystem::create_directories(folder_ / "all/inner");
     write_box("all/a.off", {0, 0, 0}, {1, 1, 1});
     write_box("all/inner/b.off", {2, 0, 0}, {3, 1, 1});
-    for (const char* name : {"all/c.ifc", "all/inner/d.step", "all/a.mtl"}) folder_.write(name, "x");
+    for (const char* name : {"all/c.dwg", "all/inner/d.jt", "all/a.mtl"}) folder_.write(name, "x");
     const Outcome outcome = run({"clash", "all", "-o", "r.json"});
     EXPECT_EQ(outcome.code, 0) << outcome.err;
-    const std::string line = "all: files that are no meshes are left out: c.ifc, inner/d.step";
+    const std::string line = "all: files that are no meshes are left out: c.dwg, inner/d.jt";
     EXPECT_EQ(outcome.err, "oncollide: warning: " + line + "\n");
     EXPECT_EQ(read_json("r.json")["warnings"], nlohmann::json::array({line}));
     EXPECT_EQ(run({"clash", "all", "--quiet"}).err, "");
     std::filesystem::create_directory(folder_ / "none");
-    folder_.write("none/c.ifc", "x");
-    expect_error(66, {"clash", "none"}, {"none: no mesh file in this folder", "other files: c.ifc"});
-    expect_error(65, {"clash", "all/a.off", "all/c.ifc"}, {"all/c.ifc: unknown kind of mesh file '.ifc'"});
+    folder_.write("none/c.dwg", "x");
+    expect_error(66, {"clash", "none"}, {"none: no mesh file in this folder", "other files: c.dwg"});
+    expect_error(65, {"clash", "all/a.off", "all/c.dwg"}, {"all/c.dwg: unknown kind of mesh file '.dwg'"});
 }
 
 TEST_F(ClashCommand, MorePairsThanTheMemoryHoldsAreRefusedBeforehand)

@@ -229,7 +229,8 @@ PartList read_parts(const std::vector<std::string>& files, const Units& units, c
                                   .id = valid(has_nodes && files.size() == 1 ? part.path : path),
                                   .file = files[i],
                                   .mesh = first + static_cast<std::uint32_t>(part.mesh),
-                                  .pose = part.pose});
+                                  .pose = part.pose,
+                                  .details = details_of(part.extras, units.scale_of(files[i]))});
             selection.choose(part, list.parts.back());
             const auto& mesh = std::get<Mesh>(read[i].meshes[part.mesh]->data);
             list.triangles += mesh.triangles.size();

@@ -8,6 +8,7 @@
 
 #include <oncollide/scenes/geometry.hpp>
 
+#include "clash/parts/part_details.hpp"
 #include "clash/parts/units.hpp"
 
 namespace oncollide::tools {
@@ -23,6 +24,7 @@ struct Part {
     std::uint32_t group = 0; ///< in PartList::groups; parts of one group are not compared; 0: no group
     std::uint8_t sets = 0;   ///< bits 1 and 2: in set A, in set B
     Eigen::Isometry3d pose;
+    PartDetails details{};
 };
 
 /// Which parts are compared: options of the command.

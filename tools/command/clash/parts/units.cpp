@@ -9,6 +9,7 @@
 
 #include "clash/parts/name_pattern.hpp"
 #include "cli/arguments.hpp"
+#include "convert/converters.hpp"
 
 namespace oncollide::tools {
 Units::Units(const std::vector<std::string>& texts) : reported_(&unit_from("--units", "mm"))
@@ -28,7 +29,8 @@ double Units::scale_of(const std::string& file) const
 {
     const std::filesystem::path path(file);
     const std::string extension = lower_extension(path);
-    const bool says_itself = extension == ".dae" || extension == ".3mf"; // it is read in metres
+    // These are read in metres.
+    const bool says_itself = extension == ".dae" || extension == ".3mf" || converter_of(path);
     const Unit* unit = is_assembly_file(path) ? &unit_from("", "m") : reported_;
     for (const OfFiles& some : of_files_) {
         if (!matches(some.pattern, file) && !matches(some.pattern, path.filename().string())) continue;

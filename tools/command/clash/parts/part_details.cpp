@@ -1,0 +1,29 @@
+#include "clash/parts/part_details.hpp"
+
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include <oncollide/base/text/utf8.hpp>
+
+namespace oncollide::tools {
+
+PartDetails details_of(const std::string& extras, double scale)
+{
+    PartDetails details;
+    if (extras.empty()) return details;
+    const auto json = nlohmann::json::parse(as_utf8(extras), nullptr, false);
+    if (!json.is_object()) return details;
+    if (const auto at = json.find("deflection"); at != json.end() && at->is_number())
+        if (const double deflection = scale * at->get<double>(); deflection > 0 && std::isfinite(deflection))
+            details.deflection = deflection;
+    const auto text = [&](const char* key) {
+        const auto at = json.find(key);
+        return at != json.end() && at->is_string() ? at->get<std::string>() : std::string();
+    };
+    details.part_class = text("class"), details.guid = text("guid"), details.type = text("type");
+    details.storey = text("storey"), details.discipline = text("discipline");
+    return details;
+}
+
+} // namespace oncollide::tools
