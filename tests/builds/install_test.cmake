@@ -45,7 +45,8 @@ endif()
 if(EXISTS ${WORK}/prefix/bin/oncollide)
   foreach(file IN ITEMS man/man1/oncollide.1 man/man1/oncollide-accuracy-study.1 bash-completion/completions/oncollide
                         zsh/site-functions/_oncollide fish/vendor_completions.d/oncollide.fish
-                        man/man1/oncollide-lab-bench-narrow.1 bash-completion/completions/oncollide-lab)
+                        man/man1/oncollide-lab-bench-narrow.1 bash-completion/completions/oncollide-lab
+                        oncollide/ifc/oncollide-ifc.mjs ../libexec/oncollide/oncollide-ifc)
     if(NOT EXISTS ${WORK}/prefix/share/${file})
       message(FATAL_ERROR "not installed: share/${file}")
     endif()
