@@ -1,6 +1,7 @@
 // Assemblies with planted clashes: all are found, and none is invented.
 #include <algorithm>
 
+#include "clash/parts/file_list.hpp"
 #include "clash/parts/units.hpp"
 #include "planted/planted_assembly.hpp"
 #include "tools/command/clash/clash_fixture.hpp"

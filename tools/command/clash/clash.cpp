@@ -20,6 +20,7 @@
 #include "clash/clash_pictures.hpp"
 #include "clash/clash_view.hpp"
 #include "clash/known_pairs.hpp"
+#include "clash/parts/file_list.hpp"
 #include "clash/report.hpp"
 #include "cli/command.hpp"
 #include "cli/log.hpp"
@@ -37,7 +38,7 @@ struct ClashOptions {
     std::string clearance = "0", tolerance = "0", ignore, baseline, bcf, view;
     int list = 20, pictures = 40, threads = 0, view_limit = 40, most_parts = int(AssemblyOptions{}.most_parts),
         most_pairs = int(ClashSettings{}.most_pairs);
-    bool touching = false, self = false, quiet = false;
+    bool touching = false, self = false, skip_unreadable = false, strict = false, quiet = false;
 };
 
 using Write = void (*)(OutputFile&, const ClashReport&);
@@ -180,12 +181,12 @@ int clash(const ClashOptions& o)
     check_out(o, files);
     if (o.set_a.empty() && !o.set_b.empty()) usage("--set-b: needs --set-a");
     const std::int64_t time = report_time();
-    const PartRules rules{o.groups, o.set_a, o.set_b, o.inputs, std::size_t(o.most_parts)};
+    const PartRules rules{o.groups, o.set_a, o.set_b, o.inputs, std::size_t(o.most_parts), o.skip_unreadable, o.strict};
     PainterProcess painter;
     PartList parts = read_parts(files, units, rules, threads_of(o.threads));
     Clashes found = find_clashes(parts, settings);
     warnings.insert(warnings.end(), parts.warnings.begin(), parts.warnings.end());
-    if (!o.ignore.empty()) ignore_pairs(o.ignore, parts, found.list, warnings);
+    if (!o.ignore.empty()) ignore_pairs(o.ignore, parts, o.strict, found.list, warnings);
     std::vector<ResolvedClash> resolved;
     if (!o.baseline.empty())
         resolved = compare_with_baseline(o.baseline, parts, settings.clearance, units.reported(), found.list, warnings);
@@ -194,7 +195,7 @@ int clash(const ClashOptions& o)
                        rules,      time};
     if (!o.quiet) print(o, report);
     write_reports(o, report, painter);
-    return report.count(ClashStatus::fresh) ? 1 : 0;
+    return report.count(ClashStatus::fresh) ? 1 : parts.unreadable.empty() ? 0 : 2;
 }
 
 void add_comparing_options(Arguments sub, ClashOptions* o)
@@ -224,6 +225,11 @@ void add_comparing_options(Arguments sub, ClashOptions* o)
         .repeatable();
     sub.add_option("--ignore FILE.csv", o->ignore,
                    "known pairs to ignore: CSV, two names or patterns per row; rows of an earlier .csv report work");
+    sub.add_flag(
+        "--strict", o->strict,
+        "a row of --ignore that matches no pair, or a --group that matches no part, is an error, not a warning");
+    sub.add_flag("--skip-unreadable", o->skip_unreadable,
+                 "go on without files that cannot be read, each with a warning; the exit code is then 2 at best");
 }
 
 void add_report_options(Arguments sub, ClashOptions* o)
@@ -271,7 +277,7 @@ void add_clash(Arguments app)
         "All pairs of parts are decided exactly: duplicate (same geometry, same place), enclosed (one inside\n"
         "the other), crossing, touching, near (with --clearance). Parts should be closed surfaces; parts inside\n"
         "a part that is not closed are not found; open parts are listed.\n"
-        "Exit codes: 0 no new clash, 1 a new clash, 64 and above: error.\n"
+        "Exit codes: 0 no new clash, 1 a new clash, 2 no new clash, but files were skipped, 64 and above: error.\n"
         "Examples:\n"
         "  oncollide clash factory.glb --clearance 2mm -o report.html\n"
         "  oncollide clash parts/ --units mm --group 'bolt*' --ignore known.csv -o clashes.json -o clashes.xml\n"

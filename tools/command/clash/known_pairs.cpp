@@ -8,6 +8,8 @@
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/text/csv_reader.hpp>
 #include <oncollide/base/text/csv_writer.hpp>
+#include <oncollide/base/text/listed.hpp>
+#include <oncollide/base/text/printable.hpp>
 
 #include "clash/parts/name_pattern.hpp"
 
@@ -44,23 +46,32 @@ std::vector<KnownPair> read_pairs(const std::string& file)
 
 } // namespace
 
-void ignore_pairs(const std::string& file, const PartList& list, std::vector<Clash>& clashes,
+void ignore_pairs(const std::string& file, const PartList& list, bool strict, std::vector<Clash>& clashes,
                   std::vector<std::string>& warnings)
 {
     // Rows of a report hold names that are not patterns; a backslash in such a name stands for itself.
     const auto fits = [](const std::string& known, const std::string& name) {
         return known == name || csv_text(known) == name || matches(known, name);
     };
+    std::vector<std::string> idle;
     for (const KnownPair& known : read_pairs(file)) {
+        bool found = false;
         for (Clash& clash : clashes) {
             const std::string &a = list.parts[clash.a].name, &b = list.parts[clash.b].name;
             if ((fits(known.a, a) && fits(known.b, b)) || (fits(known.a, b) && fits(known.b, a)))
-                clash.status = ClashStatus::ignored;
+                clash.status = ClashStatus::ignored, found = true;
         }
+        if (!found) idle.push_back(fmt::format("line {} ('{}' and '{}')", known.line, known.a, known.b));
         for (const std::string& name : {known.a, known.b})
             if (std::ranges::none_of(list.parts, [&](const Part& part) { return fits(name, part.name); }))
                 warnings.push_back(fmt::format("{}: line {}: no part is named '{}'", file, known.line, name));
     }
+    if (idle.empty()) return;
+    const std::string text =
+        fmt::format("{}: {} no pair that meets: {}", file,
+                    idle.size() == 1 ? "1 row matches" : fmt::format("{} rows match", idle.size()), listed(idle));
+    if (strict) throw Error(ErrorKind::bad_data, printable(text));
+    warnings.push_back(text);
 }
 
 } // namespace oncollide::tools

@@ -85,6 +85,9 @@ std::vector<std::string> summary(const ClashReport& r)
                                                plural(r.parts.files.size(), "file"),
                                                plural(r.parts.triangles, "triangle"), plain_measure(size.x(), 4),
                                                plain_measure(size.y(), 4), plain_measure(size.z(), 4), r.unit.name)};
+    if (const std::size_t n = r.parts.unreadable.size())
+        lines.push_back(fmt::format("{} could not be read: clashes of {} parts are missing", plural(n, "file"),
+                                    n == 1 ? "its" : "their"));
     std::vector<std::string> kinds;
     for (const ClashKind kind : clash_kinds)
         if (const std::size_t n = r.count(ClashStatus::fresh, kind))

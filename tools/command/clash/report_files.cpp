@@ -91,6 +91,7 @@ void write_json(OutputFile& file, const ClashReport& r)
         Json& counts = head["counts"][std::string(name_of(status))];
         for (const ClashKind kind : clash_kinds) counts[std::string(name_of(kind))] = r.count(status, kind);
     }
+    head["unreadable"] = r.parts.unreadable;
     head["warnings"] = r.warnings;
     head["open"] = r.found.open;
     head["self"] = r.settings.self ? Json::array() : Json(nullptr);
@@ -150,9 +151,13 @@ void write_junit(OutputFile& file, const ClashReport& r)
                       known = r.count(ClashStatus::active) + r.count(ClashStatus::ignored);
     // The first test always passes: some readers reject a suite without tests.
     file.print("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-               "<testsuites>\n<testsuite name=\"oncollide clash\" tests=\"{}\" failures=\"{}\" errors=\"0\" "
+               "<testsuites>\n<testsuite name=\"oncollide clash\" tests=\"{}\" failures=\"{}\" errors=\"{}\" "
                "skipped=\"{}\">\n<testcase classname=\"clash\" name=\"{} parts were compared\"/>\n",
-               1 + fresh + known + r.resolved.size(), fresh, known, r.parts.parts.size());
+               1 + r.parts.unreadable.size() + fresh + known + r.resolved.size(), fresh, r.parts.unreadable.size(),
+               known, r.parts.parts.size());
+    for (const std::string& why : r.parts.unreadable)
+        file.print("<testcase classname=\"clash.files\" name=\"{0}\"><error message=\"{0}\"/></testcase>\n",
+                   xml_escaped(why));
     for (const Clash& c : r.found.list) {
         if (c.status == ClashStatus::contact) continue;
         const std::string pair = xml_escaped(fmt::format("{} and {}", r.name(c.a), r.name(c.b)));

@@ -17,7 +17,7 @@
 #include <oncollide/scenes/cooked/cooked_mesh.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 
-#include "clash/parts/part_list.hpp"
+#include "clash/parts/file_list.hpp"
 #include "cli/command.hpp"
 #include "cli/log.hpp"
 #include "cli/outputs.hpp"
@@ -144,6 +144,7 @@ int check_self(const SelfCheckOptions& options)
     std::vector<CheckedMesh> checked;
     std::size_t meeting = 0;
     for (const std::string& file : files) {
+        check_format(file);
         std::optional<Mesh> read = mesh_in(file);
         CheckedMesh& result = checked.emplace_back(CheckedMesh{file, {}});
         if (!read && (!options.picture.empty() || !options.view.empty()))

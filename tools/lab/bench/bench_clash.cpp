@@ -1,6 +1,7 @@
 // oncollide-lab bench clash: time from files to a complete report, and a check of the report.
 #include "bench/common/benchmark.hpp"
 #include "clash/clash_pictures.hpp"
+#include "clash/parts/file_list.hpp"
 #include "clash/report.hpp"
 #include "planted/planted_assembly.hpp"
 

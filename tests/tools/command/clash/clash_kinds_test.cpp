@@ -104,7 +104,7 @@ TEST_F(ClashKinds, OnlySetAAgainstSetBIsCompared)
     Outcome outcome = clash({"--clearance", "1", "--touching", "--set-a", "a", "-o", "r.json"});
     EXPECT_EQ(pairs("r.json"), (Pairs{"a b crossing new", "a c touching new", "a d near new"})) << outcome.out;
     EXPECT_EQ(outcome.err, "");
-    clash({"--clearance", "1", "--set-a", "a", "--set-a", "e", "--set-b", "x", "--set-b", "b", "-o", "r.json"});
+    clash({"--clearance", "1", "--set-a", "a", "--set-a", "e", "--set-b", "f", "--set-b", "b", "-o", "r.json"});
     EXPECT_EQ(pairs("r.json"), (Pairs{"b e enclosed new", "a b crossing new"}));
     clash({"--set-a", "?", "--set-b", "?", "-o", "r.json"});
     EXPECT_EQ(pairs("r.json").size(), 3u) << "parts of both sets are compared with each other";
@@ -112,8 +112,9 @@ TEST_F(ClashKinds, OnlySetAAgainstSetBIsCompared)
     EXPECT_EQ(read_json("r.json")["settings"],
               (nlohmann::json{{"touching", false}, {"group", {"c", "b"}}, {"set_a", {"a.off"}}, {"set_b", {"?"}}}));
     EXPECT_TRUE(pairs("r.json").contains("a b crossing new")) << "a path matches, too";
-    outcome = clash({"--set-a", "robot*", "--set-a", "a"});
-    EXPECT_NE(outcome.err.find("warning: --set-a 'robot*' matches no part"), std::string::npos) << outcome.err;
+    for (const char* option : {"--set-a", "--set-b"})
+        expect_error(64, {"clash", "a.off", "b.off", "--set-a", "a", "--set-b", "b", option, "robot*"},
+                     {fmt::format("{} 'robot*': matches no part; the path of the first part is 'a.off'", option)});
     outcome = clash({"--group", "bolt", "--group", "node", "--group", "a", "--group", "?"});
     EXPECT_NE(outcome.err.find("warning: --group 'bolt' matches no part"), std::string::npos) << outcome.err;
     EXPECT_NE(outcome.err.find("warning: --group node: no part is below a node of an assembly"), std::string::npos)

@@ -343,17 +343,72 @@ TEST_F(ClashCommand, FilesOfAFolderThatAreNotReadAreNamed)
     std::filesystem::create_directories(folder_ / "all/inner");
     write_box("all/a.off", {0, 0, 0}, {1, 1, 1});
     write_box("all/inner/b.off", {2, 0, 0}, {3, 1, 1});
-    for (const char* name : {"all/c.dwg", "all/inner/d.jt", "all/a.mtl"}) folder_.write(name, "x");
+    for (const char* name : {"all/c.pdf", "all/inner/d.txt", "all/a.mtl"}) folder_.write(name, "x");
     const Outcome outcome = run({"clash", "all", "-o", "r.json"});
     EXPECT_EQ(outcome.code, 0) << outcome.err;
-    const std::string line = "all: files that are no meshes are left out: c.dwg, inner/d.jt";
+    const std::string line = "all: files that are no meshes are left out: c.pdf, inner/d.txt";
     EXPECT_EQ(outcome.err, "oncollide: warning: " + line + "\n");
     EXPECT_EQ(read_json("r.json")["warnings"], nlohmann::json::array({line}));
     EXPECT_EQ(run({"clash", "all", "--quiet"}).err, "");
     std::filesystem::create_directory(folder_ / "none");
-    folder_.write("none/c.dwg", "x");
-    expect_error(66, {"clash", "none"}, {"none: no mesh file in this folder", "other files: c.dwg"});
-    expect_error(65, {"clash", "all/a.off", "all/c.dwg"}, {"all/c.dwg: unknown kind of mesh file '.dwg'"});
+    folder_.write("none/c.pdf", "x");
+    expect_error(66, {"clash", "none"}, {"none: no mesh file in this folder", "other files: c.pdf"});
+    expect_error(65, {"clash", "all/a.off", "all/c.pdf"}, {"all/c.pdf: unknown kind of mesh file '.pdf'"});
+}
+
+TEST_F(ClashCommand, AFileThatCannotBeReadIsNeverSilent)
+{
+    std::filesystem::create_directories(folder_ / "all");
+    write_box("all/a.off", {0, 0, 0}, {1, 1, 1}), write_box("all/b.off", {2, 0, 0}, {3, 1, 1});
+    for (const char* name : {"hall.RVT", "shaft.prt.12", "cover.SLDPRT", "plan.dwg", "model.nwd", "scene.fbx"}) {
+        const std::string path = std::string("all/") + name;
+        folder_.write(path, "x");
+        const std::string words = path + ": files with the ending .";
+        expect_error(66, {"clash", "all"}, {words, "export the parts as glTF (.glb)"});
+        expect_error(66, {"clash", "all/a.off", "all/b.off", path}, {words});
+        expect_error(66, {"check", "--self", "all", "--quiet"}, {words});
+        std::filesystem::remove(folder_ / path);
+    }
+    folder_.write("all/plan.dwg", "x"), folder_.write("all/torn.off", "OFF\n1 1 0\n0 0 0\n3 0 1 2\n");
+    expect_error(66, {"clash", "all"}, {"all/plan.dwg"}); // the first
+    const Outcome outcome = run({"clash", "all", "--skip-unreadable", "-o", "r.json", "-o", "r.xml"});
+    EXPECT_EQ(outcome.code, 2) << outcome.err;
+    EXPECT_NE(outcome.out.find("2 files could not be read: clashes of their parts are missing\nno clashes\n"),
+              std::string::npos)
+        << outcome.out;
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 2) << outcome.err;
+    EXPECT_NE(outcome.err.find("warning: all/torn.off: "), std::string::npos) << outcome.err;
+    const json report = read_json("r.json");
+    EXPECT_EQ(report["files"], (json{"all/a.off", "all/b.off"}));
+    EXPECT_EQ(report["unreadable"].size(), 2u);
+    EXPECT_EQ(report["parts"], 2);
+    EXPECT_NE(folder_.read("r.xml").find("errors=\"2\""), std::string::npos);
+    write_box("all/c.off", {0.5, 0, 0}, {1.5, 1, 1});
+    EXPECT_EQ(run({"clash", "all", "--skip-unreadable"}).code, 1) << "a clash counts more";
+    expect_error(66, {"clash", "all/plan.dwg", "--skip-unreadable"}, {"no file can be read"});
+    expect_error(66, {"clash", "all/a.off", "absent.off"}, {"absent.off"});
+    EXPECT_EQ(run({"clash", "all/a.off", "all/b.off", "absent.off", "--skip-unreadable"}).code, 2);
+}
+
+TEST_F(ClashCommand, RulesThatMatchNothingAreErrorsIfStrict)
+{
+    files_ = small_assembly();
+    folder_.write("known.csv", "a,b\n\"a\",f\ne,f\n");
+    const Outcome outcome = clash({"--ignore", "known.csv"});
+    EXPECT_EQ(outcome.code, 1) << "b and e";
+    EXPECT_EQ(outcome.err,
+              "oncollide: warning: known.csv: 2 rows match no pair that meets: line 2 ('a' and 'f'), line 3 "
+              "('e' and 'f')\n");
+    std::vector<std::string> strict{"clash", "--strict"};
+    strict.insert(strict.end(), files_.begin(), files_.end());
+    const auto with = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), strict.begin(), strict.end());
+        return more;
+    };
+    expect_error(65, with({"--ignore", "known.csv"}), {"known.csv: 2 rows match no pair that meets: line 2"});
+    folder_.write("known.csv", "a,b\n");
+    EXPECT_EQ(run(with({"--ignore", "known.csv"})).code, 1);
+    expect_error(64, with({"--group", "bolt"}), {"--group 'bolt' matches no part", "the first part is 'a.off'"});
 }
 
 TEST_F(ClashCommand, MorePairsThanTheMemoryHoldsAreRefusedBeforehand)

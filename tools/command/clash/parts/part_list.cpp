@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <set>
 
@@ -10,14 +11,13 @@
 #include <nlohmann/json.hpp>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/text/listed.hpp>
 #include <oncollide/base/text/plain_number.hpp>
 #include <oncollide/base/threads/parallel.hpp>
-#include <oncollide/scenes/files/geometry_file.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
 
+#include "clash/parts/file_list.hpp"
 #include "clash/parts/part_ids.hpp"
 #include "clash/parts/part_selection.hpp"
 
@@ -25,54 +25,6 @@ namespace oncollide::tools {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool is_mesh_file(const fs::path& path)
-{
-    const std::string extension = lower_extension(path);
-    return !extension.empty() && std::ranges::count(mesh_extensions(), extension.substr(1)) > 0;
-}
-
-/// True for files that belong to meshes: materials, textures, buffers of glTF.
-bool is_beside_meshes(const fs::path& path)
-{
-    constexpr std::string_view kinds[] = {".mtl", ".bin", ".png", ".jpg", ".jpeg", ".webp", ".ktx2"};
-    return std::ranges::count(kinds, lower_extension(path)) > 0;
-}
-
-/// ": b.ifc, c.step"; if there are many names, the first ones; "" if there are none.
-std::string colon_and(std::vector<std::string> names)
-{
-    constexpr std::size_t most = 20;
-    if (names.empty()) return "";
-    std::ranges::sort(names);
-    const std::size_t more = names.size() - std::min(most, names.size());
-    names.resize(names.size() - more);
-    return fmt::format(": {}{}", fmt::join(names, ", "), more ? fmt::format(" and {} more", more) : "");
-}
-
-std::vector<std::string> files_below(const std::string& folder, std::vector<std::string>* warnings)
-{
-    std::vector<std::string> found, left_out;
-    std::error_code error;
-    for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-        const fs::path file = at->path().lexically_normal();
-        if (is_folder(file)) continue;
-        if (is_regular(file) && is_mesh_file(file))
-            found.push_back(file.string());
-        else if (!is_beside_meshes(file))
-            left_out.push_back(path_from(folder, file).string());
-    }
-    if (error) throw Error(ErrorKind::no_input, fmt::format("{}: {}", folder, error.message()));
-    const std::string others = colon_and(std::move(left_out));
-    if (found.empty())
-        throw Error(ErrorKind::no_input,
-                    fmt::format("{}: no mesh file in this folder ({}){}{}", folder, fmt::join(mesh_extensions(), ", "),
-                                others.empty() ? "" : "; other files", others));
-    if (warnings && !others.empty())
-        warnings->push_back(fmt::format("{}: files that are no meshes are left out{}", folder, others));
-    std::ranges::sort(found);
-    return found;
-}
 
 /// The name as JSON reports store it, so that a baseline matches: bytes that are not UTF-8 become U+FFFD.
 std::string valid(const std::string& name)
@@ -151,22 +103,41 @@ void warn_of_units(PartList& list, std::vector<std::pair<double, std::string>> r
     }
 }
 
-/// If files cannot be read, the first of them is reported, independent of which thread failed first.
-template <class Load>
-void load_all(std::size_t count, int threads, Load load)
+/// Reads files, each by load(i, threads). If some cannot be read, the first of them is reported, independent of which
+/// thread failed first; with `skip`, they are dropped from `files` and their Errors are added to `unreadable`.
+std::vector<Assembly> load_all(std::vector<std::string>& files, int threads, bool skip,
+                               std::vector<std::string>& unreadable,
+                               const std::function<Assembly(const std::string&, int)>& load)
 {
-    std::vector<std::exception_ptr> faults(count);
-    parallel_chunks(count, 1, threads, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t i = begin; i < end; ++i) {
-            try {
-                load(i);
-            } catch (...) {
-                faults[i] = std::current_exception();
-            }
+    std::vector<Assembly> read(files.size());
+    std::vector<std::exception_ptr> faults(files.size());
+    const auto load_one = [&](std::size_t i, int inner) {
+        try {
+            check_format(files[i]);
+            read[i] = load(files[i], inner);
+        } catch (...) {
+            faults[i] = std::current_exception();
         }
-    });
-    for (const std::exception_ptr& fault : faults)
-        if (fault) std::rethrow_exception(fault);
+    };
+    if (files.size() == 1)
+        load_one(0, threads);
+    else
+        parallel_chunks(files.size(), 1, threads, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = begin; i < end; ++i) load_one(i, 1);
+        });
+    std::vector<Assembly> good;
+    std::vector<std::string> good_files;
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        try {
+            if (faults[i]) std::rethrow_exception(faults[i]);
+            good.push_back(std::move(read[i])), good_files.push_back(std::move(files[i]));
+        } catch (const Error& error) {
+            if (!skip || (error.kind() != ErrorKind::no_input && error.kind() != ErrorKind::bad_data)) throw;
+            unreadable.emplace_back(error.what());
+        }
+    }
+    files = std::move(good_files);
+    return good;
 }
 
 double reach_of(const Aabb& box)
@@ -176,41 +147,21 @@ double reach_of(const Aabb& box)
 
 } // namespace
 
-std::vector<std::string> files_of(const std::vector<std::string>& inputs, std::vector<std::string>* warnings)
-{
-    std::vector<std::string> files;
-    for (const std::string& input : inputs) {
-        std::error_code error;
-        if (!fs::is_directory(input, error)) {
-            files.push_back(input);
-            continue;
-        }
-        const std::vector<std::string> below = files_below(input, warnings);
-        files.insert(files.end(), below.begin(), below.end());
-    }
-    std::set<std::string> seen;
-    for (const std::string& file : files)
-        if (!seen.insert(fs::path(file).lexically_normal().string()).second)
-            throw Error(ErrorKind::usage, fmt::format("{}: given twice; a part would clash with itself", file));
-    return files;
-}
-
-PartList read_parts(const std::vector<std::string>& files, const Units& units, const PartRules& rules, int threads)
+PartList read_parts(const std::vector<std::string>& all_files, const Units& units, const PartRules& rules, int threads)
 {
     PartList list;
-    list.files = files, list.has_sets = !rules.set_a.empty();
-    std::vector<Assembly> read(files.size());
-    const auto load = [&](std::size_t i, int inner) {
-        // A single OBJ file is divided into parts, because one part could not clash.
-        read[i] = load_assembly(files[i], {.scale = units.scale_of(files[i]),
-                                           .threads = inner,
-                                           .objects = files.size() == 1,
-                                           .most_parts = rules.most_parts});
-    };
-    if (files.size() == 1)
-        load(0, threads);
-    else
-        load_all(files.size(), threads, [&](std::size_t i) { load(i, 1); });
+    list.files = all_files, list.has_sets = !rules.set_a.empty();
+    const std::vector<Assembly> read =
+        load_all(list.files, threads, rules.skip_unreadable, list.unreadable, [&](const std::string& file, int inner) {
+            // A single OBJ file is divided into parts, because one part could not clash.
+            return load_assembly(file, {.scale = units.scale_of(file),
+                                        .threads = inner,
+                                        .objects = all_files.size() == 1,
+                                        .most_parts = rules.most_parts});
+        });
+    const std::vector<std::string>& files = list.files;
+    for (const std::string& line : list.unreadable) list.warnings.push_back(line + "; left out");
+    if (files.empty()) throw Error(ErrorKind::no_input, fmt::format("{}: no file can be read", list.unreadable[0]));
 
     PartSelection selection(list, rules);
     std::vector<Names> names;

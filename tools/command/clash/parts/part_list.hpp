@@ -36,6 +36,8 @@ struct PartRules {
     std::vector<std::string> set_a{}, set_b{};
     std::vector<std::string> inputs{}; ///< files and folders of the command line; paths of parts are relative to them
     std::size_t most_parts = 100'000;  ///< as in AssemblyOptions
+    bool skip_unreadable = false;      ///< go on without files that cannot be read
+    bool strict = false;               ///< a rule that matches nothing is an error
 };
 
 /// All parts that are compared.
@@ -43,22 +45,18 @@ struct PartList {
     std::vector<std::shared_ptr<const Geometry>> meshes;
     std::vector<Part> parts;
     std::vector<std::string> groups{""};
-    std::vector<std::string> files;
-    std::uint64_t triangles = 0; ///< triangles of all parts; a shared mesh counts once per part
+    std::vector<std::string> files;      ///< that were read
+    std::vector<std::string> unreadable; ///< for each other file, the message of its Error
+    std::uint64_t triangles = 0;         ///< triangles of all parts; a shared mesh counts once per part
     Aabb bounds;
     bool has_sets = false; ///< only parts of set A are compared with parts of set B
     std::vector<std::string> warnings;
 };
 
-/// The files that `inputs` name: files, and all mesh files below folders, sorted within a folder. Throws
-/// Error{no_input} for a path that does not exist and for a folder without mesh files.
-/// @param warnings  gets a line for each folder that names its other files: no part may be missing in silence
-std::vector<std::string> files_of(const std::vector<std::string>& inputs, std::vector<std::string>* warnings = nullptr);
-
 /// Reads the parts of files: one part per node of a glTF, COLLADA or 3MF file, one part per other file. Throws the
-/// errors of load_mesh, and Error{bad_data} for a single part.
-/// Patterns match names, node paths and whole paths of parts; a pattern that matches nothing is a warning. Throws
-/// Error{usage} if the rules leave no pair of parts to compare.
+/// errors of load_mesh and check_format() (unless rules.skip_unreadable: then only if no file can be read), and
+/// Error{bad_data} for a single part. Patterns match names, node paths and whole paths of parts. Throws Error{usage} if
+/// a pattern of a set matches no part, or the rules leave no pair of parts to compare.
 PartList read_parts(const std::vector<std::string>& files, const Units& units, const PartRules& rules, int threads);
 
 } // namespace oncollide::tools

@@ -105,14 +105,17 @@ void PartSelection::check_pairs() const
 void PartSelection::finish()
 {
     check_pairs();
-    const auto warn_of = [&](const char* option, const std::vector<std::string>& rules) {
-        for (const std::string& rule : rules)
-            if (!used_.contains(rule))
-                list_.warnings.push_back(rule == "node" && std::string_view(option) == "--group"
-                                             ? "--group node: no part is below a node of an assembly"
-                                             : fmt::format("{} '{}' matches no part", option, rule));
-    };
-    warn_of("--group", rules_.groups), warn_of("--set-a", rules_.set_a), warn_of("--set-b", rules_.set_b);
+    const std::string example = fmt::format("the path of the first part is '{}'", list_.parts.front().path);
+    for (const auto& [option, patterns] : {std::pair("--set-a", rules_.set_a), std::pair("--set-b", rules_.set_b)})
+        for (const std::string& pattern : patterns)
+            if (!used_.contains(pattern)) usage(fmt::format("{} '{}': matches no part; {}", option, pattern, example));
+    for (const std::string& rule : rules_.groups) {
+        if (used_.contains(rule)) continue;
+        const std::string text = rule == "node" ? "--group node: no part is below a node of an assembly"
+                                                : fmt::format("--group '{}' matches no part", rule);
+        if (rules_.strict) usage(text + "; " + example);
+        list_.warnings.push_back(text);
+    }
 }
 
 } // namespace oncollide::tools

@@ -16,8 +16,8 @@ public:
 
     /// Sets the group and the sets of a part, whose file and path are set.
     void choose(const AssemblyPart& from, Part& part);
-    /// Adds a warning for each rule that matched no part. Throws Error{usage} if the rules leave no pair of parts to
-    /// compare.
+    /// Throws Error{usage} for a pattern of a set that matched no part, and if the rules leave no pair of parts to
+    /// compare. A group that matched no part is a warning, or such an error if the rules are strict.
     void finish();
 
 private:
