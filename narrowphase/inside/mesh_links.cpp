@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <tuple>
 
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
@@ -102,11 +103,12 @@ MeshLinks links_of(const Mesh& mesh)
     for (std::size_t i = 0; i < sides.size();) {
         std::size_t end = i + 1;
         while (end < sides.size() && sides[end].low == sides[i].low && sides[end].high == sides[i].high) ++end;
-        if (end - i == 2 && sides[i].up != sides[i + 1].up) {
+        const auto same = std::span(sides).subspan(i, end - i);
+        if (2 * std::ranges::count_if(same, &Side::up) != std::ptrdiff_t(same.size()))
+            links.closed = false;
+        else if (same.size() == 2) {
             links.neighbours[sides[i].triangle][sides[i].corner] = sides[i + 1].triangle;
             links.neighbours[sides[i + 1].triangle][sides[i + 1].corner] = sides[i].triangle;
-        } else {
-            links.closed = false;
         }
         i = end;
     }

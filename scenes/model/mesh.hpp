@@ -44,8 +44,9 @@ ONCOLLIDE_API void check_mesh(const std::string& name, const Mesh& mesh);
 /// `mesh` with every vertex v replaced by scale * (v - origin). Throws Error{bad_data} if the result is not finite.
 ONCOLLIDE_API Mesh transformed(const std::string& name, Mesh mesh, double scale, const Eigen::Vector3d& origin);
 
-/// True if every edge is shared by exactly two triangles that traverse it in opposite directions, so that the mesh has
-/// an inside. Vertices at equal positions count as one; zero-area triangles are ignored. Cost: O(n log n).
+/// True if as many triangles traverse each edge in one direction as in the other, so that the mesh has an inside: two
+/// triangles, or four where the surfaces of two solids meet in an edge. Vertices at equal positions count as one;
+/// zero-area triangles are ignored. Cost: O(n log n).
 ONCOLLIDE_API bool is_closed(const Mesh& mesh);
 
 } // namespace oncollide

@@ -101,7 +101,8 @@ std::vector<MeshEdge> open_edges(const Mesh& mesh)
     each_edge(
         mesh, [&](const Triangle& t) { return has_area(mesh, t); },
         [&](std::span<const Side> sides) {
-            if (sides.size() != 2 || sides[0].forward == sides[1].forward) open.push_back(sides[0].edge);
+            if (2 * std::ranges::count_if(sides, &Side::forward) != std::ptrdiff_t(sides.size()))
+                open.push_back(sides[0].edge);
         });
     return open;
 }

@@ -35,7 +35,7 @@ namespace {
 
 struct ClashOptions {
     std::vector<std::string> inputs, units, groups, set_a, set_b, out;
-    std::string clearance = "0", tolerance = "0", ignore, baseline, bcf, view;
+    std::string clearance = "0", tolerance, ignore, baseline, bcf, view;
     int list = 20, pictures = 40, threads = 0, view_limit = 40, most_parts = int(AssemblyOptions{}.most_parts),
         most_pairs = int(ClashSettings{}.most_pairs);
     bool touching = false, self = false, skip_unreadable = false, strict = false, quiet = false;
@@ -170,12 +170,13 @@ int clash(const ClashOptions& o)
     check_range("--list", o.list, 0), check_range("--pictures", o.pictures, 0, 10'000);
     check_range("--threads", o.threads, 0, 1024);
     check_range("--max-parts", o.most_parts, 1), check_range("--max-pairs", o.most_pairs, 1);
-    const ClashSettings settings{.clearance = length_from("--clearance", o.clearance, units.reported()),
-                                 .tolerance = length_from("--tolerance", o.tolerance, units.reported()),
-                                 .touching = o.touching,
-                                 .self = o.self,
-                                 .most_pairs = std::uint64_t(o.most_pairs),
-                                 .threads = o.threads};
+    ClashSettings settings{.clearance = length_from("--clearance", o.clearance, units.reported()),
+                           .tolerance = o.tolerance.empty() ? tolerance_of_files
+                                                            : length_from("--tolerance", o.tolerance, units.reported()),
+                           .touching = o.touching,
+                           .self = o.self,
+                           .most_pairs = std::uint64_t(o.most_pairs),
+                           .threads = o.threads};
     std::vector<std::string> warnings;
     const std::vector<std::string> files = files_of(o.inputs, &warnings);
     check_out(o, files);
@@ -184,6 +185,7 @@ int clash(const ClashOptions& o)
     const PartRules rules{o.groups, o.set_a, o.set_b, o.inputs, std::size_t(o.most_parts), o.skip_unreadable, o.strict};
     PainterProcess painter;
     PartList parts = read_parts(files, units, rules, threads_of(o.threads));
+    mend(parts, settings);
     Clashes found = find_clashes(parts, settings);
     warnings.insert(warnings.end(), parts.warnings.begin(), parts.warnings.end());
     if (!o.ignore.empty()) ignore_pairs(o.ignore, parts, o.strict, found.list, warnings);
@@ -208,8 +210,9 @@ void add_comparing_options(Arguments sub, ClashOptions* o)
     sub.add_option("--clearance LENGTH", o->clearance,
                    "parts at most this far apart also clash: 2mm, 0.1in (default 0)");
     sub.add_option("--tolerance LENGTH", o->tolerance,
-                   "parts that overlap, or are apart, by no more than this count as touching: the overlap is at most "
-                   "this thick, or moving one part by this much separates them (default 0)");
+                   "parts touch if they are apart by no more than this, or if their overlap holds no ball of this "
+                   "diameter (default: the precision of the files, 2^-19 of the largest coordinate; 0: none, and "
+                   "parts are not mended)");
     sub.add_flag("--touching", o->touching, "parts that only touch also clash, for example bolted faces");
     sub.add_flag("--self", o->self,
                  "also name the parts whose triangles meet each other; no clash, and no part of the exit code");

@@ -49,8 +49,10 @@ std::vector<ModelId> add_parts(const PartList& list, Clashes& found)
     parallel_chunks(closed.size(), 1, thread_count(world.settings()), [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) closed[i] = list.meshes[i] && world.models().closed(models[i]);
     });
-    for (const Part& part : list.parts)
-        if (!closed[part.mesh]) found.open.push_back(part.name);
+    for (std::uint32_t part = 0; part < list.parts.size(); ++part) {
+        found.closed.push_back(closed[list.parts[part].mesh]);
+        if (!found.closed.back()) found.open.push_back(part);
+    }
     return models;
 }
 
@@ -65,6 +67,23 @@ void measure_duplicate(const PartList& list, Clash& clash)
     clash.reach.contact = clash.reach.overlap = box;
     clash.reach.thickness = (box.max - box.min).minCoeff();
     clash.where = box.centre();
+}
+
+/// The overlap of each pair of closed parts.
+void measure_balls(const PartList& list, const Clashes& found, double tolerance, std::vector<Clash>& clashes)
+{
+    const World& world = *found.world;
+    const auto mesh = [&](std::uint32_t part) -> const Mesh& {
+        return std::get<Mesh>(list.meshes[list.parts[part].mesh]->data);
+    };
+    parallel_chunks(clashes.size(), 1, thread_count(world.settings()), [&](std::size_t begin, std::size_t end, int) {
+        for (Clash& clash : std::span(clashes).subspan(begin, end - begin)) {
+            if (!clash.overlaps() || !found.closed[clash.a] || !found.closed[clash.b]) continue;
+            clash.ball = common_ball(mesh(clash.a), list.parts[clash.a].pose, mesh(clash.b), list.parts[clash.b].pose,
+                                     {.enough = tolerance / 2, .most_boxes_for_volume = 2000});
+            clash.has_ball = true;
+        }
+    });
 }
 
 void find_duplicates(const PartList& list, const World& world, double tolerance, std::vector<Clash>& clashes)
@@ -105,14 +124,17 @@ void measure(const World& world, const Clashes& found, std::vector<Clash>& clash
     });
 }
 
-/// Parts that cross, or are apart, by no more than the tolerance touch.
+/// Parts that overlap, or are apart, by no more than the tolerance touch. Not duplicates, however thin they are.
 void apply_tolerance(const Clashes& found, const ClashSettings& settings, Clash& clash)
 {
     if (clash.kind == ClashKind::near)
         // Parts beyond the clearance are in the list because they are within the tolerance.
         clash.tolerated = clash.upper <= settings.tolerance || clash.lower > settings.clearance;
+    else if (clash.has_ball && clash.kind != ClashKind::duplicate)
+        clash.tolerated = clash.ball_upper() <= settings.tolerance;
     else if (clash.kind == ClashKind::crossing)
-        clash.tolerated = is_within_tolerance(found, clash, settings.tolerance);
+        clash.tolerated = open_within_tolerance(found, clash, settings.tolerance);
+    clash.overlapped = clash.tolerated && clash.overlaps();
     if (clash.tolerated) clash.kind = ClashKind::touching;
     if (clash.kind == ClashKind::touching && !settings.touching) clash.status = ClashStatus::contact;
 }
@@ -150,13 +172,16 @@ std::string_view name_of(ClashStatus status)
 
 double Clash::severity() const
 {
-    return std::isfinite(reach.thickness) ? reach.thickness
-                                          : std::max(reach.depth, reach.contact.empty() ? 0 : reach.contact.diagonal());
+    if (has_ball) return ball_lower();
+    return reach.contact.empty() ? 0 : -1 / std::max(reach.contact.diagonal(), 1e-300);
 }
 
 bool more_severe(const Clash& a, const Clash& b)
 {
-    const auto order = [](const Clash& c) { return std::tuple(c.kind, c.apart() ? c.lower : -c.severity(), c.a, c.b); };
+    const auto order = [](const Clash& c) {
+        const ClashKind rank = c.overlaps() ? ClashKind::crossing : c.kind;
+        return std::tuple(rank, c.apart() ? c.lower : -c.severity(), c.a, c.b);
+    };
     return order(a) < order(b);
 }
 
@@ -164,6 +189,15 @@ PartLayers layers_of(const PartList& list, const Part& part)
 {
     const std::uint32_t sets = part.sets; // bit 1: set A, bit 2: set B
     return list.has_sets ? PartLayers{sets ? sets : 4u, (sets & 1) << 1 | (sets & 2) >> 1} : PartLayers{};
+}
+
+void mend(PartList& parts, ClashSettings& settings)
+{
+    const double precision = precision_of(parts);
+    settings.from_files = settings.tolerance == tolerance_of_files;
+    if (settings.from_files) settings.tolerance = precision;
+    if (settings.tolerance > 0)
+        mend_parts(parts, std::min(precision, settings.tolerance) / 8, threads_of(settings.threads));
 }
 
 Settings settings_of(const ClashSettings& settings)
@@ -195,6 +229,7 @@ Clashes find_clashes(const PartList& parts, const ClashSettings& settings)
     }
     find_duplicates(parts, world, settings.tolerance, found.list);
     measure(world, found, found.list);
+    measure_balls(parts, found, settings.tolerance, found.list);
     for (Clash& clash : found.list) apply_tolerance(found, settings, clash);
     std::ranges::sort(found.list, more_severe);
     return found;

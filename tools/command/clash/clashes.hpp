@@ -1,9 +1,11 @@
 #pragma once
 #include <array>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include <oncollide/narrowphase/overlap/common_ball.hpp>
 #include <oncollide/pipeline/world.hpp>
 
 #include "clash/parts/part_list.hpp"
@@ -35,9 +37,12 @@ std::string_view name_of(ClashStatus status);
 struct Clash {
     std::uint32_t a, b; ///< in PartList::parts, a < b
     ClashKind kind;
-    std::string id{};            ///< as clash_id()
-    Penetration reach{};         ///< set unless the parts are apart; for a duplicate only the box and the thickness
-    bool tolerated = false;      ///< touching: the parts cross, or are apart, by no more than the tolerance
+    std::string id{};    ///< as clash_id()
+    Penetration reach{}; ///< set unless the parts are apart; for a duplicate only the box and the thickness
+    CommonBall ball{};   ///< if both parts are closed and overlap: the largest ball in the overlap
+    bool has_ball = false;
+    bool tolerated = false;      ///< touching: the parts overlap, or are apart, by no more than the tolerance
+    bool overlapped = false;     ///< tolerated: they overlap
     double lower = 0, upper = 0; ///< certified bounds on the distance of parts that are apart; else 0
     Eigen::Vector3d where =
         Eigen::Vector3d::Zero(); ///< the centre of the overlap; apart: midway between the nearest points
@@ -48,15 +53,25 @@ struct Clash {
     std::string comment{}; ///< from the baseline
 
     bool apart() const { return upper > 0; }
+    bool overlaps() const { return kind < ClashKind::touching; }
     /// The status in reports.
     std::string_view status_text() const { return review.empty() ? name_of(status) : std::string_view(review); }
-    /// Sorting key: the thickness of the overlap, or, for parts that are not closed, the length of the contact curve.
+    bool has_volume() const { return has_ball && std::isfinite(ball.volume_upper); }
+    double ball_lower() const { return 2 * ball.radius_lower; } ///< bounds of the ball's diameter
+    double ball_upper() const { return 2 * ball.radius_upper; }
+    /// Sorting key: the diameter of the ball; below 0 for parts that are not closed, the longer their contact curve the
+    /// less.
     double severity() const;
 };
 
+constexpr double tolerance_of_files = -1;
+
 struct ClashSettings {
-    double clearance = 0;                 ///< parts closer than this are near
-    double tolerance = 0;                 ///< parts that certainly overlap, or are apart, by no more than this touch
+    double clearance = 0; ///< parts closer than this are near
+    /// Parts touch if they are apart by no more than this, or if their overlap certainly holds no ball of this
+    /// diameter.
+    double tolerance = 0;
+    bool from_files = false;              ///< mend() took the tolerance from the files
     bool touching = false;                ///< touching is a clash
     bool self = false;                    ///< also find the parts that meet themselves
     std::uint64_t most_pairs = 2'000'000; ///< most pairs of parts whose AABBs overlap
@@ -76,13 +91,18 @@ struct Clashes {
     std::unique_ptr<World> world;
     std::vector<BodyId> bodies; ///< by part
     std::vector<Clash> list;
-    std::vector<std::string> open;     ///< names of parts that are not closed: parts inside them are not found
+    std::vector<std::uint8_t> closed;  ///< by part
+    std::vector<std::uint32_t> open;   ///< parts that are not closed: parts inside them are not found
     std::vector<PartMeetsItself> self; ///< if requested
     std::size_t pairs = 0;             ///< number of pairs whose AABBs overlap
 
     PairOfBodies pair(const Clash& clash) const { return {bodies[clash.a], bodies[clash.b]}; }
 };
 
+/// Gives settings of `tolerance_of_files` the precision of the files as tolerance, and closes the parts' meshes within
+/// an eighth of the tolerance and of this precision, so that no part moves by half the tolerance. A tolerance of 0 leaves
+/// the parts as they are. Cost: as mend_parts().
+void mend(PartList& parts, ClashSettings& settings);
 /// The settings that decide pairs.
 Settings settings_of(const ClashSettings& settings);
 /// The layers of a part: parts are compared if each is on a layer in the other's mask.
@@ -95,7 +115,7 @@ PartLayers layers_of(const PartList& list, const Part& part);
 /// Throws Error{bad_data} for more than settings.most_pairs.
 Clashes find_clashes(const PartList& parts, const ClashSettings& settings);
 
-/// True if `a` is listed before `b`: by kind; within a kind the deeper or nearer pair first.
+/// True if `a` is listed before `b`: overlaps, the largest ball first; parts that touch; near ones, the nearest first.
 bool more_severe(const Clash& a, const Clash& b);
 
 } // namespace oncollide::tools

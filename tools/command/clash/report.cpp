@@ -50,7 +50,50 @@ std::string self_text(const ClashReport& r)
                        r.found.self.size() == 1 ? "meets itself" : "meet themselves", fmt::join(texts, ", "));
 }
 
+/// "25 pairs touch: 20 exactly, 4 overlap and 1 is apart by at most 0.04 mm, the precision of the files; ..."
+std::string touching_text(const ClashReport& r, std::size_t count)
+{
+    std::size_t overlap = 0, apart = 0;
+    for (const Clash& c : r.found.list)
+        if (c.status == ClashStatus::contact) overlap += c.overlapped, apart += c.tolerated && !c.overlapped;
+    std::string text = fmt::format("{} {}", plural(count, "pair"), count == 1 ? "touches" : "touch");
+    if (r.settings.tolerance > 0) {
+        std::vector<std::string> ways;
+        if (count > overlap + apart) ways.push_back(fmt::format("{} exactly", grouped(count - overlap - apart)));
+        if (overlap) ways.push_back(fmt::format("{} with an overlap within the tolerance", grouped(overlap)));
+        if (apart) ways.push_back(fmt::format("{} with a gap within it", grouped(apart)));
+        text += fmt::format(": {}", fmt::join(ways, ", "));
+    } else
+        text += " without overlapping";
+    return text + "; this is a clash only if --touching is given";
+}
+
+/// "12 parts were mended ('wall': 36 vertices welded, ...): their surfaces moved by at most 0.01 mm"
+std::string mended_text(const ClashReport& r)
+{
+    std::size_t count = 0;
+    double moved = 0;
+    const Part* first = nullptr;
+    for (const Part& part : r.parts.parts) {
+        if (r.parts.mending.empty() || !r.parts.mending[part.mesh].changed()) continue;
+        if (!first) first = &part;
+        ++count, moved = std::max(moved, r.parts.mending[part.mesh].moved);
+    }
+    if (!first) return "";
+    return fmt::format("{} mended ('{}': {}{}); surfaces moved by at most {}",
+                       count == 1 ? "1 part was" : grouped(count) + " parts were", first->name,
+                       r.parts.mending[first->mesh].done(), count > 1 ? "; ..." : "", r.length(moved));
+}
+
 } // namespace
+
+std::string why_open(const ClashReport& r, std::uint32_t part, std::string_view before)
+{
+    if (r.parts.mending.empty()) return "";
+    const Mending& mending = r.parts.mending[r.parts.parts[part].mesh];
+    return fmt::format("{}{}{}", before, mending.why_open(),
+                       mending.open_edges ? fmt::format(", {} long", r.length(mending.open_length)) : "");
+}
 
 std::size_t ClashReport::count(ClashStatus status) const
 {
@@ -104,16 +147,14 @@ std::vector<std::string> summary(const ClashReport& r)
     if (!r.ignore.empty())
         lines.push_back(
             fmt::format("{} ignored, listed in {}", plural(r.count(ClashStatus::ignored), "pair"), r.ignore));
-    if (const std::size_t n = r.count(ClashStatus::contact))
-        lines.push_back(fmt::format(
-            "{} {} {}; this is a clash only if --touching is given", plural(n, "pair"), n == 1 ? "touches" : "touch",
-            r.settings.tolerance > 0 ? fmt::format("(overlap or gap of at most {})", r.length(r.settings.tolerance))
-                                     : "without overlapping"));
+    if (const std::size_t n = r.count(ClashStatus::contact)) lines.push_back(touching_text(r, n));
+    if (const std::string text = mended_text(r); !text.empty()) lines.push_back(text);
     if (!r.found.open.empty())
-        lines.push_back(fmt::format(
-            "{} not closed ('{}'{}): parts wholly inside {} are not found",
-            r.found.open.size() == 1 ? "1 part is" : grouped(r.found.open.size()) + " parts are", r.found.open.front(),
-            r.found.open.size() > 1 ? ", ..." : "", r.found.open.size() == 1 ? "it" : "them"));
+        lines.push_back(
+            fmt::format("{} not closed ('{}'{}{}): parts wholly inside {} are not found",
+                        r.found.open.size() == 1 ? "1 part is" : grouped(r.found.open.size()) + " parts are",
+                        r.name(r.found.open.front()), why_open(r, r.found.open.front(), ": "),
+                        r.found.open.size() > 1 ? ", ..." : "", r.found.open.size() == 1 ? "it" : "them"));
     if (r.settings.self) lines.push_back(self_text(r));
     return lines;
 }
@@ -123,10 +164,10 @@ std::string measure_text(const ClashReport& r, const Clash& c)
     if (c.kind == ClashKind::duplicate) return "same geometry, same place";
     if (c.apart()) return fmt::format("{} apart", r.length(c.upper));
     if (c.kind == ClashKind::touching && !c.tolerated) return "0 deep";
-    std::string text;
-    if (std::isfinite(c.reach.thickness)) text = fmt::format("{} thick", r.length(c.reach.thickness));
-    if (c.reach.depth > 0) text += fmt::format("{}a vertex {} deep", text.empty() ? "" : ", ", r.length(c.reach.depth));
-    return text.empty() ? fmt::format("along {}", r.length(c.severity())) : text;
+    if (c.has_ball)
+        return c.ball_lower() > 0 ? fmt::format("ball of {}", r.length(c.ball_lower()))
+                                  : fmt::format("ball of at most {}", r.length(c.ball_upper()));
+    return fmt::format("along {}", r.length(c.reach.contact.empty() ? 0 : c.reach.contact.diagonal()));
 }
 
 std::string clash_table(const ClashReport& r, std::size_t most)

@@ -32,7 +32,10 @@ struct ClashReport {
 
 /// Lines for the screen and the page: "8 new clashes: 2 enclosed, 6 crossing", and notes.
 std::vector<std::string> summary(const ClashReport& report);
-/// The measured overlap or gap: "0.2 mm thick, a vertex 0.1 mm deep".
+/// The reason why a part is not closed: "60 open edges, 460 mm long"; "" if parts were not mended.
+/// @param before  text in front of it, if there is any
+std::string why_open(const ClashReport& report, std::uint32_t part, std::string_view before = "");
+/// The measured overlap or gap: "ball of 98.1 mm"; of a part that is not closed, the length of the contact curve.
 std::string measure_text(const ClashReport& report, const Clash& clash);
 /// "2026-03-01 12:00 UTC"
 std::string time_text(std::int64_t seconds);

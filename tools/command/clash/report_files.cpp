@@ -27,6 +27,11 @@ Json json_of(const Aabb& box)
     return {{"min", json_of(box.min)}, {"max", json_of(box.max)}};
 }
 
+Json finite(double value)
+{
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
 Json json_of(const ClashReport& r, std::uint32_t number)
 {
     const Part& part = r.parts.parts[number];
@@ -52,6 +57,10 @@ Json json_of(const ClashReport& r, const Clash& c)
         return j;
     }
     const Penetration& p = c.reach;
+    j["ball"] = c.has_ball ? Json{{"diameter", {{"lower", c.ball_lower()}, {"upper", finite(c.ball_upper())}}},
+                                  {"centre", c.ball.radius_lower > 0 ? json_of(c.ball.centre) : Json(nullptr)}}
+                           : Json(nullptr);
+    j["volume"] = c.has_volume() ? Json{{"lower", c.ball.volume_lower}, {"upper", c.ball.volume_upper}} : Json(nullptr);
     j["thickness"] = std::isfinite(p.thickness) ? Json(p.thickness) : Json(nullptr);
     j["depth"] = p.depth;
     j["deepest"] = p.depth > 0
@@ -82,7 +91,8 @@ void write_json(OutputFile& file, const ClashReport& r)
               {"parts", r.parts.parts.size()}, {"files", r.parts.files}, {"triangles", r.parts.triangles}};
     head["clearance"] = r.settings.clearance, head["tolerance"] = r.settings.tolerance;
     head["baseline"] = r.baseline.empty() ? Json(nullptr) : Json(r.baseline);
-    head["settings"] = {{"touching", r.settings.touching},
+    head["settings"] = {{"tolerance", r.settings.from_files ? "precision of the files" : "as given"},
+                        {"touching", r.settings.touching},
                         {"group", r.rules.groups},
                         {"set_a", r.rules.set_a},
                         {"set_b", r.rules.set_b}};
@@ -93,7 +103,20 @@ void write_json(OutputFile& file, const ClashReport& r)
     }
     head["unreadable"] = r.parts.unreadable;
     head["warnings"] = r.warnings;
-    head["open"] = r.found.open;
+    head["mended"] = Json::array(), head["open"] = Json::array(), head["open_because"] = Json::array();
+    for (const std::uint32_t part : r.found.open) {
+        head["open"].push_back(r.name(part));
+        head["open_because"].push_back(why_open(r, part));
+    }
+    for (const Part& part : r.parts.parts)
+        if (!r.parts.mending.empty() && r.parts.mending[part.mesh].changed()) {
+            const Mending& m = r.parts.mending[part.mesh];
+            head["mended"].push_back({{"name", part.name},
+                                      {"welded", m.welded},
+                                      {"split", m.split},
+                                      {"turned", m.turned},
+                                      {"moved", m.moved}});
+        }
     head["self"] = r.settings.self ? Json::array() : Json(nullptr);
     for (const PartMeetsItself& of : r.found.self) {
         Json j = json_of(r, of.part);
@@ -122,14 +145,17 @@ void write_json(OutputFile& file, const ClashReport& r)
 void write_csv(OutputFile& file, const ClashReport& r)
 {
     // Names come first, so that rows of this report can be used as a list of pairs to ignore.
-    CsvWriter csv(file, "a,b,status,kind,thickness,depth,distance,x,y,z,contact_min_x,contact_min_y,contact_min_z,"
+    CsvWriter csv(file, "a,b,status,kind,ball_lower,ball_upper,volume_lower,volume_upper,thickness,depth,distance,x,y,"
+                        "z,contact_min_x,contact_min_y,contact_min_z,"
                         "contact_max_x,contact_max_y,contact_max_z,group_a,group_b,unit,id,comment,path_a,path_b");
     const auto group = [&](std::uint32_t part) { return name_field(r.parts.groups[r.parts.parts[part].group]); };
     for (const Clash& c : r.found.list) {
         const bool near = c.apart();
         const Aabb& contact = c.reach.contact;
         csv.add(CsvField{name_field(r.name(c.a))}, CsvField{name_field(r.name(c.b))},
-                CsvField{name_field(std::string(c.status_text()))}, name_of(c.kind),
+                CsvField{name_field(std::string(c.status_text()))}, name_of(c.kind), length(c.ball_lower(), c.has_ball),
+                length(c.ball_upper(), c.has_ball), length(c.ball.volume_lower, c.has_volume()),
+                length(c.ball.volume_upper, c.has_volume()),
                 length(c.reach.thickness, !near && std::isfinite(c.reach.thickness)), length(c.reach.depth, !near),
                 length(c.upper, near));
         for (const double x : c.where) csv.add(length(x));
@@ -140,7 +166,7 @@ void write_csv(OutputFile& file, const ClashReport& r)
     }
     for (const ResolvedClash& c : r.resolved) {
         csv.add(CsvField{name_field(c.a)}, CsvField{name_field(c.b)}, "resolved", CsvField{name_field(c.kind)});
-        for (int k = 0; k < 14; ++k) csv.add("");
+        for (int k = 0; k < 18; ++k) csv.add("");
         csv.row(r.unit.name, CsvField{name_field(c.id)}, CsvField{name_field(c.comment)}, "", "");
     }
 }

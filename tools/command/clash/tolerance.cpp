@@ -24,10 +24,10 @@ private:
 
 } // namespace
 
-bool is_within_tolerance(const Clashes& found, const Clash& clash, double tolerance)
+bool open_within_tolerance(const Clashes& found, const Clash& clash, double tolerance)
 {
     if (!(tolerance > 0)) return false;
-    if (clash.reach.thickness <= tolerance || clash.reach.depth_upper <= tolerance) return true;
+    if (clash.reach.depth_upper <= tolerance) return true;
     // A larger depth is real, so moving a part by the tolerance cannot separate the parts.
     if (clash.reach.depth > tolerance) return false;
     const World& world = *found.world;

@@ -129,7 +129,7 @@ void write_csv(const std::string& path, const Checked& checked)
     file.commit();
 }
 
-std::string describe(const Checked& checked)
+std::string described(const Checked& checked)
 {
     const auto counts = checked.counts();
     std::string text =
@@ -277,7 +277,7 @@ int check_robot(const RobotCommand& options)
                [&] {
                    if (!options.csv.empty()) write_csv(options.csv, checked);
                }});
-    if (!options.quiet) write_to_stdout(describe(checked), options.json == "-" || options.csv == "-");
+    if (!options.quiet) write_to_stdout(described(checked), options.json == "-" || options.csv == "-");
     const int code = say_file_faults(environment.world());
     if (checked.interrupted) {
         std::vector<std::string> files;

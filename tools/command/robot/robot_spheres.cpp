@@ -96,7 +96,7 @@ private:
     std::vector<std::optional<SphereMaker>> makers_;
 };
 
-struct Row {
+struct LinkRow {
     std::size_t number;
     std::string link;
     std::size_t spheres;
@@ -104,23 +104,23 @@ struct Row {
     CoverJudgement judged;
 };
 
-std::vector<Row> judge(const Surfaces& surfaces, const SphereModel& model)
+std::vector<LinkRow> judge(const Surfaces& surfaces, const SphereModel& model)
 {
-    std::vector<Row> rows(surfaces.links.size());
+    std::vector<LinkRow> rows(surfaces.links.size());
     surfaces.each([&](std::size_t i) {
         rows[i] = {i, surfaces.robot.links[i].name, model[i].size(), surfaces.links[i].closed(),
                    judge_cover(surfaces.links[i], model[i])};
     });
-    std::erase_if(rows, [](const Row& row) { return row.link.empty(); });
+    std::erase_if(rows, [](const LinkRow& row) { return row.link.empty(); });
     return rows;
 }
 
 /// The sums and the worst values of all links.
-CoverJudgement all_of(const std::vector<Row>& rows)
+CoverJudgement all_of(const std::vector<LinkRow>& rows)
 {
     CoverJudgement all;
     all.complete = true;
-    for (const Row& row : rows) {
+    for (const LinkRow& row : rows) {
         const CoverJudgement& one = row.judged;
         all.area += one.area, all.uncovered += one.uncovered, all.uncovered_most += one.uncovered_most;
         if (one.gap > all.gap) all.gap = one.gap, all.worst = one.worst;
@@ -143,7 +143,7 @@ std::string millimetres(double metres)
     return std::isfinite(metres) ? fmt::format("{:.2f}", 1e3 * metres) : "-";
 }
 
-std::string table(const std::vector<Row>& rows)
+std::string table(const std::vector<LinkRow>& rows)
 {
     std::string text = fmt::format("{:<32}{:>8}{:>20}{:>10}{:>26}{:>14}\n", "link", "spheres", "uncovered, %",
                                    "gap, mm", "at, m (link's frame)", "over-reach, mm");
@@ -157,7 +157,7 @@ std::string table(const std::vector<Row>& rows)
                             spheres ? millimetres(judged.over_reach) : "-");
     };
     std::size_t spheres = 0;
-    for (const Row& row : rows) {
+    for (const LinkRow& row : rows) {
         line(row.link + (row.closed ? "" : " (open)"), row.spheres, row.judged, true);
         spheres += row.spheres;
     }
@@ -165,11 +165,11 @@ std::string table(const std::vector<Row>& rows)
     return text;
 }
 
-void write_levels(const std::string& path, const std::vector<Row>& rows)
+void write_levels(const std::string& path, const std::vector<LinkRow>& rows)
 {
     OutputFile file(path);
     CsvWriter csv(file, "link,spheres,closed,area,uncovered,uncovered_most,gap,gap_most,x,y,z,over_reach");
-    for (const Row& row : rows) {
+    for (const LinkRow& row : rows) {
         const CoverJudgement& j = row.judged;
         csv.row(Quoted{row.link}, row.spheres, row.closed ? 1 : 0, j.area, j.uncovered, j.uncovered_most, j.gap,
                 j.gap_most, j.worst.x(), j.worst.y(), j.worst.z(), j.over_reach);
@@ -177,7 +177,7 @@ void write_levels(const std::string& path, const std::vector<Row>& rows)
     file.commit();
 }
 
-void write_json(const std::string& path, const RobotDescription& robot, const std::vector<Row>& rows)
+void write_json(const std::string& path, const RobotDescription& robot, const std::vector<LinkRow>& rows)
 {
     OutputFile file(path);
     JsonWriter json(file);
@@ -187,7 +187,7 @@ void write_json(const std::string& path, const RobotDescription& robot, const st
                  all.complete, "area", all.area, "uncovered", all.uncovered, "uncovered_most", all.uncovered_most,
                  "gap", all.gap, "over_reach", all.over_reach);
     json.key("links"), json.begin_array();
-    for (const Row& row : rows) {
+    for (const LinkRow& row : rows) {
         const CoverJudgement& j = row.judged;
         json.line(2);
         json.object("link", row.link, "spheres", row.spheres, "closed", row.closed, "complete", j.complete, "area",
@@ -201,10 +201,11 @@ void write_json(const std::string& path, const RobotDescription& robot, const st
 
 /// Returns why pictures are missing; empty: none is.
 std::string write_page(const RobotSpheresOptions& options, const Surfaces& surfaces, const SphereModel& model,
-                       const std::vector<Row>& rows, PainterProcess& painter)
+                       const std::vector<LinkRow>& rows, PainterProcess& painter)
 {
     std::vector<JudgedLink> links;
-    for (const Row& row : rows) links.push_back({row.link, &surfaces.links[row.number], model[row.number], row.judged});
+    for (const LinkRow& row : rows)
+        links.push_back({row.link, &surfaces.links[row.number], model[row.number], row.judged});
     const std::string of = options.judge.empty() ? "spheres" : std::filesystem::path(options.judge).filename().string();
     return write_sphere_page(options.html, fmt::format("{}: {}", surfaces.robot.name, of), table(rows), links, painter);
 }
@@ -233,7 +234,7 @@ int robot_spheres(const RobotSpheresOptions& o)
                               : o.count ? ModelMaker(surfaces).of(static_cast<std::size_t>(std::max(*o.count, 0)))
                                         : ModelMaker(surfaces).within(*o.max_error);
     if (!o.quiet) log_warnings(warnings);
-    const std::vector<Row> rows = judge(surfaces, model);
+    const std::vector<LinkRow> rows = judge(surfaces, model);
     const CoverJudgement all = all_of(rows);
     if (o.judge.empty() && !all.complete)
         throw Error(ErrorKind::internal, fmt::format("{}: the spheres do not cover {} m2", o.urdf, all.uncovered_most));

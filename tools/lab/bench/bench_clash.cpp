@@ -49,12 +49,14 @@ Times run(const std::vector<std::string>& files, const PlantedAssembly& planted,
     const Units units({"mm"});
     const int threads = threads_of(o.threads);
     PainterProcess painter;
-    const ClashSettings settings{.clearance = PlantedOptions{}.clearance, .threads = threads};
+    ClashSettings settings{
+        .clearance = PlantedOptions{}.clearance, .tolerance = tolerance_of_files, .threads = threads};
     Times times{};
     Clock::time_point last = Clock::now();
     const auto lap = [&] { return 1e-3 * milliseconds_since(std::exchange(last, Clock::now())); };
-    const PartList parts = read_parts(files, units, {}, threads);
+    PartList parts = read_parts(files, units, {}, threads);
     times.read = lap();
+    mend(parts, settings);
     const Clashes found = find_clashes(parts, settings);
     times.find = lap();
     const ClashReport report{parts, found, units.reported(), settings, "", "", {}, parts.warnings};

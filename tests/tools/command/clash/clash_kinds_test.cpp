@@ -73,13 +73,17 @@ TEST_F(ClashKinds, FacesThatRoundingPartsOrOverlapsTouchWithinTheTolerance)
     folder_.write("sheet.off", "OFF\n4 2 0\n-5 -5 0\n5 -5 0\n5 5 0\n-5 5 0\n3 0 1 2\n3 0 2 3\n");
     folder_.write("upright.off", fmt::format("OFF\n4 2 0\n0 -1 {0}\n0 1 {0}\n0 1 4\n0 -1 4\n3 0 1 2\n3 0 2 3\n", -off));
     for (const auto& [other, without] : {std::pair("gap.off", "near"), std::pair("overlap.off", "crossing")}) {
-        run({"clash", "a.off", other, "--clearance", "1", "-o", "r.json"});
+        run({"clash", "a.off", other, "--clearance", "1", "--tolerance", "0", "-o", "r.json"});
         EXPECT_EQ(read_json("r.json")["clashes"][0]["kind"], without);
+        EXPECT_EQ(run({"clash", "a.off", other}).code, 0) << "by default the tolerance is 2^-19 of 20 mm";
         for (const char* clearance : {"0", "1"}) {
             const Outcome outcome =
                 run({"clash", "a.off", other, "--clearance", clearance, "--tolerance", "1e-5", "-o", "r.json"});
             EXPECT_EQ(outcome.code, 0) << outcome.out;
-            EXPECT_NE(outcome.out.find("1 pair touches (overlap or gap of at most 1e-05 mm)"), std::string::npos)
+            EXPECT_NE(outcome.out.find(std::string_view(without) == "near"
+                                           ? "1 pair touches: 1 with a gap within"
+                                           : "1 pair touches: 1 with an overlap within the tolerance"),
+                      std::string::npos)
                 << outcome.out;
             EXPECT_EQ(read_json("r.json")["clashes"][0]["status"], "contact");
         }
@@ -99,6 +103,59 @@ TEST_F(ClashKinds, FacesThatRoundingPartsOrOverlapsTouchWithinTheTolerance)
     EXPECT_NEAR(read_json("r.json")["clashes"][0]["distance"]["upper"].get<double>(), off, 1e-9);
 }
 
+TEST_F(ClashKinds, AWindowInItsOpeningTouchesAndPartsAreMended)
+{
+    // A plate with a rectangular hole, `by` smaller than it is drawn; each triangle has vertices of its own.
+    const auto write_frame = [&](const std::string& name, double low, double high, double hole_low, double hole_high,
+                                 double thick, double jitter) {
+        std::vector<Eigen::Vector3d> v;
+        for (const double z : {0.0, thick})
+            for (const auto& [l, h] : {std::pair(low, high), std::pair(hole_low, hole_high)})
+                for (const auto& [x, y] : {std::pair(l, l), std::pair(h, l), std::pair(h, h), std::pair(l, h)})
+                    v.emplace_back(x, y, z);
+        std::vector<Triangle> t;
+        const auto quad = [&](unsigned a, unsigned b, unsigned c, unsigned d) {
+            t.push_back({a, b, c}), t.push_back({a, c, d});
+        };
+        for (unsigned k = 0; k < 4; ++k) {
+            const unsigned n = (k + 1) % 4;
+            quad(k, n, 8 + n, 8 + k), quad(4 + n, 4 + k, 12 + k, 12 + n);
+            quad(n, k, 4 + k, 4 + n), quad(8 + k, 8 + n, 12 + n, 12 + k);
+        }
+        std::string text = fmt::format("OFF\n{} {} 0\n", 3 * t.size(), t.size()), faces;
+        for (std::size_t i = 0; i < t.size(); ++i) {
+            for (const std::uint32_t k : t[i])
+                text += fmt::format("{} {} {}\n", v[k].x() + jitter * double(i % 3), v[k].y(), v[k].z());
+            faces += fmt::format("3 {} {} {}\n", 3 * i, 3 * i + 1, 3 * i + 2);
+        }
+        folder_.write(name, text + faces);
+    };
+    write_frame("wall.off", 0, 3000, 1000, 2000, 200, 0);
+    write_frame("window.off", 1000 - 1e-5, 2000 + 1e-5, 1050, 1950, 100, 2e-5);
+    Outcome outcome = run({"clash", "wall.off", "window.off", "-o", "r.json"});
+    EXPECT_EQ(outcome.code, 0) << outcome.out;
+    EXPECT_NE(outcome.out.find("1 pair touches: 1 with an overlap within the tolerance"), std::string::npos)
+        << outcome.out;
+    EXPECT_NE(outcome.out.find("1 part was mended ('window': "), std::string::npos) << outcome.out;
+    const nlohmann::json report = read_json("r.json");
+    EXPECT_EQ(report["mended"][0]["name"], "window");
+    EXPECT_GT(report["mended"][0]["welded"], 0);
+    EXPECT_EQ(report["open"], nlohmann::json::array());
+    EXPECT_NEAR(report["tolerance"].get<double>(), 3000 * 0x1p-19, 1e-12);
+    EXPECT_LE(report["clashes"][0]["ball"]["diameter"]["upper"], report["tolerance"]);
+    outcome = run({"clash", "wall.off", "window.off", "--touching", "-o", "r.json"});
+    EXPECT_EQ(pairs("r.json"), (Pairs{"wall window touching new"})) << outcome.out;
+    // Taken as they are, the window is open and crosses the wall.
+    run({"clash", "wall.off", "window.off", "--tolerance", "0", "-o", "r.json"});
+    EXPECT_EQ(pairs("r.json"), (Pairs{"wall window crossing new"}));
+    EXPECT_EQ(read_json("r.json")["open"], nlohmann::json{"window"});
+    // An overlap that is worth a word stays.
+    write_frame("large.off", 999, 2001, 1050, 1950, 100, 0);
+    run({"clash", "wall.off", "large.off", "-o", "r.json"});
+    EXPECT_EQ(pairs("r.json"), (Pairs{"wall large crossing new"}));
+    EXPECT_NEAR(read_json("r.json")["clashes"][0]["ball"]["diameter"]["lower"].get<double>(), 1.1, 0.11);
+}
+
 TEST_F(ClashKinds, OnlySetAAgainstSetBIsCompared)
 {
     Outcome outcome = clash({"--clearance", "1", "--touching", "--set-a", "a", "-o", "r.json"});
@@ -109,8 +166,11 @@ TEST_F(ClashKinds, OnlySetAAgainstSetBIsCompared)
     clash({"--set-a", "?", "--set-b", "?", "-o", "r.json"});
     EXPECT_EQ(pairs("r.json").size(), 3u) << "parts of both sets are compared with each other";
     clash({"--set-a", "a.off", "--set-b", "?", "--group", "c", "--group", "b", "-o", "r.json"});
-    EXPECT_EQ(read_json("r.json")["settings"],
-              (nlohmann::json{{"touching", false}, {"group", {"c", "b"}}, {"set_a", {"a.off"}}, {"set_b", {"?"}}}));
+    EXPECT_EQ(read_json("r.json")["settings"], (nlohmann::json{{"touching", false},
+                                                               {"group", {"c", "b"}},
+                                                               {"set_a", {"a.off"}},
+                                                               {"set_b", {"?"}},
+                                                               {"tolerance", "precision of the files"}}));
     EXPECT_TRUE(pairs("r.json").contains("a b crossing new")) << "a path matches, too";
     for (const char* option : {"--set-a", "--set-b"})
         expect_error(64, {"clash", "a.off", "b.off", "--set-a", "a", "--set-b", "b", option, "robot*"},

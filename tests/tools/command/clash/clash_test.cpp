@@ -17,7 +17,7 @@ TEST_F(ClashCommand, NamesTheClashesTheWorstFirst)
     EXPECT_EQ(outcome.err, "");
     EXPECT_NE(outcome.out.find("6 parts of 6 files, 72 triangles, 111 x 20 x 25 mm\n"
                                "3 clashes: 1 enclosed, 1 crossing, 1 near\n"
-                               "1 pair touches without overlapping"),
+                               "1 pair touches: 1 exactly; "),
               std::string::npos)
         << outcome.out;
     const std::size_t enclosed = outcome.out.find("1  enclosed"), crossing = outcome.out.find("2  crossing"),
@@ -40,6 +40,12 @@ TEST_F(ClashCommand, TheJsonReportMeasures)
     const json &enclosed = report["clashes"][0], &crossing = report["clashes"][1], &near = report["clashes"][3];
     EXPECT_EQ(enclosed["contact"], nullptr);
     EXPECT_EQ(enclosed["overlap"], (json{{"min", {15, 1, 1}}, {"max", {20, 5, 5}}}));
+    EXPECT_NEAR(enclosed["ball"]["diameter"]["lower"].get<double>(), 4, 0.04);
+    EXPECT_GE(enclosed["ball"]["diameter"]["upper"].get<double>(), 4);
+    EXPECT_NEAR(enclosed["volume"]["lower"].get<double>(), 80, 4);
+    EXPECT_GE(enclosed["volume"]["upper"].get<double>(), 80);
+    EXPECT_NEAR(crossing["ball"]["diameter"]["lower"].get<double>(), 1, 0.01);
+    EXPECT_NEAR(crossing["volume"]["upper"].get<double>(), 100, 5);
     EXPECT_NEAR(enclosed["thickness"].get<double>(), 4, 1e-12);
     EXPECT_NEAR(crossing["thickness"].get<double>(), 1, 1e-12);
     EXPECT_NEAR(crossing["depth"].get<double>(), 1, 1e-9);
@@ -66,7 +72,7 @@ TEST_F(ClashCommand, EveryReportIsReadBack)
     const std::string xml = folder_.read("r.xml");
     EXPECT_NE(xml.find("tests=\"4\" failures=\"3\" errors=\"0\" skipped=\"0\""), std::string::npos) << xml;
     EXPECT_NE(xml.find("<testcase classname=\"clash.crossing\" name=\"a and b\"><failure type=\"crossing\" "
-                       "message=\"crossing: 1 mm thick, a vertex 1 mm deep, at 9.5 5 5\"/></testcase>"),
+                       "message=\"crossing: ball of 1 mm, at 9.5 5 5\"/></testcase>"),
               std::string::npos)
         << xml;
     const std::string page = folder_.read("r.html");
@@ -242,9 +248,12 @@ TEST_F(ClashCommand, OpenPartsAreNamed)
     write_box("a.off", {0, 0, 0}, {10, 10, 10});
     const Outcome outcome = run({"clash", "a.off", "sheet.off", "-o", "r.json"});
     EXPECT_EQ(outcome.code, 1);
-    EXPECT_NE(outcome.out.find("1 part is not closed ('sheet')"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("1 part is not closed ('sheet': 4 open edges, 40 mm long)"), std::string::npos)
+        << outcome.out;
     EXPECT_EQ(read_json("r.json")["clashes"][0]["thickness"], nullptr);
+    EXPECT_EQ(read_json("r.json")["clashes"][0]["ball"], nullptr);
     EXPECT_EQ(read_json("r.json")["open"], json{"sheet"});
+    EXPECT_EQ(read_json("r.json")["open_because"], json{"4 open edges, 40 mm long"});
 }
 
 TEST_F(ClashCommand, PartsThatMeetThemselvesAreNamedOnRequest)

@@ -9,6 +9,7 @@
 #include <oncollide/scenes/geometry.hpp>
 
 #include "clash/parts/part_details.hpp"
+#include "clash/parts/mended_mesh.hpp"
 #include "clash/parts/units.hpp"
 
 namespace oncollide::tools {
@@ -43,6 +44,7 @@ struct PartRules {
 /// All parts that are compared.
 struct PartList {
     std::vector<std::shared_ptr<const Geometry>> meshes;
+    std::vector<Mending> mending{}; ///< by mesh; empty: mend_parts() was not called
     std::vector<Part> parts;
     std::vector<std::string> groups{""};
     std::vector<std::string> files;      ///< that were read
@@ -58,5 +60,11 @@ struct PartList {
 /// Error{bad_data} for a single part. Patterns match names, node paths and whole paths of parts. Throws Error{usage} if
 /// a pattern of a set matches no part, or the rules leave no pair of parts to compare.
 PartList read_parts(const std::vector<std::string>& files, const Units& units, const PartRules& rules, int threads);
+
+/// How exact coordinates in float files of this size are after a few roundings: 2^-19 of the largest.
+double precision_of(const PartList& parts);
+
+/// Closes the parts' meshes as mended() does. Cost: as mended(), for all meshes.
+void mend_parts(PartList& parts, double distance, int threads);
 
 } // namespace oncollide::tools
