@@ -14,8 +14,8 @@ struct MeshEdge {
     friend bool operator==(const MeshEdge&, const MeshEdge&) = default;
 };
 
-/// The edges that keep a mesh from being closed, each once: more triangles traverse such an edge in one direction than in
-/// the other. Triangles without area are ignored. Cost: O(n log n).
+/// The edges that keep a mesh from being closed, each once: more triangles traverse such an edge in one direction than
+/// in the other. Triangles without area are ignored. Cost: O(n log n).
 std::vector<MeshEdge> open_edges(const Mesh& mesh);
 
 /// True if every edge belongs to an even number of triangles. Then a point whose ray crosses the surface an odd number

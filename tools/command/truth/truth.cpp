@@ -272,7 +272,7 @@ bool has_inside(const Mesh& mesh)
     }
     for (const auto& [edge, count] : edges) {
         const auto back = edges.find({edge.second, edge.first});
-        if (count != 1 || back == edges.end() || back->second != 1) return false;
+        if (back == edges.end() || back->second != count) return false;
     }
     return !edges.empty();
 }

@@ -106,8 +106,7 @@ bool cross_deeply(const BoxedTriangles& a, const BoxedTriangles& b);
 DistanceTruth surface_distance(const HalvedMesh& a, const Eigen::Isometry3d& pose_a, const HalvedMesh& b,
                                const Eigen::Isometry3d& pose_b);
 
-/// True if some triangle has an area, and every edge of such a triangle is shared by one other triangle in the opposite
-/// direction.
+/// True if some triangle has an area, and as many such triangles traverse each edge in one direction as in the other.
 bool has_inside(const Mesh& mesh);
 
 } // namespace oncollide::tools

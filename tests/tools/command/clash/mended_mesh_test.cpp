@@ -38,7 +38,8 @@ Mesh with_corners_on_edges(Mesh mesh, double by, std::uint64_t seed)
         const auto [a, b, c] = mesh.triangles[t];
         const auto middle = std::uint32_t(mesh.vertices.size());
         const double at = 0.2 + 0.6 * u01(seed, t, 1);
-        mesh.vertices.push_back((1 - at) * mesh.vertices[a] + at * mesh.vertices[b] + by * Vector3d::Ones().normalized());
+        mesh.vertices.push_back((1 - at) * mesh.vertices[a] + at * mesh.vertices[b] +
+                                by * Vector3d::Ones().normalized());
         mesh.triangles[t] = {a, middle, c};
         mesh.triangles.push_back({middle, b, c});
     }
