@@ -27,10 +27,11 @@ inline std::map<std::string, std::string> read_zip(const std::string& bytes)
     return files;
 }
 
-/// Compares the elements of BCF files with the order in the schemas of BCF 2.1 (markup.xsd, visinfo.xsd, version.xsd of
-/// buildingSMART/BCF-XML).
+/// Compares the elements of BCF files with the order in the schemas of BCF 2.1 or 3.0 (markup.xsd, visinfo.xsd,
+/// version.xsd, extensions.xsd of buildingSMART/BCF-XML).
 class BcfOrder : public XmlHandler {
 public:
+    explicit BcfOrder(bool version_3) : version_3_(version_3) {}
     void begin(const XmlTag& tag) override
     {
         const std::string name(tag.name);
@@ -71,18 +72,44 @@ private:
             {"StartPoint", {"X", "Y", "Z"}},
             {"EndPoint", {"X", "Y", "Z"}},
         };
-        const auto order = orders.find(parent);
-        const auto place = [&](const std::string& of) {
-            return order == orders.end() ? std::ptrdiff_t(0)
-                                         : std::ranges::find(order->second, of) - order->second.begin();
+        static const std::map<std::string, std::vector<std::string>> of_version_3{
+            {"Version", {}},
+            {"Markup", {"Header", "Topic"}},
+            {"Header", {"Files"}},
+            {"Files", {"File"}},
+            {"Topic",
+             {"ReferenceLinks", "Title", "Priority", "Index", "Labels", "CreationDate", "CreationAuthor",
+              "ModifiedDate", "ModifiedAuthor", "DueDate", "AssignedTo", "Stage", "Description", "BimSnippet",
+              "DocumentReferences", "RelatedTopics", "Comments", "Viewpoints"}},
+            {"Labels", {"Label"}},
+            {"Comments", {"Comment"}},
+            {"Viewpoints", {"ViewPoint"}},
+            {"ViewPoint", {"Viewpoint", "Snapshot", "Index"}},
+            {"Color", {"Components"}},
+            {"Components", {"Selection", "Visibility", "Coloring", "Component"}}, // of the view, or of a colour
+            {"PerspectiveCamera",
+             {"CameraViewPoint", "CameraDirection", "CameraUpVector", "FieldOfView", "AspectRatio"}},
+            {"Extensions",
+             {"TopicTypes", "TopicStatuses", "Priorities", "TopicLabels", "Users", "SnippetTypes", "Stages"}},
+            {"TopicTypes", {"TopicType"}},
+            {"TopicStatuses", {"TopicStatus"}},
+            {"TopicLabels", {"TopicLabel"}},
         };
-        if (order == orders.end() || place(name) == std::ssize(order->second))
+        const bool newer = version_3_ && of_version_3.contains(parent);
+        const auto& table = newer ? of_version_3 : orders;
+        const auto order = table.find(parent);
+        const auto place = [&](const std::string& of) {
+            return order == table.end() ? std::ptrdiff_t(0)
+                                        : std::ranges::find(order->second, of) - order->second.begin();
+        };
+        if (order == table.end() || place(name) == std::ssize(order->second))
             faults.push_back(name + " in " + parent);
         else if (!before.empty() && place(name) < place(before))
             faults.push_back(name + " after " + before + " in " + parent);
         before = name;
     }
 
+    bool version_3_;
     std::vector<std::pair<std::string, std::string>> open_; ///< elements, each with its last child
 };
 
@@ -90,9 +117,12 @@ private:
 inline std::vector<std::string> bcf_faults(const std::map<std::string, std::string>& files)
 {
     std::vector<std::string> faults;
+    const auto version = files.find("bcf.version");
+    const bool version_3 = version != files.end() && version->second.find("\"3.0\"") != std::string::npos;
+    if (version_3 && !files.contains("extensions.xml")) faults.emplace_back("no extensions.xml");
     for (const auto& [name, text] : files) {
         if (name.ends_with(".png")) continue;
-        BcfOrder order;
+        BcfOrder order(version_3);
         try {
             read_xml({name, text}, order);
             for (const std::string& fault : order.faults) faults.push_back(name + ": " + fault);

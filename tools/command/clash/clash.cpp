@@ -12,6 +12,7 @@
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/paths.hpp>
+#include <oncollide/base/text/listed.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/scenes/files/scene_file.hpp>
@@ -20,8 +21,10 @@
 #include "clash/clash_pictures.hpp"
 #include "clash/clash_view.hpp"
 #include "clash/known_pairs.hpp"
+#include "clash/matrix.hpp"
 #include "clash/parts/file_list.hpp"
 #include "clash/report.hpp"
+#include "clash/review.hpp"
 #include "cli/command.hpp"
 #include "cli/log.hpp"
 #include "cli/outputs.hpp"
@@ -35,7 +38,7 @@ namespace {
 
 struct ClashOptions {
     std::vector<std::string> inputs, units, groups, set_a, set_b, out;
-    std::string clearance = "0", tolerance, ignore, baseline, bcf, view;
+    std::string clearance = "0", tolerance, ignore, baseline, bcf, bcf_version = "2.1", view, group_by, matrix;
     int list = 20, pictures = 40, threads = 0, view_limit = 40, most_parts = int(AssemblyOptions{}.most_parts),
         most_pairs = int(ClashSettings{}.most_pairs);
     bool touching = false, self = false, skip_unreadable = false, strict = false, quiet = false;
@@ -57,6 +60,12 @@ Form form_of(const std::string& file)
                       file));
 }
 
+BcfVersion bcf_version_from(const std::string& text)
+{
+    if (text != "2.1" && text != "3.0") usage(fmt::format("--bcf-version {}: expected 2.1 or 3.0", text));
+    return text == "2.1" ? BcfVersion::v2_1 : BcfVersion::v3_0;
+}
+
 void check_out(const ClashOptions& o, const std::vector<std::string>& inputs)
 {
     std::vector<std::pair<const char*, std::string>> files;
@@ -66,8 +75,9 @@ void check_out(const ClashOptions& o, const std::vector<std::string>& inputs)
     }
     if (!o.bcf.empty()) check_zip("--bcf"), files.emplace_back("--bcf", o.bcf);
     if (!o.view.empty()) files.emplace_back("--view", o.view);
+    bcf_version_from(o.bcf_version);
     std::vector<std::string> all = inputs;
-    all.push_back(o.ignore), all.push_back(o.baseline);
+    for (const std::string& read : {o.ignore, o.baseline, o.matrix}) all.push_back(read);
     check_files(files, all);
     check_view("--view", o.view, o.view_limit, {}, all);
 }
@@ -127,7 +137,7 @@ void write_reports(const ClashOptions& o, ClashReport& report, PainterProcess& p
             write_page(file, report, pictures());
             break;
         case Form::bcf:
-            write_bcf(file, report, pictures());
+            write_bcf(file, report, pictures(), bcf_version_from(o.bcf_version));
             if (!o.quiet && !drawn->failed && !drawn->note.empty())
                 log(LogLevel::note, fmt::format("{}: {}", name, drawn->note));
             break;
@@ -163,6 +173,16 @@ void print(const ClashOptions& o, const ClashReport& report)
     flush_stdout();
 }
 
+/// Warns of rules without parts, or refuses them if the rules are strict.
+void check_matrix(const ClashMatrix& matrix, const ClashOptions& o, PartList& parts)
+{
+    const std::vector<std::string> idle = matrix.idle_rules(parts);
+    if (idle.empty()) return;
+    const std::string text = fmt::format("{}: no parts for {}", o.matrix, listed(idle));
+    if (o.strict) throw Error(ErrorKind::bad_data, printable(text));
+    parts.warnings.push_back(text);
+}
+
 int clash(const ClashOptions& o)
 {
     show_reading(o.quiet);
@@ -170,11 +190,16 @@ int clash(const ClashOptions& o)
     check_range("--list", o.list, 0), check_range("--pictures", o.pictures, 0, 10'000);
     check_range("--threads", o.threads, 0, 1024);
     check_range("--max-parts", o.most_parts, 1), check_range("--max-pairs", o.most_pairs, 1);
+    if (o.inputs.empty()) usage("clash: give part files, a folder or an assembly (oncollide clash --help)");
+    const std::vector<GroupKey> group_by = group_keys_from(o.group_by);
+    std::optional<ClashMatrix> matrix;
+    if (!o.matrix.empty()) matrix.emplace(o.matrix, units.reported());
     ClashSettings settings{.clearance = length_from("--clearance", o.clearance, units.reported()),
                            .tolerance = o.tolerance.empty() ? tolerance_of_files
                                                             : length_from("--tolerance", o.tolerance, units.reported()),
                            .touching = o.touching,
                            .self = o.self,
+                           .matrix = matrix ? &*matrix : nullptr,
                            .most_pairs = std::uint64_t(o.most_pairs),
                            .threads = o.threads};
     std::vector<std::string> warnings;
@@ -185,6 +210,7 @@ int clash(const ClashOptions& o)
     const PartRules rules{o.groups, o.set_a, o.set_b, o.inputs, std::size_t(o.most_parts), o.skip_unreadable, o.strict};
     PainterProcess painter;
     PartList parts = read_parts(files, units, rules, threads_of(o.threads));
+    if (matrix) check_matrix(*matrix, o, parts);
     mend(parts, settings);
     Clashes found = find_clashes(parts, settings);
     warnings.insert(warnings.end(), parts.warnings.begin(), parts.warnings.end());
@@ -192,9 +218,9 @@ int clash(const ClashOptions& o)
     std::vector<ResolvedClash> resolved;
     if (!o.baseline.empty())
         resolved = compare_with_baseline(o.baseline, parts, settings.clearance, units.reported(), found.list, warnings);
-    ClashReport report{parts,      found,    units.reported(),    settings,
-                       o.baseline, o.ignore, std::move(resolved), std::move(warnings),
-                       rules,      time};
+    ClashReport report{
+        parts, found, units.reported(), settings, o.baseline, o.ignore, std::move(resolved), std::move(warnings), rules,
+        time,  "",    group_by};
     if (!o.quiet) print(o, report);
     write_reports(o, report, painter);
     return report.count(ClashStatus::fresh) ? 1 : parts.unreadable.empty() ? 0 : 2;
@@ -213,6 +239,9 @@ void add_comparing_options(Arguments sub, ClashOptions* o)
                    "parts touch if they are apart by no more than this, or if their overlap holds no ball of this "
                    "diameter (default: the precision of the files, 2^-19 of the largest coordinate; 0: none, and "
                    "parts are not mended)");
+    sub.add_option("--matrix FILE.json", o->matrix,
+                   "the clash matrix: clearance, tolerance or skip for pairs of disciplines, classes or storeys; other "
+                   "pairs have --clearance and --tolerance");
     sub.add_flag("--touching", o->touching, "parts that only touch also clash, for example bolted faces");
     sub.add_flag("--self", o->self,
                  "also name the parts whose triangles meet each other; no clash, and no part of the exit code");
@@ -242,15 +271,20 @@ void add_report_options(Arguments sub, ClashOptions* o)
                    "clashes are listed. "
                    "Comments and statuses that you wrote into it are taken over");
     sub.add_option("-o,--out FILE", o->out,
-                   "write a report: .html (one page with pictures), .json, .csv, .xml (JUnit) or .bcfzip (BCF 2.1); "
+                   "write a report: .html (one page with pictures), .json, .csv, .xml (JUnit) or .bcfzip (BCF); "
                    "'-': JSON on standard output (repeatable)")
         .repeatable();
     sub.add_option("--bcf FILE.bcfzip", o->bcf,
-                   "write the new and active clashes as BCF 2.1, one topic per clash with camera, parts and picture");
+                   "write the new and active clashes as BCF, one topic per clash with camera, parts and picture");
+    sub.add_option("--bcf-version 2.1|3.0", o->bcf_version, "version of BCF files (default 2.1)");
     sub.add_option(
         "--view FILE.html", o->view,
         "write all parts as a page in 3D, to which the clashes of .html reports link; needs Debian's libjs-three");
     add_view_limit(sub, o->view_limit);
+    sub.add_option(
+        "--group-by KEYS", o->group_by,
+        "show the clashes in groups, for example class,storey: class, storey, discipline (of both parts, from "
+        "IFC and other files that have them), part (the part with the most clashes first)");
     sub.add_option("--list N", o->list, "number of clashes to print, the worst first (default 20)");
     sub.add_option("--pictures N", o->pictures,
                    "number of clashes to draw in pages and BCF files, the worst first (default 40)");
@@ -269,11 +303,13 @@ void add_clash(Arguments app)
 {
     Arguments sub = app.add_command("clash", "Find the parts of an assembly that interfere with each other");
     auto o = std::make_shared<ClashOptions>();
+    // Not marked as required: CLI11 would then take the word `review` for a file.
     sub.add_option("parts FILES|FOLDER|ASSEMBLY", o->inputs,
                    "part files (OBJ, STL, PLY, OFF; one part per file, in the file's coordinates), glTF, COLLADA or "
                    "3MF assemblies (one part per node that shows a mesh), one OBJ file (one part per object or group), "
-                   "folders of these")
-        .required();
+                   "folders of these");
+    add_clash_review(sub);
+    sub.at_most_one_command(); // words after `review` belong to it
     add_comparing_options(sub, o.get());
     add_report_options(sub, o.get());
     sub.footer(

@@ -8,6 +8,7 @@
 #include <oncollide/base/threads/parallel.hpp>
 
 #include "clash/duplicates.hpp"
+#include "clash/matrix.hpp"
 #include "clash/pair_limit.hpp"
 #include "clash/parts/part_ids.hpp"
 #include "clash/tolerance.hpp"
@@ -139,6 +140,18 @@ void apply_tolerance(const Clashes& found, const ClashSettings& settings, Clash&
     if (clash.kind == ClashKind::touching && !settings.touching) clash.status = ClashStatus::contact;
 }
 
+/// The settings for a pair, with the limits of the matrix; without pairs (most_pairs 0) if the matrix skips it.
+ClashSettings for_pair(const ClashSettings& settings, const PartList& parts, std::uint32_t a, std::uint32_t b)
+{
+    ClashSettings of = settings;
+    if (!settings.matrix) return of;
+    const PairLimits limits =
+        settings.matrix->limits(parts.parts[a], parts.parts[b], {settings.clearance, settings.tolerance});
+    of.clearance = limits.clearance, of.tolerance = limits.tolerance;
+    if (limits.skip) of.most_pairs = 0;
+    return of;
+}
+
 void find_self(const PartList& list, const std::vector<ModelId>& models, Clashes& found)
 {
     std::vector<std::optional<PartMeetsItself>> by_mesh(list.meshes.size());
@@ -202,7 +215,8 @@ void mend(PartList& parts, ClashSettings& settings)
 
 Settings settings_of(const ClashSettings& settings)
 {
-    return {.clearance = std::max(settings.clearance, settings.tolerance),
+    return {.clearance =
+                std::max({settings.clearance, settings.tolerance, settings.matrix ? settings.matrix->largest() : 0}),
             .exact = ExactLevel::predicates,
             .contact_kinds = true,
             .mode = Mode::solid,
@@ -224,13 +238,22 @@ Clashes find_clashes(const PartList& parts, const ClashSettings& settings)
         if (pair.verdict == Verdict::separate) continue;
         const auto [a, b] = std::minmax({static_cast<std::uint32_t>(world.bodies().user(pair.a)),
                                          static_cast<std::uint32_t>(world.bodies().user(pair.b))});
+        if (for_pair(settings, parts, a, b).most_pairs == 0) {
+            ++found.skipped;
+            continue;
+        }
         found.list.push_back(
             {.a = a, .b = b, .kind = kind_of(pair.kind), .id = clash_id(parts.parts[a], parts.parts[b])});
     }
     find_duplicates(parts, world, settings.tolerance, found.list);
     measure(world, found, found.list);
     measure_balls(parts, found, settings.tolerance, found.list);
-    for (Clash& clash : found.list) apply_tolerance(found, settings, clash);
+    if (settings.matrix)
+        std::erase_if(found.list, [&](const Clash& clash) {
+            const ClashSettings of = for_pair(settings, parts, clash.a, clash.b);
+            return clash.kind == ClashKind::near && clash.lower > std::max(of.clearance, of.tolerance);
+        });
+    for (Clash& clash : found.list) apply_tolerance(found, for_pair(settings, parts, clash.a, clash.b), clash);
     std::ranges::sort(found.list, more_severe);
     return found;
 }

@@ -65,6 +65,7 @@ struct Clash {
 };
 
 constexpr double tolerance_of_files = -1;
+class ClashMatrix;
 
 struct ClashSettings {
     double clearance = 0; ///< parts closer than this are near
@@ -74,6 +75,7 @@ struct ClashSettings {
     bool from_files = false;              ///< mend() took the tolerance from the files
     bool touching = false;                ///< touching is a clash
     bool self = false;                    ///< also find the parts that meet themselves
+    const ClashMatrix* matrix = nullptr;  ///< other limits for some pairs; null: none
     std::uint64_t most_pairs = 2'000'000; ///< most pairs of parts whose AABBs overlap
     int threads = 0;
 };
@@ -95,13 +97,14 @@ struct Clashes {
     std::vector<std::uint32_t> open;   ///< parts that are not closed: parts inside them are not found
     std::vector<PartMeetsItself> self; ///< if requested
     std::size_t pairs = 0;             ///< number of pairs whose AABBs overlap
+    std::size_t skipped = 0;           ///< pairs at most the largest clearance apart that the matrix skips
 
     PairOfBodies pair(const Clash& clash) const { return {bodies[clash.a], bodies[clash.b]}; }
 };
 
 /// Gives settings of `tolerance_of_files` the precision of the files as tolerance, and closes the parts' meshes within
-/// an eighth of the tolerance and of this precision, so that no part moves by half the tolerance. A tolerance of 0 leaves
-/// the parts as they are. Cost: as mend_parts().
+/// an eighth of the tolerance and of this precision, so that no part moves by half the tolerance. A tolerance of 0
+/// leaves the parts as they are. Cost: as mend_parts().
 void mend(PartList& parts, ClashSettings& settings);
 /// The settings that decide pairs.
 Settings settings_of(const ClashSettings& settings);

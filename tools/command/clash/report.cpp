@@ -41,7 +41,7 @@ std::string self_text(const ClashReport& r)
     for (const PartMeetsItself& of : r.found.self) {
         texts.push_back(texts.size() < most
                             ? fmt::format("'{}' ({}, around {})", r.name(of.part),
-                                          plural(of.pairs, "pair") + " of triangles", point_text(of.where))
+                                          plural(of.pairs, "pair") + " of triangles", r.position(of.where))
                             : "...");
         if (texts.size() > most) break;
     }
@@ -106,19 +106,46 @@ std::size_t ClashReport::count(ClashStatus status, ClashKind kind) const
         std::ranges::count_if(found.list, [&](const Clash& c) { return c.status == status && c.kind == kind; }));
 }
 
+std::vector<std::size_t> ClashReport::open_clashes() const
+{
+    std::vector<std::size_t> rows;
+    for (const ClashStatus status : {ClashStatus::fresh, ClashStatus::active})
+        for (std::size_t i = 0; i < found.list.size(); ++i)
+            if (found.list[i].status == status) rows.push_back(i);
+    return rows;
+}
+
 std::string ClashReport::length(double value) const
 {
-    return fmt::format("{} {}", plain_measure(value, 4), unit.name);
+    // Lengths below 0.1 m or 0.1 cm are easier to read in millimetres.
+    const bool small = std::abs(value) < 0.1 && value != 0 && (unit.name == "m" || unit.name == "cm");
+    const std::string_view name = small ? "mm" : unit.name;
+    if (small) value *= unit.millimetres;
+    constexpr double least = 1e-9;
+    const double size = std::abs(value);
+    if (size == 0 || size >= 1e-4) return fmt::format("{} {}", plain_measure(value, 4), name);
+    if (size < least) return fmt::format("under {:.9f} {}", least, name);
+    const std::string text = fmt::format("{:.{}f}", value, 1 - int(std::floor(std::log10(size)))); // two digits
+    return fmt::format("{} {}", text.substr(0, text.find_last_not_of('0') + 1), name);
+}
+
+std::string ClashReport::position(const Eigen::Vector3d& point) const
+{
+    const double size = (parts.bounds.max - parts.bounds.min).maxCoeff();
+    const int decimals = std::clamp(int(std::ceil(-std::log10(1e-6 * std::max(size, 1e-9)))), 0, 12);
+    std::vector<std::string> texts;
+    for (const double x : point) {
+        std::string& text = texts.emplace_back(fmt::format("{:.{}f}", x, decimals));
+        if (decimals > 0) text.erase(text.find_last_not_of('0') + 1);
+        if (text.ends_with('.')) text.pop_back();
+        if (text == "-0") text = "0";
+    }
+    return fmt::format("{}", fmt::join(texts, " "));
 }
 
 std::string time_text(std::int64_t seconds)
 {
     return fmt::format("{:%Y-%m-%d %H:%M UTC}", fmt::gmtime(std::time_t(seconds)));
-}
-
-std::string point_text(const Eigen::Vector3d& point)
-{
-    return fmt::format("{} {} {}", plain_number(point.x(), 6), plain_number(point.y(), 6), plain_number(point.z(), 6));
 }
 
 std::vector<std::string> summary(const ClashReport& r)
@@ -155,6 +182,9 @@ std::vector<std::string> summary(const ClashReport& r)
                         r.found.open.size() == 1 ? "1 part is" : grouped(r.found.open.size()) + " parts are",
                         r.name(r.found.open.front()), why_open(r, r.found.open.front(), ": "),
                         r.found.open.size() > 1 ? ", ..." : "", r.found.open.size() == 1 ? "it" : "them"));
+    if (r.found.skipped)
+        lines.push_back(fmt::format("{} not compared, as the clash matrix says",
+                                    r.found.skipped == 1 ? "1 pair is" : grouped(r.found.skipped) + " pairs are"));
     if (r.settings.self) lines.push_back(self_text(r));
     return lines;
 }
@@ -172,27 +202,36 @@ std::string measure_text(const ClashReport& r, const Clash& c)
 
 std::string clash_table(const ClashReport& r, std::size_t most)
 {
-    std::vector<std::array<std::string, 6>> rows{
-        {"", "kind", "overlap or gap", "part", "part", fmt::format("where ({})", r.unit.name)}};
-    const std::size_t all = r.count(ClashStatus::fresh) + r.count(ClashStatus::active);
-    for (const ClashStatus status : {ClashStatus::fresh, ClashStatus::active})
-        for (const Clash& c : r.found.list) {
-            if (c.status != status || rows.size() > most) continue;
-            const std::string note = status == ClashStatus::active ? fmt::format(" ({})", printable(c.status_text()))
-                                     : c.was.empty()               ? ""
-                                                                   : fmt::format(" (was {})", printable(c.was));
+    using Row = std::array<std::string, 6>;
+    std::vector<Row> rows{{"", "kind", "overlap or gap", "part", "part", fmt::format("where ({})", r.unit.name)}};
+    std::map<std::size_t, std::string> headings; // by the row that follows
+    std::size_t all = 0;
+    for (const ClashGroup& group : r.groups()) {
+        if (!r.group_by.empty() && rows.size() <= most)
+            headings[rows.size()] =
+                fmt::format("\n{}: {}\n", printable(group.name), plural(group.rows.size(), "clash"));
+        all += group.rows.size();
+        for (const std::size_t i : group.rows) {
+            if (rows.size() > most) break;
+            const Clash& c = r.found.list[i];
+            const std::string note = c.status == ClashStatus::active ? fmt::format(" ({})", printable(c.status_text()))
+                                     : c.was.empty()                 ? ""
+                                                                     : fmt::format(" (was {})", printable(c.was));
             rows.push_back({std::to_string(rows.size()), std::string(name_of(c.kind)) + note, measure_text(r, c),
-                            shortened(printable(r.name(c.a)), 40), shortened(printable(r.name(c.b)), 40),
-                            point_text(c.where)});
+                            shortened(printable(r.label(c.a)), 40), shortened(printable(r.label(c.b)), 40),
+                            r.position(c.where)});
         }
+    }
     if (rows.size() == 1) return "";
     std::array<std::size_t, 6> widths{};
-    for (const auto& row : rows)
+    for (const Row& row : rows)
         for (std::size_t k = 0; k < row.size(); ++k) widths[k] = std::max(widths[k], row[k].size());
     std::string text;
-    for (const auto& row : rows)
-        text += fmt::format("{:>{}}  {:<{}}  {:<{}}  {:<{}}  {:<{}}  {}\n", row[0], widths[0], row[1], widths[1],
-                            row[2], widths[2], row[3], widths[3], row[4], widths[4], row[5]);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const Row& row = rows[i];
+        text += headings[i] + fmt::format("{:>{}}  {:<{}}  {:<{}}  {:<{}}  {:<{}}  {}\n", row[0], widths[0], row[1],
+                                          widths[1], row[2], widths[2], row[3], widths[3], row[4], widths[4], row[5]);
+    }
     if (rows.size() - 1 < all)
         text += fmt::format("and {} more (--list N prints more)\n", grouped(all - rows.size() + 1));
     return text;

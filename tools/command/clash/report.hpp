@@ -7,6 +7,7 @@
 
 #include "clash/baseline.hpp"
 #include "clash/clashes.hpp"
+#include "clash/grouping.hpp"
 #include "render/png.hpp"
 
 namespace oncollide::tools {
@@ -23,11 +24,18 @@ struct ClashReport {
     PartRules rules{};
     std::int64_t time = 0; ///< seconds since 1970, UTC; pages and BCF show it
     std::string view{};    ///< the 3D page, as pages beside it name it; empty: none
+    std::vector<GroupKey> group_by{};
 
     const std::string& name(std::uint32_t part) const { return parts.parts[part].name; }
     std::size_t count(ClashStatus status) const;
     std::size_t count(ClashStatus status, ClashKind kind) const;
-    std::string length(double value) const; ///< "1.25 mm"
+    /// New clashes, then active ones, as indices in Clashes::list.
+    std::vector<std::size_t> open_clashes() const;
+    /// The open clashes in groups.
+    std::vector<ClashGroup> groups() const { return groups_of(parts, found.list, open_clashes(), group_by); }
+    const std::string& label(std::uint32_t part) const { return parts.parts[part].label; }
+    std::string length(double value) const;                   ///< "1.25 mm"
+    std::string position(const Eigen::Vector3d& point) const; ///< "10.25 3.5 -2", to a millionth of the assembly's size
 };
 
 /// Lines for the screen and the page: "8 new clashes: 2 enclosed, 6 crossing", and notes.
@@ -39,13 +47,11 @@ std::string why_open(const ClashReport& report, std::uint32_t part, std::string_
 std::string measure_text(const ClashReport& report, const Clash& clash);
 /// "2026-03-01 12:00 UTC"
 std::string time_text(std::int64_t seconds);
-/// "10.25 3.5 -2"
-std::string point_text(const Eigen::Vector3d& point);
 
-/// The `most` worst new clashes, then the clashes of the baseline, one row per clash.
+/// The `most` worst new clashes, then the clashes of the baseline, one row per clash, in groups if there are any.
 std::string clash_table(const ClashReport& report, std::size_t most);
 
-void write_json(OutputFile& file, const ClashReport& report);
+void write_json(TextSink& out, const ClashReport& report);
 void write_csv(OutputFile& file, const ClashReport& report);
 /// JUnit XML: a new clash is a failure, a known clash is skipped, a resolved clash passes.
 void write_junit(OutputFile& file, const ClashReport& report);

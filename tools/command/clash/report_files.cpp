@@ -1,14 +1,12 @@
 // Machine-readable reports: JSON, CSV and JUnit XML.
 #include <cmath>
-#include <functional>
 #include <optional>
-
-#include <nlohmann/json.hpp>
 
 #include <oncollide/base/text/json_writer.hpp>
 #include <oncollide/base/text/svg.hpp>
 
 #include "clash/report.hpp"
+#include "clash/report_json.hpp"
 #include "common/text.hpp"
 
 namespace oncollide::tools {
@@ -35,10 +33,16 @@ Json finite(double value)
 Json json_of(const ClashReport& r, std::uint32_t number)
 {
     const Part& part = r.parts.parts[number];
-    return {{"name", part.name},
-            {"path", part.path},
-            {"file", part.file},
-            {"group", part.group ? Json(r.parts.groups[part.group]) : Json(nullptr)}};
+    Json j{{"name", part.name},
+           {"path", part.path},
+           {"file", part.file},
+           {"group", part.group ? Json(r.parts.groups[part.group]) : Json(nullptr)}};
+    const PartDetails& d = part.details;
+    for (const auto& [key, text] :
+         {std::pair("class", &d.part_class), std::pair("guid", &d.guid), std::pair("type", &d.type),
+          std::pair("storey", &d.storey), std::pair("discipline", &d.discipline)})
+        if (!text->empty()) j[key] = *text;
+    return j;
 }
 
 Json json_of(const ClashReport& r, const Clash& c)
@@ -85,7 +89,26 @@ std::optional<Digits> length(double value, bool known = true)
 
 } // namespace
 
-void write_json(OutputFile& file, const ClashReport& r)
+std::string json_text(const nlohmann::ordered_json& value)
+{
+    return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+void write_report_lines(TextSink& out, const nlohmann::ordered_json& head, const std::vector<JsonList>& lists)
+{
+    const std::string begin = json_text(head);
+    out.write(begin.substr(0, begin.size() - 1));
+    JsonWriter json = JsonWriter::within(out);
+    for (const JsonList& list : lists) {
+        json.line(), json.key(list.name), json.begin_array();
+        for (std::size_t i = 0; i < list.count; ++i) json.line(), json.raw(json_text(list.at(i)));
+        json.end_array();
+    }
+    json.end_object();
+    out.write("\n");
+}
+
+void write_json(TextSink& out, const ClashReport& r)
 {
     Json head{{"schema", "oncollide.clash"},   {"schema_version", 1},    {"unit", r.unit.name},
               {"parts", r.parts.parts.size()}, {"files", r.parts.files}, {"triangles", r.parts.triangles}};
@@ -101,6 +124,7 @@ void write_json(OutputFile& file, const ClashReport& r)
         Json& counts = head["counts"][std::string(name_of(status))];
         for (const ClashKind kind : clash_kinds) counts[std::string(name_of(kind))] = r.count(status, kind);
     }
+    if (r.settings.matrix) head["skipped"] = r.found.skipped;
     head["unreadable"] = r.parts.unreadable;
     head["warnings"] = r.warnings;
     head["mended"] = Json::array(), head["open"] = Json::array(), head["open_because"] = Json::array();
@@ -123,23 +147,23 @@ void write_json(OutputFile& file, const ClashReport& r)
         j["pairs"] = of.pairs, j["triangles"] = of.worst, j["where"] = json_of(of.where);
         head["self"].push_back(std::move(j));
     }
-    const auto text = [](const Json& j) { return j.dump(-1, ' ', false, Json::error_handler_t::replace); };
-    const std::string begin = text(head);
-    file.write(begin.substr(0, begin.size() - 1));
-    JsonWriter json = JsonWriter::within(file);
-    const auto list = [&](const char* name, std::size_t count, const std::function<Json(std::size_t)>& at) {
-        json.line(), json.key(name), json.begin_array();
-        for (std::size_t i = 0; i < count; ++i) json.line(), json.raw(text(at(i)));
-        json.end_array();
-    };
-    list("clashes", r.found.list.size(), [&](std::size_t i) { return json_of(r, r.found.list[i]); });
-    list("resolved", r.resolved.size(), [&](std::size_t i) {
-        const ResolvedClash& c = r.resolved[i];
-        return Json{{"id", c.id}, {"status", "resolved"}, {"comment", c.comment}, {"kind", c.kind}, {"a", c.a},
-                    {"b", c.b}};
-    });
-    json.end_object();
-    file.write("\n");
+    if (!r.group_by.empty()) {
+        head["group_by"] = Json::array(), head["groups"] = Json::array();
+        for (const GroupKey key : r.group_by) head["group_by"].push_back(name_of(key));
+        for (const ClashGroup& group : r.groups()) {
+            Json ids = Json::array();
+            for (const std::size_t i : group.rows) ids.push_back(r.found.list[i].id);
+            head["groups"].push_back({{"name", group.name}, {"count", group.rows.size()}, {"clashes", ids}});
+        }
+    }
+    write_report_lines(
+        out, head,
+        {{"clashes", r.found.list.size(), [&](std::size_t i) { return json_of(r, r.found.list[i]); }},
+         {"resolved", r.resolved.size(), [&](std::size_t i) {
+              const ResolvedClash& c = r.resolved[i];
+              return Json{{"id", c.id}, {"status", "resolved"}, {"comment", c.comment}, {"kind", c.kind}, {"a", c.a},
+                          {"b", c.b}};
+          }}});
 }
 
 void write_csv(OutputFile& file, const ClashReport& r)
@@ -188,7 +212,7 @@ void write_junit(OutputFile& file, const ClashReport& r)
         if (c.status == ClashStatus::contact) continue;
         const std::string pair = xml_escaped(fmt::format("{} and {}", r.name(c.a), r.name(c.b)));
         const std::string what =
-            xml_escaped(fmt::format("{}: {}, at {}", name_of(c.kind), measure_text(r, c), point_text(c.where)));
+            xml_escaped(fmt::format("{}: {}, at {}", name_of(c.kind), measure_text(r, c), r.position(c.where)));
         file.print("<testcase classname=\"clash.{}\" name=\"{}\">", name_of(c.kind), pair);
         if (c.status == ClashStatus::fresh)
             file.print("<failure type=\"{}\" message=\"{}\"/>", name_of(c.kind), what);

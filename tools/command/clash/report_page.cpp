@@ -1,55 +1,25 @@
 // The report as a single HTML page.
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <span>
 
 #include <fmt/ranges.h>
 
+#include <oncollide/base/text/listed.hpp>
 #include <oncollide/base/text/svg.hpp>
 #include <oncollide/runs/report.hpp>
 
 #include "clash/report.hpp"
+#include "clash/report_page_text.hpp"
 #include "common/base64.hpp"
 #include "common/text.hpp"
 
 namespace oncollide::tools {
 namespace {
 
-constexpr std::string_view style = R"(
-:root { color-scheme: light dark; --ink: #1d232b; --paper: #ffffff; --soft: #5b6673; --line: #d4dae1; --band: #f3f5f8;
-        --enclosed: #8e1b63; --crossing: #b3261e; --touching: #8a5a00; --near: #1f5fa8; --duplicate: #5b2a86; }
-@media (prefers-color-scheme: dark) { :root { --ink: #e6e9ee; --paper: #15191f; --soft: #9aa6b4; --line: #343c47;
-        --band: #1e242c; --enclosed: #f08cc8; --crossing: #ff8a80; --touching: #e9b44c; --near: #7fb8f5; --duplicate: #c9a2f0; } }
-body { font: 15px/1.5 "DejaVu Sans", Verdana, Helvetica, Arial, sans-serif; color: var(--ink); background: var(--paper);
-       max-width: 1120px; margin: 2em auto; padding: 0 1em; }
-h1 { font-size: 1.6em; margin-bottom: 0.2em; } h2 { font-size: 1.2em; margin-top: 2em; }
-p { margin: 0.3em 0; } .soft { color: var(--soft); } .warning { border-left: 4px solid var(--touching); padding-left: 0.6em; }
-.scroll { overflow-x: auto; } table { border-collapse: collapse; font-size: 13px; width: 100%; }
-th, td { padding: 4px 8px; text-align: left; border-bottom: 1px solid var(--line); overflow-wrap: anywhere; }
-thead th { border-bottom: 2px solid var(--soft); white-space: nowrap; } th button { all: unset; cursor: pointer; }
-th button:focus-visible { outline: 2px solid var(--near); } th button::after { content: " \2195"; color: var(--soft); }
-.number { text-align: right; white-space: nowrap; }
-.enclosed { color: var(--enclosed); } .crossing { color: var(--crossing); } .touching { color: var(--touching); }
-.near { color: var(--near); } .duplicate { color: var(--duplicate); } .kind { font-weight: bold; }
-dl { display: grid; grid-template-columns: max-content 1fr; gap: 0.1em 1em; font-size: 13px; } dd { margin: 0; overflow-wrap: anywhere; }
-a { color: var(--near); } tr:target, figure:target { outline: 2px solid var(--near); }
-.cards { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 480px), 1fr)); gap: 1.2em; }
-figure { margin: 0; border: 1px solid var(--line); border-radius: 6px; background: var(--band); overflow: hidden; }
-figure img { width: 100%; height: auto; display: block; } figcaption { padding: 0.5em 0.8em; font-size: 13px; overflow-wrap: anywhere; }
-@media print { body { margin: 0; max-width: none; font-size: 10pt; } figure, tr { break-inside: avoid; } }
-)";
-
-/// Sorts a table by the rows' keys when its heading is clicked. The page is readable without scripts.
-constexpr std::string_view script = R"(
-for (const button of document.querySelectorAll("th button")) button.addEventListener("click", () => {
-  const head = button.parentElement, column = head.cellIndex, body = head.closest("table").tBodies[0];
-  const up = head.getAttribute("aria-sort") !== "ascending";
-  for (const other of head.parentElement.cells) other.removeAttribute("aria-sort");
-  head.setAttribute("aria-sort", up ? "ascending" : "descending");
-  const key = row => { const cell = row.cells[column], key = cell.dataset.key; return key === undefined ? cell.textContent : +key; };
-  const rows = [...body.rows].sort((a, b) => { const p = key(a), q = key(b);
-    return (typeof p === "number" ? p - q : p.localeCompare(q, undefined, {numeric: true})) * (up ? 1 : -1); });
-  body.append(...rows);
-});
-)";
+constexpr std::size_t first_cards = 10; ///< pictures before the table
 
 void head(OutputFile& file)
 {
@@ -58,7 +28,7 @@ void head(OutputFile& file)
                "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src "
                "'unsafe-inline'; script-src 'unsafe-inline'\">\n"
                "<title>Clash report</title>\n<style>{}</style></head>\n<body>\n<h1>Clash report</h1>\n",
-               style);
+               clash_page_style);
 }
 
 std::string kind_text(const Clash& c)
@@ -108,49 +78,76 @@ void write_settings(OutputFile& file, const ClashReport& r)
     file.print("</dl>\n");
 }
 
-void write_table(OutputFile& file, const ClashReport& r, const ClashPictures& pictures, ClashStatus status)
+/// The property of both parts, for filters: "Wall\nBeam", or "Wall" if they agree.
+std::string both(GroupKey key, const ClashReport& r, const Clash& c)
 {
-    const char* headings[] = {"", "kind", "overlap or gap", "part", "part", "where", "comment"};
-    file.print("<div class=\"scroll\"><table><thead><tr>");
-    for (const char* heading : headings)
-        file.print("<th scope=\"col\"><button>{}</button></th>", *heading ? heading : "#");
-    file.print("</tr></thead><tbody>\n");
-    std::size_t row = 0;
-    for (std::size_t i = 0; i < r.found.list.size(); ++i) {
-        const Clash& c = r.found.list[i];
-        if (c.status != status) continue;
-        const double key = c.apart() ? -c.lower : c.severity();
-        file.print(
-            "<tr id=\"{4}\"><td class=\"number\" data-key=\"{0}\">{0}</td><td>{1}</td><td data-key=\"{2}\">{3}</td>",
-            ++row, kind_text(c), key, xml_escaped(measure_text(r, c)), c.id);
-        const auto part = [&](std::uint32_t number) {
-            return fmt::format("<td title=\"{}\">{}</td>", xml_escaped(r.parts.parts[number].path),
-                               xml_escaped(r.name(number)));
-        };
-        file.print("{}{}<td class=\"number\">{} {}</td><td>{}</td></tr>\n", part(c.a), part(c.b), point_text(c.where),
-                   link_text(r, c, pictures.views[i]), xml_escaped(c.comment));
-    }
-    file.print("</tbody></table></div>\n");
+    const std::string a = text_of(key, r.parts.parts[c.a]), b = text_of(key, r.parts.parts[c.b]);
+    return xml_escaped(a == b ? a : a + "\n" + b);
 }
 
-void write_cards(OutputFile& file, const ClashReport& r, const ClashPictures& pictures, ClashStatus status)
+/// @param rows    in Clashes::list
+/// @param number  of the last row
+void write_rows(OutputFile& file, const ClashReport& r, const ClashPictures& pictures,
+                const std::vector<std::size_t>& rows, std::size_t& number)
+{
+    for (const std::size_t i : rows) {
+        const Clash& c = r.found.list[i];
+        const double key = c.apart() ? -c.lower : c.severity();
+        const bool open = c.status == ClashStatus::fresh || c.status == ClashStatus::active;
+        file.print("<tr id=\"{}\"", c.id);
+        if (open)
+            file.print(" data-status=\"{}\" data-kind=\"{}\" data-classes=\"{}\" data-storeys=\"{}\" "
+                       "data-disciplines=\"{}\" data-size=\"{}\"",
+                       xml_escaped(c.status_text()), name_of(c.kind), both(GroupKey::part_class, r, c),
+                       both(GroupKey::storey, r, c), both(GroupKey::discipline, r, c), std::abs(key));
+        file.print("><td class=\"number\" data-key=\"{0}\">{0}</td><td>{1}</td><td data-key=\"{2}\">{3}</td>", ++number,
+                   kind_text(c), key, xml_escaped(measure_text(r, c)));
+        for (const std::uint32_t part : {c.a, c.b})
+            file.print("<td title=\"{}\">{}</td>", xml_escaped(r.parts.parts[part].path),
+                       xml_escaped(shortened(r.label(part), 80)));
+        file.print("<td class=\"number\">{} {}</td><td>{}</td><td>{}</td></tr>\n", r.position(c.where),
+                   link_text(r, c, pictures.views[i]), xml_escaped(c.status_text()), xml_escaped(c.comment));
+    }
+}
+
+void write_table(OutputFile& file, const ClashReport& r, const ClashPictures& pictures,
+                 const std::vector<ClashGroup>& groups)
+{
+    const char* headings[] = {"#", "kind", "overlap or gap", "part", "part", "where", "status", "comment"};
+    file.print("<div class=\"scroll\"><table><thead><tr>");
+    for (const char* heading : headings) file.print("<th scope=\"col\"><button>{}</button></th>", heading);
+    file.print("</tr></thead>\n");
+    std::size_t number = 0;
+    for (const ClashGroup& group : groups) {
+        file.print("<tbody>\n");
+        if (!group.name.empty())
+            file.print("<tr class=\"group\"><th colspan=\"8\" scope=\"rowgroup\">{} ({})</th></tr>\n",
+                       xml_escaped(group.name), grouped(group.rows.size()));
+        write_rows(file, r, pictures, group.rows, number);
+        file.print("</tbody>\n");
+    }
+    file.print("</table></div>\n");
+}
+
+/// The pictures of some clashes.
+void write_cards(OutputFile& file, const ClashReport& r, const ClashPictures& pictures,
+                 std::span<const std::size_t> rows)
 {
     bool any = false;
-    std::size_t row = 0;
-    for (std::size_t i = 0; i < r.found.list.size(); ++i) {
+    for (const std::size_t i : rows) {
         const Clash& c = r.found.list[i];
-        row += c.status == status;
-        if (c.status != status || i >= pictures.images.size() || pictures.images[i].empty()) continue;
+        if (i >= pictures.images.size() || pictures.images[i].empty()) continue;
         if (!any) file.print("<div class=\"cards\">\n");
         any = true;
-        const std::string a = xml_escaped(r.name(c.a)), b = xml_escaped(r.name(c.b));
-        file.print("<figure><img alt=\"{} and {}, {}: close-up, and as a whole\" loading=\"lazy\" width=\"720\" "
-                   "height=\"360\" src=\"data:image/png;base64,",
-                   a, b, name_of(c.kind));
+        const std::string a = xml_escaped(r.label(c.a)), b = xml_escaped(r.label(c.b));
+        file.print("<figure data-id=\"{}\"><img alt=\"{} and {}, {}: close-up, and as a whole\" loading=\"lazy\" "
+                   "width=\"720\" height=\"360\" src=\"data:image/png;base64,",
+                   c.id, a, b, name_of(c.kind));
         file.write(base64(pictures.images[i]));
-        file.print("\"><figcaption>{}. {} <b>{}</b> and <b>{}</b>: {}, at {} {}</figcaption></figure>\n", row,
-                   kind_text(c), a, b, xml_escaped(measure_text(r, c)), point_text(c.where),
-                   link_text(r, c, pictures.views[i]));
+        file.print("\"><figcaption>{} <b>{}</b> and <b>{}</b>: {}, at {} {} <a href=\"#{}\">row</a></figcaption>"
+                   "</figure>\n",
+                   kind_text(c), a, b, xml_escaped(measure_text(r, c)), r.position(c.where),
+                   link_text(r, c, pictures.views[i]), c.id);
     }
     if (any) file.print("</div>\n");
 }
@@ -158,11 +155,64 @@ void write_cards(OutputFile& file, const ClashReport& r, const ClashPictures& pi
 void write_section(OutputFile& file, const ClashReport& r, const ClashPictures& pictures, ClashStatus status,
                    std::string_view title)
 {
-    const std::size_t count = r.count(status);
-    if (count == 0) return;
-    file.print("<h2>{} ({})</h2>\n", title, grouped(count));
-    write_cards(file, r, pictures, status);
-    write_table(file, r, pictures, status);
+    std::vector<std::size_t> rows;
+    for (std::size_t i = 0; i < r.found.list.size(); ++i)
+        if (r.found.list[i].status == status) rows.push_back(i);
+    if (rows.empty()) return;
+    file.print("<h2>{} ({})</h2>\n", title, grouped(rows.size()));
+    const bool open = status == ClashStatus::fresh || status == ClashStatus::active;
+    write_table(file, r, pictures, groups_of(r.parts, r.found.list, rows, open ? r.group_by : std::vector<GroupKey>{}));
+    write_cards(file, r, pictures,
+                std::span(rows).subspan(open && status == ClashStatus::fresh ? std::min(rows.size(), first_cards) : 0));
+}
+
+/// How many open clashes there are between parts of each two disciplines, or, within one discipline, classes.
+void write_matrix(OutputFile& file, const ClashReport& r)
+{
+    const auto of = [&](GroupKey key) {
+        std::set<std::string> names;
+        for (const Part& part : r.parts.parts) names.insert(text_of(key, part));
+        return names;
+    };
+    const GroupKey key = of(GroupKey::discipline).size() > 1 ? GroupKey::discipline : GroupKey::part_class;
+    if (of(key).size() < 2) return;
+    std::map<std::pair<std::string, std::string>, std::size_t> counts;
+    std::set<std::string> names;
+    for (const std::size_t i : r.open_clashes()) {
+        std::string a = text_of(key, r.parts.parts[r.found.list[i].a]),
+                    b = text_of(key, r.parts.parts[r.found.list[i].b]);
+        if (b < a) std::swap(a, b);
+        names.insert({a, b}), ++counts[{a, b}];
+    }
+    if (names.empty()) return;
+    file.print("<h2>By {}</h2>\n<div class=\"scroll\"><table class=\"matrix\"><thead><tr><th></th>", name_of(key));
+    for (const std::string& name : names) file.print("<th scope=\"col\">{}</th>", xml_escaped(name));
+    file.print("</tr></thead><tbody>\n");
+    for (const std::string& a : names) {
+        file.print("<tr><th scope=\"row\">{}</th>", xml_escaped(a));
+        for (const std::string& b : names) {
+            const auto at = counts.find({std::min(a, b), std::max(a, b)});
+            file.print("<td>{}</td>", at == counts.end() ? "" : grouped(at->second));
+        }
+        file.print("</tr>\n");
+    }
+    file.print("</tbody></table></div>\n");
+}
+
+/// The JSON report, for the page's script. `<` is escaped, so that no name ends the element.
+void write_data(OutputFile& file, const ClashReport& r)
+{
+    TextInMemory json;
+    write_json(json, r);
+    std::string text;
+    for (const char c : json.text())
+        if (c == '<')
+            text += "\\u003c";
+        else
+            text += c;
+    file.print("<script type=\"application/json\" id=\"report\">");
+    file.write(text);
+    file.print("</script>\n");
 }
 
 } // namespace
@@ -171,17 +221,23 @@ void write_page(OutputFile& file, const ClashReport& r, const ClashPictures& pic
 {
     head(file);
     for (const std::string& line : summary(r)) file.print("<p>{}</p>\n", xml_escaped(line));
-    file.print(
-        "<p class=\"soft\">Every pair was decided exactly. Overlap: the common part of both parts is at most this "
-        "thick, and a vertex of one is at least this deep inside the other. Lengths and positions in {}.{}</p>\n",
-        r.unit.name,
-        r.count(ClashStatus::fresh) + r.count(ClashStatus::active)
-            ? " Pictures: the first part is blue, the second yellow, both transparent; their common part, or an "
-              "enclosed part, is red. Left: close-up; right: both parts as a whole."
-            : "");
     if (!pictures.note.empty()) file.print("<p class=\"soft\">{}</p>\n", xml_escaped(pictures.note));
-    for (const std::string& warning : r.warnings) file.print("<p class=\"warning\">{}</p>\n", xml_escaped(warning));
-    write_settings(file, r);
+    constexpr std::size_t shown_warnings = 3;
+    for (std::size_t i = 0; i < r.warnings.size(); ++i) {
+        if (i == shown_warnings)
+            file.print("<details><summary>{} more warnings</summary>\n", r.warnings.size() - shown_warnings);
+        file.print("<p class=\"warning\">{}</p>\n", xml_escaped(r.warnings[i]));
+    }
+    if (r.warnings.size() > shown_warnings) file.print("</details>\n");
+    write_matrix(file, r);
+    std::vector<std::size_t> worst;
+    for (std::size_t i = 0; i < r.found.list.size() && worst.size() < first_cards; ++i)
+        if (r.found.list[i].status == ClashStatus::fresh) worst.push_back(i);
+    const bool drawn = std::ranges::any_of(
+        worst, [&](std::size_t i) { return i < pictures.images.size() && !pictures.images[i].empty(); });
+    if (drawn) file.print("<h2>The worst</h2>\n");
+    write_cards(file, r, pictures, worst);
+    file.print("<div class=\"filters\" id=\"filters\" hidden></div>\n");
     write_section(file, r, pictures, ClashStatus::fresh, r.baseline.empty() ? "Clashes" : "New clashes");
     write_section(file, r, pictures, ClashStatus::active, "Active clashes, also in the baseline");
     if (!r.resolved.empty()) {
@@ -193,7 +249,17 @@ void write_page(OutputFile& file, const ClashReport& r, const ClashPictures& pic
     }
     write_section(file, r, pictures, ClashStatus::contact, "Pairs that only touch (not a clash)");
     write_section(file, r, pictures, ClashStatus::ignored, "Ignored pairs");
-    file.print("<script>{}</script>\n</body></html>\n", script);
+    write_settings(file, r);
+    file.print(
+        "<p class=\"soft\">Every pair was decided exactly. Overlap: the common part of both parts is at most this "
+        "thick, and a vertex of one is at least this deep inside the other. Lengths and positions in {}.{}</p>\n",
+        r.unit.name,
+        r.count(ClashStatus::fresh) + r.count(ClashStatus::active)
+            ? " Pictures: the first part is blue, the second yellow, both transparent; their common part, or an "
+              "enclosed part, is red. Left: close-up; right: both parts as a whole."
+            : "");
+    write_data(file, r);
+    file.print("<script>{}</script>\n</body></html>\n", clash_page_script);
 }
 
 } // namespace oncollide::tools

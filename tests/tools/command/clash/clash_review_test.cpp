@@ -192,6 +192,18 @@ TEST_F(ClashReview, BcfHasATopicForEachClash)
     const bool drawn = run({"doctor"}).out.find("llvmpipe") != std::string::npos;
     EXPECT_EQ(all.find("<Snapshot>snapshot.png</Snapshot>") != all.npos, drawn);
 
+    // BCF 3.0 has the same topics.
+    arguments.insert(arguments.end(), {"--bcf-version", "3.0"});
+    EXPECT_EQ(run(arguments, around).code, 0);
+    auto newer = read_zip(folder_.read("r.bcfzip"));
+    EXPECT_EQ(bcf_faults(newer), std::vector<std::string>());
+    for (const char* text : {"<TopicStatus>active</TopicStatus>", "<TopicLabel>enclosed</TopicLabel>"})
+        EXPECT_NE(newer["extensions.xml"].find(text), std::string::npos) << text;
+    EXPECT_EQ(newer.erase("extensions.xml"), 1u);
+    EXPECT_EQ(newer.size(), files.size());
+    for (const auto& [name, text] : newer) EXPECT_TRUE(files.contains(name)) << name;
+    arguments.resize(arguments.size() - 2);
+
     // The same clashes are the same topics in the next run; without a renderer there is no picture.
     around.environment = {{"__EGL_VENDOR_LIBRARY_FILENAMES", "/nowhere"}};
     const Outcome blind = run(arguments, around);

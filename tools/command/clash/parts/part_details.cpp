@@ -26,4 +26,13 @@ PartDetails details_of(const std::string& extras, double scale)
     return details;
 }
 
+std::string class_text(const std::string& part_class)
+{
+    constexpr std::string_view prefix = "Ifc", suffix = "StandardCase";
+    if (!part_class.starts_with(prefix)) return part_class;
+    std::string text = part_class.substr(prefix.size());
+    if (text.ends_with(suffix) && text != suffix) text.resize(text.size() - suffix.size());
+    return text;
+}
+
 } // namespace oncollide::tools

@@ -16,4 +16,7 @@ struct PartDetails {
 /// @param scale   units of the report per metre
 PartDetails details_of(const std::string& extras, double scale);
 
+/// A class for people: "Wall" of IfcWall and IfcWallStandardCase.
+std::string class_text(const std::string& part_class);
+
 } // namespace oncollide::tools

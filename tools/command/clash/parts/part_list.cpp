@@ -66,11 +66,35 @@ void name_parts(PartList& list, const std::vector<Names>& names)
     }
     std::map<std::string, std::vector<std::uint32_t>> same;
     for (std::uint32_t i = 0; i < names.size(); ++i) same[names[i].own].push_back(i);
-    for (const auto& [name, parts] : same)
-        if (parts.size() > 1)
-            list.warnings.push_back(fmt::format("{} parts are named '{}'; the report names them '{}', '{}'{}",
-                                                parts.size(), shortened(name), shortened(list.parts[parts[0]].name),
-                                                shortened(list.parts[parts[1]].name), parts.size() > 2 ? ", ..." : ""));
+    std::erase_if(same, [](const auto& entry) { return entry.second.size() < 2; });
+    if (same.empty()) return;
+    const auto& [name, parts] = *same.begin();
+    const std::string one = fmt::format("'{}', '{}'{}", shortened(list.parts[parts[0]].name),
+                                        shortened(list.parts[parts[1]].name), parts.size() > 2 ? ", ..." : "");
+    list.warnings.push_back(
+        same.size() == 1
+            ? fmt::format("{} parts are named '{}'; the report names them {}", parts.size(), shortened(name), one)
+            : fmt::format("{} names occur several times, such as '{}'; the report adds their parent nodes, folders or "
+                          "numbers: {}",
+                          same.size(), shortened(name), one));
+}
+
+/// "Beam HEA 200 (2)" for an element of a building: the number is among the elements of this class and name.
+void label_parts(PartList& list, const std::vector<Names>& names)
+{
+    std::map<std::string, int> count, number;
+    const auto label = [&](std::size_t i) {
+        const std::string &of = list.parts[i].details.part_class, &own = names[i].own;
+        // Elements without a name are called by class and GlobalId.
+        return class_text(of) + (own.starts_with(of + " ") ? own.substr(of.size()) : " " + own);
+    };
+    for (std::size_t i = 0; i < names.size(); ++i)
+        if (!list.parts[i].details.part_class.empty()) ++count[label(i)];
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        Part& part = list.parts[i];
+        part.label = part.details.part_class.empty() ? part.name : label(i);
+        if (count[part.label] > 1) part.label += fmt::format(" ({})", ++number[part.label]);
+    }
 }
 
 /// The file's path in the folder that the command line names, or its name.
@@ -198,8 +222,11 @@ PartList read_parts(const std::vector<std::string>& all_files, const Units& unit
                                 "of several nodes, or an OBJ file of several objects",
                                 files.front(), names.front().own));
     name_parts(list, names);
+    label_parts(list, names);
     make_ids_unique(list);
     selection.finish();
+    // A clash lists its parts in this order: the part of set A first.
+    if (list.has_sets) std::ranges::stable_partition(list.parts, [](const Part& part) { return (part.sets & 1) != 0; });
     warn_of_units(list, std::move(reaches), units.reported());
     return list;
 }

@@ -16,10 +16,12 @@ namespace oncollide::tools {
 
 /// A part of an assembly, in the unit of the report.
 struct Part {
-    std::string name{}; ///< unique
-    std::string path;   ///< its file, relative to the folder that was named; in an assembly, ":" and the names of all
-                        ///< its nodes follow
-    std::string id;     ///< unique; stays if other parts come or go, or the files are moved as a whole
+    std::string name{};  ///< unique
+    std::string label{}; ///< for people: the name, or for an element of a building its class and name, such as
+                         ///< "Beam HEA 200 (2)"
+    std::string path;    ///< its file, relative to the folder that was named; in an assembly, ":" and the names of all
+                         ///< its nodes follow
+    std::string id;      ///< unique; stays if other parts come or go, or the files are moved as a whole
     std::string file;
     std::uint32_t mesh;      ///< in PartList::meshes
     std::uint32_t group = 0; ///< in PartList::groups; parts of one group are not compared; 0: no group
