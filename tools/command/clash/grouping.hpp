@@ -16,7 +16,7 @@ std::string_view name_of(GroupKey key);
 
 /// The property of a part, such as "Wall" or "Level 1"; "without storey" if it is unknown.
 std::string text_of(GroupKey key, const Part& part);
-/// The property of both parts: "Beam and Wall"; "Wall" if they agree. With sets the part of set A comes first.
+/// The property of both parts: "Beam and Wall"; "Wall" if they agree. The part of set A comes first, if there are sets.
 std::string text_of(GroupKey key, const PartList& list, const Clash& clash);
 
 struct ClashGroup {

@@ -20,8 +20,8 @@ public:
     /// {"a": "ARC", "b": "ARC", "skip": true}]}. Lengths without a unit are in `unit`. Throws Error{bad_data}.
     ClashMatrix(const std::string& file, const Unit& unit);
 
-    /// The limits of the first rule that fits the parts, in either order; a limit that the rule leaves out, and the
-    /// limits of a pair without a rule, are those of `other`.
+    /// The limits of the first rule that fits the parts, in either order. `other` has the limits that this rule leaves
+    /// out, and the limits of a pair without a rule.
     PairLimits limits(const Part& a, const Part& b, const PairLimits& other) const;
     /// No rule has a larger clearance or tolerance.
     double largest() const;

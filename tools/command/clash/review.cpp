@@ -53,7 +53,7 @@ Review review_from(const std::string& text)
     return review;
 }
 
-/// Refuses anything that is not a report with clashes.
+/// Throws Error{bad_data} unless the file is a report with clashes.
 Json read_report_to_review(const std::string& file)
 {
     const auto fail = [&] { refuse(file, "not a valid report; expected a JSON report of 'oncollide clash'"); };

@@ -63,7 +63,8 @@ struct PartList {
 /// a pattern of a set matches no part, or the rules leave no pair of parts to compare.
 PartList read_parts(const std::vector<std::string>& files, const Units& units, const PartRules& rules, int threads);
 
-/// How exact coordinates in float files of this size are after a few roundings: 2^-19 of the largest.
+/// How exact coordinates in float files of this size are after a few roundings: 2^-19 of the largest. For elements of
+/// buildings, which are placed in double, of the largest in their own frames.
 double precision_of(const PartList& parts);
 
 /// Closes the parts' meshes as mended() does. Cost: as mended(), for all meshes.
