@@ -76,7 +76,7 @@ OldReport read_report(const std::string& file)
 
 int rank(std::string_view kind)
 {
-    return kind == "near" ? 0 : kind == "touching" ? 1 : 2;
+    return kind == "near" ? 0 : kind == "touching" || kind == "within" ? 1 : 2;
 }
 
 using NamesOfPair = std::pair<std::string, std::string>;

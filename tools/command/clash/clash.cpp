@@ -31,6 +31,7 @@
 #include "cli/progress.hpp"
 #include "cli/standard_output.hpp"
 #include "common/zip_bytes.hpp"
+#include "convert/converters.hpp"
 #include "view/view_page.hpp"
 
 namespace oncollide::tools {
@@ -38,7 +39,8 @@ namespace {
 
 struct ClashOptions {
     std::vector<std::string> inputs, units, groups, set_a, set_b, out;
-    std::string clearance = "0", tolerance, ignore, baseline, bcf, bcf_version = "2.1", view, group_by, matrix;
+    std::string clearance = "0", tolerance, deflection, ignore, baseline, bcf, bcf_version = "2.1", view, group_by,
+                matrix;
     int list = 20, pictures = 40, threads = 0, view_limit = 40, most_parts = int(AssemblyOptions{}.most_parts),
         most_pairs = int(ClashSettings{}.most_pairs);
     bool touching = false, self = false, skip_unreadable = false, strict = false, quiet = false;
@@ -202,6 +204,11 @@ int clash(const ClashOptions& o)
                            .matrix = matrix ? &*matrix : nullptr,
                            .most_pairs = std::uint64_t(o.most_pairs),
                            .threads = o.threads};
+    if (!o.deflection.empty()) {
+        const double length = length_from("--deflection", o.deflection, units.reported());
+        if (!(length > 0)) usage("--deflection: must be above 0");
+        read_converted_files(fmt::format("{}mm", length * units.reported().millimetres));
+    }
     std::vector<std::string> warnings;
     const std::vector<std::string> files = files_of(o.inputs, &warnings);
     check_out(o, files);
@@ -230,8 +237,8 @@ void add_comparing_options(Arguments sub, ClashOptions* o)
 {
     sub.add_option(
            "--units UNIT", o->units,
-           "unit of the files and of the report: mm, cm, m or in (default mm). glTF files are in metres; COLLADA and "
-           "3MF files define their unit. PATTERN=UNIT sets the unit of some files: 'frame*.stl=m' (repeatable)")
+           "unit of the files and of the report: mm, cm, m or in (default mm). glTF files are in metres; COLLADA, 3MF "
+           "and CAD files define their unit. PATTERN=UNIT sets the unit of some files: 'frame*.stl=m' (repeatable)")
         .repeatable();
     sub.add_option("--clearance LENGTH", o->clearance,
                    "parts at most this far apart also clash: 2mm, 0.1in (default 0)");
@@ -242,7 +249,12 @@ void add_comparing_options(Arguments sub, ClashOptions* o)
     sub.add_option("--matrix FILE.json", o->matrix,
                    "the clash matrix: clearance, tolerance or skip for pairs of disciplines, classes or storeys; other "
                    "pairs have --clearance and --tolerance");
-    sub.add_flag("--touching", o->touching, "parts that only touch also clash, for example bolted faces");
+    sub.add_option(
+        "--deflection LENGTH", o->deflection,
+        "largest distance between meshes of CAD files and the true surfaces, 0.1mm (default: a thousandth of "
+        "each part's size, from 0.01 to 1 mm)");
+    sub.add_flag("--touching", o->touching,
+                 "parts that only touch, or may do so (within), also clash, for example bolted faces");
     sub.add_flag("--self", o->self,
                  "also name the parts whose triangles meet each other; no clash, and no part of the exit code");
     sub.add_option("--group file|node|PATTERN", o->groups,
@@ -305,17 +317,18 @@ void add_clash(Arguments app)
     auto o = std::make_shared<ClashOptions>();
     // Not marked as required: CLI11 would then take the word `review` for a file.
     sub.add_option("parts FILES|FOLDER|ASSEMBLY", o->inputs,
-                   "part files (OBJ, STL, PLY, OFF; one part per file, in the file's coordinates), glTF, COLLADA or "
-                   "3MF assemblies (one part per node that shows a mesh), one OBJ file (one part per object or group), "
-                   "folders of these");
+                   "part files (OBJ, STL, PLY, OFF; one part per file, in the file's coordinates), glTF, COLLADA, "
+                   "3MF, STEP, IGES, BREP or IFC assemblies (one part per node that shows a mesh), one OBJ file (one "
+                   "part per object or group), folders of these");
     add_clash_review(sub);
     sub.at_most_one_command(); // words after `review` belong to it
     add_comparing_options(sub, o.get());
     add_report_options(sub, o.get());
     sub.footer(
         "All pairs of parts are decided exactly: duplicate (same geometry, same place), enclosed (one inside\n"
-        "the other), crossing, touching, near (with --clearance). Parts should be closed surfaces; parts inside\n"
-        "a part that is not closed are not found; open parts are listed.\n"
+        "the other), crossing, within (below the deflection of CAD files), touching, near (with --clearance).\n"
+        "Parts should be closed surfaces; parts inside a part that is not closed are not found; open parts are\n"
+        "listed.\n"
         "Exit codes: 0 no new clash, 1 a new clash, 2 no new clash, but files were skipped, 64 and above: error.\n"
         "Examples:\n"
         "  oncollide clash factory.glb --clearance 2mm -o report.html\n"

@@ -70,8 +70,22 @@ void measure_duplicate(const PartList& list, Clash& clash)
     clash.where = box.centre();
 }
 
+/// The settings for a pair, with the limits of the matrix; none if the matrix skips it.
+std::optional<ClashSettings> for_pair(const ClashSettings& settings, const PartList& parts, std::uint32_t a,
+                                      std::uint32_t b)
+{
+    ClashSettings of = settings;
+    if (!settings.matrix) return of;
+    const PairLimits limits =
+        settings.matrix->limits(parts.parts[a], parts.parts[b], {settings.clearance, settings.tolerance});
+    of.clearance = limits.clearance, of.tolerance = limits.tolerance;
+    if (limits.skip) return {};
+    return of;
+}
+
 /// The overlap of each pair of closed parts.
-void measure_balls(const PartList& list, const Clashes& found, double tolerance, std::vector<Clash>& clashes)
+void measure_balls(const PartList& list, const Clashes& found, const ClashSettings& settings,
+                   std::vector<Clash>& clashes)
 {
     const World& world = *found.world;
     const auto mesh = [&](std::uint32_t part) -> const Mesh& {
@@ -80,8 +94,9 @@ void measure_balls(const PartList& list, const Clashes& found, double tolerance,
     parallel_chunks(clashes.size(), 1, thread_count(world.settings()), [&](std::size_t begin, std::size_t end, int) {
         for (Clash& clash : std::span(clashes).subspan(begin, end - begin)) {
             if (!clash.overlaps() || !found.closed[clash.a] || !found.closed[clash.b]) continue;
+            const double tolerance = for_pair(settings, list, clash.a, clash.b)->tolerance;
             clash.ball = common_ball(mesh(clash.a), list.parts[clash.a].pose, mesh(clash.b), list.parts[clash.b].pose,
-                                     {.enough = tolerance / 2, .most_boxes_for_volume = 2000});
+                                     {.enough = (tolerance + clash.deflection) / 2, .most_boxes_for_volume = 2000});
             clash.has_ball = true;
         }
     });
@@ -126,30 +141,39 @@ void measure(const World& world, const Clashes& found, std::vector<Clash>& clash
 }
 
 /// Parts that overlap, or are apart, by no more than the tolerance touch. Not duplicates, however thin they are.
+/// Overlaps and gaps below the deflections are within.
 void apply_tolerance(const Clashes& found, const ClashSettings& settings, Clash& clash)
 {
-    if (clash.kind == ClashKind::near)
-        // Parts beyond the clearance are in the list because they are within the tolerance.
-        clash.tolerated = clash.upper <= settings.tolerance || clash.lower > settings.clearance;
-    else if (clash.has_ball && clash.kind != ClashKind::duplicate)
-        clash.tolerated = clash.ball_upper() <= settings.tolerance;
-    else if (clash.kind == ClashKind::crossing)
-        clash.tolerated = open_within_tolerance(found, clash, settings.tolerance);
+    const double tolerance = settings.tolerance, deviating = tolerance + clash.deflection;
+    const auto overlaps_by_no_more = [&](double than) {
+        if (clash.kind == ClashKind::duplicate) return false;
+        return clash.has_ball ? clash.ball_upper() <= than
+                              : clash.kind == ClashKind::crossing && open_within_tolerance(found, clash, than);
+    };
+    bool within = false;
+    if (clash.kind == ClashKind::near) {
+        // Parts beyond the clearance are in the list because of the tolerance or the deflections.
+        const bool beyond = clash.lower > settings.clearance;
+        clash.tolerated = clash.upper <= tolerance || (beyond && clash.lower <= tolerance);
+        within = beyond;
+    } else {
+        clash.tolerated = overlaps_by_no_more(tolerance);
+        within = clash.deflection > 0 && overlaps_by_no_more(deviating);
+    }
     clash.overlapped = clash.tolerated && clash.overlaps();
-    if (clash.tolerated) clash.kind = ClashKind::touching;
-    if (clash.kind == ClashKind::touching && !settings.touching) clash.status = ClashStatus::contact;
+    if (clash.tolerated)
+        clash.kind = ClashKind::touching;
+    else if (within)
+        clash.kind = ClashKind::within;
+    const bool touches = clash.kind == ClashKind::touching || clash.kind == ClashKind::within;
+    if (touches && !settings.touching) clash.status = ClashStatus::contact;
 }
 
-/// The settings for a pair, with the limits of the matrix; without pairs (most_pairs 0) if the matrix skips it.
-ClashSettings for_pair(const ClashSettings& settings, const PartList& parts, std::uint32_t a, std::uint32_t b)
+/// True for parts that are in the list because of the deflections of other parts.
+bool is_apart(const Clash& clash, const ClashSettings& settings)
 {
-    ClashSettings of = settings;
-    if (!settings.matrix) return of;
-    const PairLimits limits =
-        settings.matrix->limits(parts.parts[a], parts.parts[b], {settings.clearance, settings.tolerance});
-    of.clearance = limits.clearance, of.tolerance = limits.tolerance;
-    if (limits.skip) of.most_pairs = 0;
-    return of;
+    return clash.kind == ClashKind::near &&
+           clash.lower > std::max(settings.clearance, settings.tolerance) + clash.deflection;
 }
 
 void find_self(const PartList& list, const std::vector<ModelId>& models, Clashes& found)
@@ -173,7 +197,7 @@ void find_self(const PartList& list, const std::vector<ModelId>& models, Clashes
 
 std::string_view name_of(ClashKind kind)
 {
-    constexpr std::string_view names[] = {"duplicate", "enclosed", "crossing", "touching", "near"};
+    constexpr std::string_view names[] = {"duplicate", "enclosed", "crossing", "within", "touching", "near"};
     return names[static_cast<int>(kind)];
 }
 
@@ -213,10 +237,11 @@ void mend(PartList& parts, ClashSettings& settings)
         mend_parts(parts, std::min(precision, settings.tolerance) / 8, threads_of(settings.threads));
 }
 
-Settings settings_of(const ClashSettings& settings)
+Settings settings_of(const ClashSettings& settings, double deflection)
 {
     return {.clearance =
-                std::max({settings.clearance, settings.tolerance, settings.matrix ? settings.matrix->largest() : 0}),
+                std::max({settings.clearance, settings.tolerance, settings.matrix ? settings.matrix->largest() : 0}) +
+                deflection,
             .exact = ExactLevel::predicates,
             .contact_kinds = true,
             .mode = Mode::solid,
@@ -228,7 +253,7 @@ Clashes find_clashes(const PartList& parts, const ClashSettings& settings)
 {
     check_number_of_pairs(parts, settings);
     Clashes found;
-    found.world = std::make_unique<World>(settings_of(settings));
+    found.world = std::make_unique<World>(settings_of(settings, 2 * parts.deflection()));
     World& world = *found.world;
     const std::vector<ModelId> models = add_parts(parts, found);
     if (settings.self) find_self(parts, models, found);
@@ -238,22 +263,23 @@ Clashes find_clashes(const PartList& parts, const ClashSettings& settings)
         if (pair.verdict == Verdict::separate) continue;
         const auto [a, b] = std::minmax({static_cast<std::uint32_t>(world.bodies().user(pair.a)),
                                          static_cast<std::uint32_t>(world.bodies().user(pair.b))});
-        if (for_pair(settings, parts, a, b).most_pairs == 0) {
+        if (!for_pair(settings, parts, a, b)) {
             ++found.skipped;
             continue;
         }
-        found.list.push_back(
-            {.a = a, .b = b, .kind = kind_of(pair.kind), .id = clash_id(parts.parts[a], parts.parts[b])});
+        const Part &part_a = parts.parts[a], &part_b = parts.parts[b];
+        found.list.push_back({.a = a,
+                              .b = b,
+                              .kind = kind_of(pair.kind),
+                              .id = clash_id(part_a, part_b),
+                              .deflection = 2 * std::max(part_a.details.deflection, part_b.details.deflection)});
     }
     find_duplicates(parts, world, settings.tolerance, found.list);
     measure(world, found, found.list);
-    measure_balls(parts, found, settings.tolerance, found.list);
-    if (settings.matrix)
-        std::erase_if(found.list, [&](const Clash& clash) {
-            const ClashSettings of = for_pair(settings, parts, clash.a, clash.b);
-            return clash.kind == ClashKind::near && clash.lower > std::max(of.clearance, of.tolerance);
-        });
-    for (Clash& clash : found.list) apply_tolerance(found, for_pair(settings, parts, clash.a, clash.b), clash);
+    std::erase_if(found.list,
+                  [&](const Clash& clash) { return is_apart(clash, *for_pair(settings, parts, clash.a, clash.b)); });
+    measure_balls(parts, found, settings, found.list);
+    for (Clash& clash : found.list) apply_tolerance(found, *for_pair(settings, parts, clash.a, clash.b), clash);
     std::ranges::sort(found.list, more_severe);
     return found;
 }

@@ -17,11 +17,12 @@ enum class ClashKind : std::uint8_t {
     duplicate, ///< both have the same geometry at the same place
     enclosed,  ///< as in ContactKind, like the following kinds
     crossing,
+    within, ///< their overlap or gap is smaller than their meshes deviate from the true surfaces: it may be none
     touching,
     near,
 };
 inline constexpr std::array clash_kinds{ClashKind::duplicate, ClashKind::enclosed, ClashKind::crossing,
-                                        ClashKind::touching, ClashKind::near};
+                                        ClashKind::within,    ClashKind::touching, ClashKind::near};
 std::string_view name_of(ClashKind kind);
 
 /// Status of a pair of parts in a report.
@@ -29,7 +30,7 @@ enum class ClashStatus : std::uint8_t {
     fresh,   ///< not known yet; in reports "new"
     active,  ///< also in the baseline
     ignored, ///< in the list of known pairs
-    contact, ///< the parts only touch, and touching is not a clash
+    contact, ///< the parts only touch, or may do so (within), and touching is not a clash
 };
 std::string_view name_of(ClashStatus status);
 
@@ -41,8 +42,10 @@ struct Clash {
     Penetration reach{}; ///< set unless the parts are apart; for a duplicate only the box and the thickness
     CommonBall ball{};   ///< if both parts are closed and overlap: the largest ball in the overlap
     bool has_ball = false;
-    bool tolerated = false;      ///< touching: the parts overlap, or are apart, by no more than the tolerance
-    bool overlapped = false;     ///< tolerated: they overlap
+    bool tolerated = false;  ///< touching: the parts overlap, or are apart, by no more than the tolerance
+    bool overlapped = false; ///< tolerated: they overlap
+    double deflection = 0;   ///< twice the larger deflection of both parts: a common ball of a larger diameter, or a
+                             ///< larger gap, is certainly there
     double lower = 0, upper = 0; ///< certified bounds on the distance of parts that are apart; else 0
     Eigen::Vector3d where =
         Eigen::Vector3d::Zero(); ///< the centre of the overlap; apart: midway between the nearest points
@@ -53,7 +56,7 @@ struct Clash {
     std::string comment{}; ///< from the baseline
 
     bool apart() const { return upper > 0; }
-    bool overlaps() const { return kind < ClashKind::touching; }
+    bool overlaps() const { return kind < ClashKind::within; }
     /// The status in reports.
     std::string_view status_text() const { return review.empty() ? name_of(status) : std::string_view(review); }
     bool has_volume() const { return has_ball && std::isfinite(ball.volume_upper); }
@@ -107,15 +110,16 @@ struct Clashes {
 /// leaves the parts as they are. Cost: as mend_parts().
 void mend(PartList& parts, ClashSettings& settings);
 /// The settings that decide pairs.
-Settings settings_of(const ClashSettings& settings);
+/// @param deflection  most that the meshes of a pair deviate from the true surfaces, together
+Settings settings_of(const ClashSettings& settings, double deflection = 0);
 /// The layers of a part: parts are compared if each is on a layer in the other's mask.
 struct PartLayers {
     std::uint32_t layer = 1, mask = 0xffffffffu;
 };
 PartLayers layers_of(const PartList& list, const Part& part);
 
-/// Decides all pairs of parts of different groups, exactly; with sets, only pairs of a part of A and a part of B.
-/// Throws Error{bad_data} for more than settings.most_pairs.
+/// Decides all pairs of parts of different groups, exactly; with sets, only pairs of a part of A and a part of B. Pairs
+/// below their deflections are within. Throws Error{bad_data} for more than settings.most_pairs.
 Clashes find_clashes(const PartList& parts, const ClashSettings& settings);
 
 /// True if `a` is listed before `b`: overlaps, the largest ball first; parts that touch; near ones, the nearest first.

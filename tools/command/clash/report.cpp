@@ -55,7 +55,8 @@ std::string touching_text(const ClashReport& r, std::size_t count)
 {
     std::size_t overlap = 0, apart = 0;
     for (const Clash& c : r.found.list)
-        if (c.status == ClashStatus::contact) overlap += c.overlapped, apart += c.tolerated && !c.overlapped;
+        if (c.status == ClashStatus::contact && c.kind == ClashKind::touching)
+            overlap += c.overlapped, apart += c.tolerated && !c.overlapped;
     std::string text = fmt::format("{} {}", plural(count, "pair"), count == 1 ? "touches" : "touch");
     if (r.settings.tolerance > 0) {
         std::vector<std::string> ways;
@@ -158,6 +159,8 @@ std::vector<std::string> summary(const ClashReport& r)
     if (const std::size_t n = r.parts.unreadable.size())
         lines.push_back(fmt::format("{} could not be read: clashes of {} parts are missing", plural(n, "file"),
                                     n == 1 ? "its" : "their"));
+    if (const double deflection = r.parts.deflection(); deflection > 0)
+        lines.push_back(fmt::format("the meshes deviate from the true surfaces by at most {}", r.length(deflection)));
     std::vector<std::string> kinds;
     for (const ClashKind kind : clash_kinds)
         if (const std::size_t n = r.count(ClashStatus::fresh, kind))
@@ -174,8 +177,13 @@ std::vector<std::string> summary(const ClashReport& r)
     if (!r.ignore.empty())
         lines.push_back(
             fmt::format("{} ignored, listed in {}", plural(r.count(ClashStatus::ignored), "pair"), r.ignore));
-    if (const std::size_t n = r.count(ClashStatus::contact)) lines.push_back(touching_text(r, n));
+    if (const std::size_t n = r.count(ClashStatus::contact, ClashKind::touching)) lines.push_back(touching_text(r, n));
     if (const std::string text = mended_text(r); !text.empty()) lines.push_back(text);
+    if (const std::size_t n = r.count(ClashStatus::contact, ClashKind::within))
+        lines.push_back(
+            fmt::format("{} {} by less than the meshes show (within); this is a clash only if --touching is "
+                        "given, and a smaller --deflection decides more",
+                        plural(n, "pair"), n == 1 ? "overlaps or is apart" : "overlap or are apart"));
     if (!r.found.open.empty())
         lines.push_back(
             fmt::format("{} not closed ('{}'{}{}): parts wholly inside {} are not found",

@@ -36,6 +36,7 @@ Json json_of(const ClashReport& r, std::uint32_t number)
     Json j{{"name", part.name},
            {"path", part.path},
            {"file", part.file},
+           {"deflection", part.details.deflection},
            {"group", part.group ? Json(r.parts.groups[part.group]) : Json(nullptr)}};
     const PartDetails& d = part.details;
     for (const auto& [key, text] :
@@ -113,6 +114,7 @@ void write_json(TextSink& out, const ClashReport& r)
     Json head{{"schema", "oncollide.clash"},   {"schema_version", 1},    {"unit", r.unit.name},
               {"parts", r.parts.parts.size()}, {"files", r.parts.files}, {"triangles", r.parts.triangles}};
     head["clearance"] = r.settings.clearance, head["tolerance"] = r.settings.tolerance;
+    head["deflection"] = r.parts.deflection();
     head["baseline"] = r.baseline.empty() ? Json(nullptr) : Json(r.baseline);
     head["settings"] = {{"tolerance", r.settings.from_files ? "precision of the files" : "as given"},
                         {"touching", r.settings.touching},

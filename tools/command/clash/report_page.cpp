@@ -66,6 +66,7 @@ void write_settings(OutputFile& file, const ClashReport& r)
     row("Date", time_text(r.time));
     row("Input", list(r.rules.inputs.empty() ? r.parts.files : r.rules.inputs, 20));
     row("Unit", std::string(r.unit.name));
+    if (r.parts.deflection() > 0) row("Deflection", r.length(r.parts.deflection()));
     row("Clearance", r.length(r.settings.clearance));
     row("Tolerance", r.length(r.settings.tolerance));
     row("Touching", r.settings.touching ? "a clash" : "no clash");
@@ -247,7 +248,7 @@ void write_page(OutputFile& file, const ClashReport& r, const ClashPictures& pic
                        c.comment.empty() ? "" : ": " + xml_escaped(c.comment));
         file.print("</ul>\n");
     }
-    write_section(file, r, pictures, ClashStatus::contact, "Pairs that only touch (not a clash)");
+    write_section(file, r, pictures, ClashStatus::contact, "Pairs that only touch, or may do so (not a clash)");
     write_section(file, r, pictures, ClashStatus::ignored, "Ignored pairs");
     write_settings(file, r);
     file.print(

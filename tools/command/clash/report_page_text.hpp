@@ -6,9 +6,9 @@ namespace oncollide::tools {
 
 inline constexpr std::string_view clash_page_style = R"(
 :root { color-scheme: light dark; --ink: #1d232b; --paper: #ffffff; --soft: #5b6673; --line: #d4dae1; --band: #f3f5f8;
-        --enclosed: #8e1b63; --crossing: #b3261e; --touching: #8a5a00; --near: #1f5fa8; --duplicate: #5b2a86; }
+        --enclosed: #8e1b63; --crossing: #b3261e; --touching: #8a5a00; --within: #6b6b00; --near: #1f5fa8; --duplicate: #5b2a86; }
 @media (prefers-color-scheme: dark) { :root { --ink: #e6e9ee; --paper: #15191f; --soft: #9aa6b4; --line: #343c47;
-        --band: #1e242c; --enclosed: #f08cc8; --crossing: #ff8a80; --touching: #e9b44c; --near: #7fb8f5; --duplicate: #c9a2f0; } }
+        --band: #1e242c; --enclosed: #f08cc8; --crossing: #ff8a80; --touching: #e9b44c; --within: #d2d268; --near: #7fb8f5; --duplicate: #c9a2f0; } }
 body { font: 15px/1.5 "DejaVu Sans", Verdana, Helvetica, Arial, sans-serif; color: var(--ink); background: var(--paper);
        max-width: 1120px; margin: 2em auto; padding: 0 1em; }
 h1 { font-size: 1.6em; margin-bottom: 0.2em; } h2 { font-size: 1.2em; margin-top: 2em; }
@@ -18,7 +18,7 @@ th, td { padding: 4px 8px; text-align: left; border-bottom: 1px solid var(--line
 thead th { border-bottom: 2px solid var(--soft); white-space: nowrap; } th button { all: unset; cursor: pointer; }
 th button:focus-visible { outline: 2px solid var(--near); } th button::after { content: " \2195"; color: var(--soft); }
 .number { text-align: right; white-space: nowrap; }
-.enclosed { color: var(--enclosed); } .crossing { color: var(--crossing); } .touching { color: var(--touching); }
+.enclosed { color: var(--enclosed); } .within { color: var(--within); } .crossing { color: var(--crossing); } .touching { color: var(--touching); }
 .near { color: var(--near); } .duplicate { color: var(--duplicate); } .kind { font-weight: bold; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 0.1em 1em; font-size: 13px; } dd { margin: 0; overflow-wrap: anywhere; }
 a { color: var(--near); } tr:target, figure:target { outline: 2px solid var(--near); }

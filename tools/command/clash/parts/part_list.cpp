@@ -231,4 +231,11 @@ PartList read_parts(const std::vector<std::string>& all_files, const Units& unit
     return list;
 }
 
+double PartList::deflection() const
+{
+    double most = 0;
+    for (const Part& part : parts) most = std::max(most, part.details.deflection);
+    return most;
+}
+
 } // namespace oncollide::tools

@@ -53,6 +53,8 @@ struct PartList {
     std::vector<std::string> unreadable; ///< for each other file, the message of its Error
     std::uint64_t triangles = 0;         ///< triangles of all parts; a shared mesh counts once per part
     Aabb bounds;
+    /// The largest deflection of a part.
+    double deflection() const;
     bool has_sets = false; ///< only parts of set A are compared with parts of set B
     std::vector<std::string> warnings;
 };
