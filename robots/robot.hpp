@@ -87,7 +87,11 @@ struct RobotReading {
 /// spheres, cylinders, capsules). Visual geometry, masses and unknown elements are ignored. Throws Error{no_input} for
 /// a missing file and Error{bad_data} that names the file, the line and the element; a file for xacro is refused with
 /// the command that expands it. Throws Error{usage} in a build without ONCOLLIDE_XML.
-ONCOLLIDE_API RobotDescription load_robot(const std::filesystem::path& urdf, const RobotReading& reading = {});
+///
+/// It reads MJCF, MuJoCo's XML, too: bodies are links, with their geoms that can collide, and hinges and slides have
+/// the numbers of MuJoCo's qpos. The pairs that MuJoCo does not test are excluded; the pose of the file, "qpos0", and
+/// keyframes are states. Throws Error{usage} for an SRDF file beside it.
+ONCOLLIDE_API RobotDescription load_robot(const std::filesystem::path& file, const RobotReading& reading = {});
 
 /// The result of one configuration: the worst verdict of its pairs, colliding before undecided before within.
 struct RobotFinding {

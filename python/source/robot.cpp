@@ -231,7 +231,8 @@ void bind_robot(py::module_& m)
     py::class_<HeldRobot> robot(m, "Robot", R"(Robot(world, urdf, srdf=None, packages=None, base=None)
 --
 
-A robot from a URDF file, whose links become models of the World; an SRDF file gives excluded pairs and states.
+A robot from a URDF file, whose links become models of the World; an SRDF file gives excluded pairs and states. MJCF is
+read, too: its pairs and keyframes are MuJoCo's.
 
     world = oncollide.World(threads=0)
     robot = oncollide.Robot(world, "panda.urdf", srdf="panda.srdf")

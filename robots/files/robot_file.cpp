@@ -7,6 +7,7 @@
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/text/near_word.hpp>
 #include <oncollide/base/text/printable.hpp>
+#include <oncollide/scenes/files/xml/xml_reader.hpp>
 
 namespace oncollide {
 
@@ -14,14 +15,30 @@ namespace {
 
 constexpr std::uintmax_t most_bytes = std::uintmax_t{64} << 20;
 
+/// The name of a file's outermost element; empty if it is far from the beginning.
+std::string outermost_element(const MeshSource& source)
+{
+    struct First : XmlHandler {
+        void begin(const XmlTag& tag) override
+        {
+            if (name.empty()) name = tag.name;
+        }
+        void end() override {}
+        std::string name{};
+    } first;
+    XmlReader(source, first).read(source.bytes.substr(0, std::size_t{1} << 14));
+    return first.name;
+}
+
 } // namespace
 
 void RobotSource::fail_at(const XmlElement& element, const std::string& what) const
 {
     const std::string& own = element.attribute("name");
-    fail(fmt::format("{}{}: {}", printable(element.name), own.empty() ? "" : fmt::format(" {}", oncollide::quoted(own)),
-                     what),
-         element.line);
+    const MeshSource in{element.file ? included[element.file - 1] : name, {}};
+    in.fail(fmt::format("{}{}: {}", printable(element.name),
+                        own.empty() ? "" : fmt::format(" {}", oncollide::quoted(own)), what),
+            element.line);
 }
 
 const std::string& RobotSource::required(const XmlElement& element, std::string_view key) const
@@ -31,8 +48,7 @@ const std::string& RobotSource::required(const XmlElement& element, std::string_
     return text;
 }
 
-std::optional<std::vector<double>> RobotSource::numbers(const XmlElement& element, std::string_view key,
-                                                        std::size_t count) const
+std::optional<std::vector<double>> RobotSource::numbers(const XmlElement& element, std::string_view key) const
 {
     if (std::ranges::find(element.attributes, key, &std::pair<std::string, std::string>::first) ==
         element.attributes.end())
@@ -51,10 +67,17 @@ std::optional<std::vector<double>> RobotSource::numbers(const XmlElement& elemen
             fail_at(element, fmt::format("{}: {} is not a finite number", key, oncollide::quoted(word)));
         at = end;
     }
-    if (numbers.size() != count)
-        fail_at(element, fmt::format("{} has {} number{}; it must have {}", key, numbers.size(),
-                                     numbers.size() == 1 ? "" : "s", count));
     return numbers;
+}
+
+std::optional<std::vector<double>> RobotSource::numbers(const XmlElement& element, std::string_view key,
+                                                        std::size_t count) const
+{
+    auto found = numbers(element, key);
+    if (found && found->size() != count)
+        fail_at(element, fmt::format("{} has {} number{}; it must have {}", key, found->size(),
+                                     found->size() == 1 ? "" : "s", count));
+    return found;
 }
 
 double RobotSource::number(const XmlElement& element, std::string_view key) const
@@ -95,13 +118,20 @@ template std::uint32_t find_named(const RobotSource&, const XmlElement&, const c
 template std::uint32_t find_named(const RobotSource&, const XmlElement&, const char*, std::string_view,
                                   const std::vector<RobotJoint>&);
 
-RobotDescription load_robot(const std::filesystem::path& urdf, const RobotReading& reading)
+RobotDescription load_robot(const std::filesystem::path& file, const RobotReading& reading)
 {
-    const std::string bytes = read_file(urdf, most_bytes);
-    if (lower_extension(urdf) == ".xacro")
-        refuse(urdf.string(), fmt::format("is a file for xacro; expand it first: xacro {} > {}", urdf.string(),
-                                          std::filesystem::path(urdf).replace_extension().string()));
-    RobotDescription robot = read_urdf({{urdf.string(), bytes}}, urdf, reading);
+    const std::string bytes = read_file(file, most_bytes), name = file.string();
+    if (lower_extension(file) == ".xacro")
+        refuse(file.string(), fmt::format("is a file for xacro; expand it first: xacro {} > {}", file.string(),
+                                          std::filesystem::path(file).replace_extension().string()));
+    if (outermost_element({name, bytes}) == "mujoco") {
+        if (!reading.srdf.empty())
+            throw Error(ErrorKind::usage, fmt::format("{}: is MJCF, which says itself which pairs are not tested; "
+                                                      "leave out the SRDF file",
+                                                      file.string()));
+        return read_mjcf({{file.string(), bytes}}, file);
+    }
+    RobotDescription robot = read_urdf({{name, bytes}}, file, reading);
     if (reading.srdf.empty()) {
         for (const RobotJoint& joint : robot.joints) robot.excluded.push_back(std::minmax(joint.parent, joint.child));
         std::ranges::sort(robot.excluded);

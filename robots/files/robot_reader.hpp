@@ -8,10 +8,13 @@
 
 namespace oncollide {
 
-// Shared by the readers of URDF and SRDF.
+// Shared by the readers of URDF, SRDF and MJCF.
 
 /// A file whose faults name a line and an element.
 struct RobotSource : MeshSource {
+    /// The names of the files that XmlElement::file means, from 1 on.
+    std::vector<std::string> included{};
+
     /// Throws Error{bad_data} with the message "FILE: line N: joint 'a': TEXT".
     [[noreturn]] void fail_at(const XmlElement& element, const std::string& text) const;
     /// Returns work(). Its errors name the element, except Error{usage}.
@@ -30,6 +33,7 @@ struct RobotSource : MeshSource {
     /// The finite numbers of an attribute; nothing if it is absent. Throws unless there are `count`.
     std::optional<std::vector<double>> numbers(const XmlElement& element, std::string_view key,
                                                std::size_t count) const;
+    std::optional<std::vector<double>> numbers(const XmlElement& element, std::string_view key) const; ///< any count
     double number(const XmlElement& element, std::string_view key) const; ///< one that must be there
     double number(const XmlElement& element, std::string_view key, double without) const;
     Eigen::Vector3d vector(const XmlElement& element, std::string_view key, const Eigen::Vector3d& without) const;
@@ -67,8 +71,12 @@ private:
 /// The pose of the element's <origin>; the identity without one.
 Eigen::Isometry3d origin_of(const RobotSource& source, const XmlElement& element);
 
+/// Each axis by its own factor. An odd number of negative factors mirrors, which turns the triangles over.
+Mesh scaled(const std::string& name, Mesh mesh, const Eigen::Vector3d& scale);
+
 RobotDescription read_urdf(const RobotSource& source, const std::filesystem::path& urdf, const RobotReading& reading);
 /// Adds the excluded pairs, groups and states.
 void read_srdf(const RobotSource& source, RobotDescription& robot);
+RobotDescription read_mjcf(RobotSource source, const std::filesystem::path& mjcf);
 
 } // namespace oncollide

@@ -23,7 +23,8 @@ Eigen::Matrix3d rotation_of(const Eigen::Vector3d& rpy)
         .toRotationMatrix();
 }
 
-/// Each axis by its own factor. An odd number of negative factors mirrors, which turns the triangles over.
+} // namespace
+
 Mesh scaled(const std::string& name, Mesh mesh, const Eigen::Vector3d& scale)
 {
     for (Eigen::Vector3d& v : mesh.vertices) v = v.cwiseProduct(scale);
@@ -31,8 +32,6 @@ Mesh scaled(const std::string& name, Mesh mesh, const Eigen::Vector3d& scale)
         for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
     return make_mesh(name, std::move(mesh.vertices), std::move(mesh.triangles));
 }
-
-} // namespace
 
 Eigen::Isometry3d origin_of(const RobotSource& source, const XmlElement& element)
 {

@@ -38,7 +38,8 @@ public:
 
     RobotDescription read()
     {
-        if (root_.name != "robot") source_.fail_at(root_, "is not URDF, whose outermost element is 'robot'");
+        if (root_.name != "robot")
+            source_.fail_at(root_, "is neither URDF nor MJCF, whose outermost elements are 'robot' and 'mujoco'");
         robot_.name = source_.required(root_, "name");
         for (const XmlElement& child : root_.children)
             if (child.name != "link" && child.name != "joint")

@@ -46,6 +46,7 @@ constexpr Format all_formats[] = {
     {"3mf", "input.3mf", threemf_seeds},
     {"urdf", "input.urdf", urdf_seeds},
     {"srdf", "input.srdf", srdf_seeds},
+    {"mjcf", "input.xml", mjcf_seeds},
 #endif
 #ifdef ONCOLLIDE_YAML
     {"problem", "scene.yaml", problem_seeds},
@@ -168,7 +169,7 @@ void load(const fs::path& file)
     } else if (ending == ".h5") {
         read_hdf5(file, [](const Error& error, const fs::path& of) { check(error, of); });
 #endif
-    } else if (ending == ".urdf") {
+    } else if (ending == ".urdf" || ending == ".xml") {
         check(load_robot(file));
     } else if (ending == ".srdf") {
         check(load_robot(file.parent_path() / "arm.urdf", {.srdf = file}));

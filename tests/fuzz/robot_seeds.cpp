@@ -26,6 +26,23 @@ std::vector<std::string> srdf_seeds()
             R"(<disable_default_collisions link="left"/><enable_collisions link1="left" link2="base"/></robot>)"};
 }
 
+std::vector<std::string> mjcf_seeds()
+{
+    return {
+        R"(<mujoco model="m"><compiler angle="radian" eulerseq="XYZ"/><include file="part.xml"/>
+<option><flag filterparent="disable"/></option>
+<default><geom type="capsule" size="0.1 0.2"/><default class="a"><geom euler="1 0 0"/><joint type="slide"/></default></default>
+<asset><mesh file="wedge.obj" scale="1 -1 1" refpos="0 0 1" refquat="1 0 0 1"/>
+<mesh name="h" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/><mesh name="f" vertex="0 0 0 1 0 0 0 1 0" face="0 1 2"/></asset>
+<worldbody><geom type="plane"/><frame pos="1 0 0"><body name="b" childclass="a" axisangle="0 0 1 2"><freejoint/>
+<geom fromto="0 0 0 1 0 0"/><geom name="g" type="mesh" mesh="wedge" contype="2"/><geom type="mesh" mesh="h"/>
+<body name="c" zaxis="1 0 0"><joint ref="1" range="0 1"/><joint type="hinge" pos="1 0 0"/>
+<geom name="k" type="ellipsoid" size="1 2 3" xyaxes="1 0 0 0 1 0"/><geom type="mesh" mesh="f"/></body></body></frame></worldbody>
+<contact><exclude body1="b" body2="c"/><pair geom1="g" geom2="k"/></contact>
+<keyframe><key qpos="0 0 0 1 0 0 0 0 0"/></keyframe></mujoco>)",
+        R"(<mujoco><worldbody><body><joint type="ball"/><geom type="box" size="1 1 1" quat="1 2 3 4"/></body></worldbody></mujoco>)"};
+}
+
 std::vector<std::string> problem_seeds()
 {
     return {R"(name: shelf

@@ -368,6 +368,7 @@ std::vector<std::string> tiles_seeds()
 void add_companions(const TemporaryFolder& folder)
 {
     folder.write("arm.urdf", urdf_seeds().front());
+    folder.write("part.xml", "<mujocoinclude><worldbody><geom size='1'/></worldbody></mujocoinclude>");
     folder.write("good-scene.yaml", problem_seeds().front());
     folder.write("good-request.yaml", request_seeds().front());
     folder.write("wedge.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");

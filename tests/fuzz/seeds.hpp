@@ -16,7 +16,8 @@ std::vector<std::string> glb_seeds();
 std::vector<std::string> dae_seeds();
 std::vector<std::string> threemf_seeds(); ///< archives, and bare models
 std::vector<std::string> urdf_seeds();
-std::vector<std::string> srdf_seeds();    ///< for arm.urdf
+std::vector<std::string> srdf_seeds(); ///< for arm.urdf
+std::vector<std::string> mjcf_seeds();
 std::vector<std::string> problem_seeds(); ///< MotionBenchMaker's
 std::vector<std::string> request_seeds();
 std::vector<std::string> sphere_model_seeds(); ///< of arm.urdf
@@ -28,7 +29,7 @@ std::vector<std::string> npy_seeds();
 std::vector<std::string> scene_seeds();
 std::vector<std::string> poses_seeds();
 std::vector<std::string> aabbs_seeds();
-std::vector<std::string> table_seeds();     ///< CSV
+std::vector<std::string> table_seeds(); ///< CSV
 std::vector<std::string> recording_seeds();
 std::vector<std::string> vertices_seeds(); ///< NumPy
 std::vector<std::string> cooked_seeds();

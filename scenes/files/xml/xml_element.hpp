@@ -14,6 +14,7 @@ struct XmlElement {
     std::vector<std::pair<std::string, std::string>> attributes{};
     std::string text{}; ///< all text outside its children
     std::vector<XmlElement> children{};
+    std::uint32_t file = 0; ///< for readers of files that include others
 
     /// Empty if there is none.
     const std::string& attribute(std::string_view key) const;

@@ -178,7 +178,7 @@ TEST_F(RobotFile, RefusesXacroAndOtherFiles)
     const auto xacro = files.folder().write("arm.xacro", SmallRobot::text);
     EXPECT_NE(error_of(xacro).find("expand it first: xacro "), std::string::npos);
     const auto model = files.folder().write("model.urdf", "<sdf version='1.6'/>");
-    EXPECT_NE(error_of(model).find("is not URDF"), std::string::npos);
+    EXPECT_NE(error_of(model).find("is neither URDF nor MJCF"), std::string::npos);
     try {
         load(files.folder() / "no.urdf");
         FAIL() << "a missing file is read";
