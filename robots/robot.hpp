@@ -85,8 +85,9 @@ struct RobotReading {
 
 /// Reads a URDF file: the tree of links, and all collision geometry (meshes in the formats of load_mesh, boxes,
 /// spheres, cylinders, capsules). Visual geometry, masses and unknown elements are ignored. Throws Error{no_input} for
-/// a missing file and Error{bad_data} that names the file, the line and the element; a file for xacro is refused with
-/// the command that expands it. Throws Error{usage} in a build without ONCOLLIDE_XML.
+/// a missing file and Error{bad_data} that names the file, the line and the element; a file for xacro is
+/// expanded if that program is on the PATH, else refused with the command that expands it. Throws Error{usage} in a
+/// build without ONCOLLIDE_XML.
 ///
 /// It reads MJCF, MuJoCo's XML, too: bodies are links, with their geoms that can collide, and hinges and slides have
 /// the numbers of MuJoCo's qpos. The pairs that MuJoCo does not test are excluded; the pose of the file, "qpos0", and

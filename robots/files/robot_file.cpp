@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/files/file_bytes.hpp>
+#include <oncollide/base/files/program_output.hpp>
+#include <oncollide/base/text/file_warning.hpp>
 #include <oncollide/base/text/near_word.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/scenes/files/xml/xml_reader.hpp>
@@ -28,6 +30,42 @@ std::string outermost_element(const MeshSource& source)
     } first;
     XmlReader(source, first).read(source.bytes.substr(0, std::size_t{1} << 14));
     return first.name;
+}
+
+/// Whether the program xacro has to expand a file before it is URDF.
+bool is_for_xacro(const std::filesystem::path& file, std::string_view bytes)
+{
+    return lower_extension(file) == ".xacro" || bytes.find("<xacro:") != bytes.npos;
+}
+
+/// The last lines that a program wrote.
+std::string last_of(std::string text)
+{
+    constexpr std::size_t most = 600;
+    while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
+    if (text.size() > most) text = "..." + text.substr(text.size() - most);
+    std::ranges::replace(text, '\n', ' ');
+    return printable(text);
+}
+
+/// The URDF that the program xacro makes of a file.
+std::string expand_xacro(const std::filesystem::path& program, const std::filesystem::path& file)
+{
+    using End = ProgramOutput::End;
+    const ProgramLimits limits{.bytes = most_bytes};
+    ProgramOutput made = output_of(program, {absolute_path(file).string()}, limits);
+    const std::string said = last_of(std::move(made.errors));
+    if (made.is_good() && !made.output.empty()) {
+        if (!said.empty()) warn_of_file(file.string(), "xacro: " + said);
+        return std::move(made.output);
+    }
+    const std::string how = made.end == End::too_long
+                                ? fmt::format("was stopped after {} s", limits.time.count() / 1000)
+                            : made.end == End::too_much ? fmt::format("wrote more than {} MB", most_bytes >> 20)
+                            : made.end == End::killed   ? fmt::format("was killed by signal {}", made.code)
+                            : made.code                 ? fmt::format("failed with exit code {}", made.code)
+                                                        : "wrote nothing";
+    refuse(file.string(), fmt::format("{} {}{}{}", program.string(), how, said.empty() ? "" : ": ", said));
 }
 
 } // namespace
@@ -120,8 +158,10 @@ template std::uint32_t find_named(const RobotSource&, const XmlElement&, const c
 
 RobotDescription load_robot(const std::filesystem::path& file, const RobotReading& reading)
 {
-    const std::string bytes = read_file(file, most_bytes), name = file.string();
-    if (lower_extension(file) == ".xacro")
+    std::string bytes = read_file(file, most_bytes), name = file.string();
+    if (const std::filesystem::path xacro = is_for_xacro(file, bytes) ? find_program("xacro") : ""; !xacro.empty())
+        bytes = expand_xacro(xacro, file), name += ", expanded";
+    else if (lower_extension(file) == ".xacro")
         refuse(file.string(), fmt::format("is a file for xacro; expand it first: xacro {} > {}", file.string(),
                                           std::filesystem::path(file).replace_extension().string()));
     if (outermost_element({name, bytes}) == "mujoco") {

@@ -11,6 +11,9 @@ using test::SmallRobot;
 
 class RobotFile : public ::testing::Test {
 protected:
+    /// Without programs, such as xacro.
+    void SetUp() override { ::setenv("PATH", "", 1); }
+    void TearDown() override { ::setenv("PATH", path_before.c_str(), 1); }
     RobotDescription load(const std::filesystem::path& urdf, const std::filesystem::path& srdf = {}) const
     {
         return load_robot(urdf, {.srdf = srdf, .packages = {{"robot", files.folder().path()}}});
@@ -26,6 +29,7 @@ protected:
         return "no error";
     }
     SmallRobot files;
+    const std::string path_before = std::getenv("PATH") ? std::getenv("PATH") : "";
 };
 
 TEST_F(RobotFile, HasTheTreeAndTheShapesOfTheFile)

@@ -8,7 +8,7 @@ class RobotCommandLine : public CommandLine {
 protected:
     void SetUp() override
     {
-        if (robot({"--quiet"}).err.find("build without the reader of URDF") != std::string::npos)
+        if (robot({"--quiet"}).err.find("build without the readers of URDF") != std::string::npos)
             GTEST_SKIP() << "ONCOLLIDE_XML is off";
     }
     std::vector<std::string> with(std::vector<std::string> more) const
@@ -72,17 +72,130 @@ TEST_F(RobotCommandLine, PaddingAndAllowedContacts)
     expect_error(64, with({"--world", "wall.obj", "--padding", "-1"}), {"--padding"});
 }
 
+TEST_F(RobotCommandLine, APaddingFileHoldsClearancesAndAllowedContacts)
+{
+    folder_.write("q.csv", "turn,elbow,slide\n0,0,0.05\n0,1.4,0.05\n");
+    folder_.write("wall.obj", "v 0.3 -2 0.4\nv 0.3 2 0.4\nv 0.3 0 2\nf 1 2 3\n");
+    const auto verdicts = [&](const std::string& yaml, std::vector<std::string> more = {}) {
+        folder_.write("p.yaml", yaml);
+        std::vector<std::string> all{"--world", "wall.obj", "--configurations", "q.csv",  "--no-self",
+                                     "--json",  "r.json",   "--padding-file",   "p.yaml", "--quiet"};
+        all.insert(all.end(), more.begin(), more.end());
+        const Outcome outcome = robot(all);
+        if (outcome.code > 2) return outcome.err;
+        std::string found;
+        const nlohmann::json json = read_json("r.json");
+        for (const auto& result : json.at("results")) found += result.at("verdict").get<std::string>() + " ";
+        return found;
+    };
+    const std::string first = verdicts("environment: 300mm\n");
+    if (first.find("libyaml-cpp-dev") != first.npos) GTEST_SKIP() << "yaml-cpp is absent";
+    EXPECT_EQ(first, "within within ");
+    EXPECT_EQ(verdicts("environment: 300mm\n", {"--padding", "0"}), "separate colliding ");
+    EXPECT_EQ(verdicts("links: {upper: 0.3}\n"), "within colliding ");
+    EXPECT_EQ(verdicts("links: {upper: 0.3}\n", {"--link-padding", "upper=0"}), "separate colliding ");
+    EXPECT_EQ(verdicts("bodies: {wall.obj: 30cm}\n"), "within within ");
+    EXPECT_EQ(verdicts("bodies: {wall.obj: 30cm}\n"
+                       "pairs:\n- {names: [upper, wall.obj], clearance: 0}\n- {names: [base, wall.obj], clearance: 0}\n"
+                       "- {names: [lower, wall.obj], clearance: 0}\n- {names: [left, wall.obj], clearance: 0}\n"
+                       "- {names: [right, wall.obj], clearance: 0}\n"),
+              "separate colliding ");
+    EXPECT_EQ(verdicts("allowed: [[lower, wall.obj], [left, wall.obj], [right, wall.obj]]\n"), "separate separate ");
+    EXPECT_EQ(robot({"--state", "bent"}).code, 0);
+    folder_.write("self.yaml", "self: 0\npairs: [{names: [base, lower], clearance: 5 m}]\n");
+    EXPECT_EQ(robot({"--state", "bent", "--padding-file", "self.yaml"}).code, 2);
+    folder_.write("self.yaml", "pairs: [{names: [base, lower], clearance: 5 m}]\nallowed: [[base, lower]]\n");
+    EXPECT_EQ(robot({"--state", "bent", "--padding-file", "self.yaml"}).code, 0);
+    for (const auto& [yaml, words] :
+         {std::pair("enviroment: 1\n", "line 1: unknown key 'enviroment'; did you mean 'environment'"),
+          {"self: 0\nlinks: {uper: 1mm}\n", "line 2: no link 'uper'; did you mean 'upper'"},
+          {"bodies: {roof: 1}\n", "line 1: the environment has no body 'roof'"},
+          {"self: [1]\n", "line 1: a clearance is missing"},
+          {"self: -1\n", "line 1: a clearance"},
+          {"self: .nan\n", "line 1: a clearance"},
+          {"self: 2e6\n", "must be at most 1e6 m"},
+          {"allowed: [[upper]]\n", "a list of two names"},
+          {"allowed: [[upper, roof]]\n", "no link or body 'roof'"},
+          {"pairs: [{names: [upper, lower]}]\n", "line 1: has no clearance"},
+          {"- 1\n", "must be a map"},
+          {"self: [\n", "line 2: "}}) {
+        folder_.write("p.yaml", yaml);
+        expect_error(65, with({"--world", "wall.obj", "--padding-file", "p.yaml"}), {"p.yaml: ", words});
+    }
+    expect_error(66, with({"--padding-file", "none.yaml"}), {"none.yaml"});
+}
+
 TEST_F(RobotCommandLine, WarnsOfConfigurationsOutOfTheLimitsOfJoints)
 {
     folder_.write("q.csv", "turn,elbow,slide\n9,0,0.05\n0,2.9,0.05\n0,0,0.05\n0,0,0.2\n");
     const Outcome outcome = robot({"--configurations", "q.csv"});
     EXPECT_EQ(outcome.err, "oncollide: warning: 2 of 4 configurations are out of the limits of a joint; the first is "
-                           "configuration 1: joint 'elbow': 2.9 is out of its limits, -3 to 2.5 (--limits refuses "
-                           "them)\n");
+                           "configuration 1: joint 'elbow': 2.9 is out of its limits, -3 to 2.5 (--limits refuse: an "
+                           "error)\n"
+                           "oncollide: note: 1 of 6 links has no collision geometry: 'camera'\n");
     EXPECT_LE(outcome.code, 1);
     EXPECT_EQ(robot({"--configurations", "q.csv", "--quiet"}).err, "");
-    expect_error(65, with({"--configurations", "q.csv", "--limits"}),
+    EXPECT_EQ(robot({"--configurations", "q.csv", "--limits", "ignore"}).err,
+              "oncollide: note: 1 of 6 links has no collision geometry: 'camera'\n");
+    EXPECT_EQ(robot({"--configurations", "q.csv", "--limits", "warn"}).err, outcome.err);
+    expect_error(64, with({"--configurations", "q.csv", "--limits", "refus"}), {"--limits", "did you mean 'refuse'"});
+    expect_error(65, with({"--configurations", "q.csv", "--limits", "refuse"}),
                  {"configuration 1", "joint 'elbow'", "2.9 is out of its limits"});
+}
+
+TEST_F(RobotCommandLine, ReadsModelsOfMujoco)
+{
+    folder_.write("arm.xml", R"(<mujoco model="arm"><worldbody><geom type="plane"/>
+        <body name="a" pos="0 0 0.5"><joint name="j" axis="0 1 0" range="-90 90"/>
+        <geom type="capsule" fromto="0 0 0 0.6 0 0" size="0.05"/></body></worldbody>
+        <keyframe><key name="down" qpos="1.5"/></keyframe></mujoco>)");
+    EXPECT_EQ(run({"robot", "arm.xml", "--state", "qpos0"}).code, 0);
+    const Outcome down = run({"robot", "arm.xml", "--state", "down"});
+    EXPECT_EQ(down.code, 1);
+    EXPECT_NE(down.out.find("configuration 0: colliding, link 'world' and link 'a'"), std::string::npos) << down.out;
+    expect_error(64, {"robot", "arm.xml", "--srdf", "arm.xml"}, {"arm.xml: is MJCF"});
+    folder_.write("bad.xml", "<mujoco><worldbody>\n<geom type='capsul'/></worldbody></mujoco>");
+    expect_error(65, {"robot", "bad.xml"}, {"bad.xml: line 2: geom: unknown type 'capsul'; did you mean 'capsule'"});
+}
+
+TEST_F(RobotCommandLine, ExpandsFilesForXacroIfItIsOnThePath)
+{
+    std::filesystem::create_directories(folder_ / "bin");
+    const auto with_xacro = [&](const std::string& script) {
+        folder_.write("bin/xacro", "#!/bin/sh\n" + script);
+        std::filesystem::permissions(folder_ / "bin/xacro", std::filesystem::perms::owner_all);
+        Surroundings around;
+        around.environment = {{"PATH", (folder_ / "bin").string() + ":/usr/bin:/bin"}};
+        return run({"robot", "r.urdf.xacro", "--quiet"}, around);
+    };
+    folder_.write("r.urdf.xacro", "<robot name='r' xmlns:xacro='http://ros.org/wiki/xacro'>"
+                                  "<xacro:macro name='m'/></robot>");
+    folder_.write("made.urdf", R"(<robot name="r"><link name="a"><collision><geometry><sphere radius="1"/></geometry>
+        </collision></link><joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint><link name="b"/>
+        <joint name="k" type="fixed"><parent link="b"/><child link="c"/><origin xyz="0.5 0 0"/></joint>
+        <link name="c"><collision><geometry><sphere radius="1"/></geometry></collision></link></robot>)");
+    const std::string made = (folder_ / "made.urdf").string();
+    EXPECT_EQ(with_xacro("cat " + made + "; test -f \"$1\" && test $# = 1").code, 1); // colliding
+    Outcome outcome = with_xacro("echo 'undefined property: r' >&2; exit 2");
+    EXPECT_EQ(outcome.code, 65);
+    EXPECT_NE(outcome.err.find("/bin/xacro failed with exit code 2: undefined property: r"), std::string::npos)
+        << outcome.err;
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1);
+    outcome = with_xacro("kill -9 $$");
+    EXPECT_NE(outcome.err.find("was killed by signal 9"), std::string::npos) << outcome.err;
+    outcome = with_xacro("true");
+    EXPECT_NE(outcome.err.find("wrote nothing"), std::string::npos) << outcome.err;
+    outcome = with_xacro("echo '<robot name=\"r\"><link/>\n</robot>'");
+    EXPECT_EQ(outcome.code, 65);
+    EXPECT_NE(outcome.err.find("r.urdf.xacro, expanded: line 1: link: has no attribute 'name'"), std::string::npos)
+        << outcome.err;
+    outcome = with_xacro("yes");
+    EXPECT_NE(outcome.err.find("wrote more than 64 MB"), std::string::npos) << outcome.err;
+    std::filesystem::remove(folder_ / "bin/xacro");
+    Surroundings without;
+    without.environment = {{"PATH", "bin"}};
+    outcome = run({"robot", "r.urdf.xacro"}, without);
+    EXPECT_NE(outcome.err.find("expand it first: xacro r.urdf.xacro > r.urdf"), std::string::npos) << outcome.err;
 }
 
 TEST_F(RobotCommandLine, AComparisonWithNothingIsAnError)
@@ -182,7 +295,7 @@ TEST_F(RobotCommandLine, RefusesConfigurationsThatDoNotFit)
     folder_.write("nan.csv", "0,0,0.05\n1,nan,3\n");
     expect_error(65, with({"--configurations", "nan.csv"}), {"nan.csv: line 2", "'nan'"});
     folder_.write("limit.csv", "0,2.9,0.05\n");
-    expect_error(65, with({"--configurations", "limit.csv", "--limits"}),
+    expect_error(65, with({"--configurations", "limit.csv", "--limits", "refuse"}),
                  {"configuration 0", "joint 'elbow'", "2.9 is out of its limits"});
     folder_.write("short.npy", "\x93NUMPY");
     expect_error(65, with({"--configurations", "short.npy"}), {"short.npy"});

@@ -9,6 +9,7 @@
 #include "common/statistics.hpp"
 #include "play/play.hpp"
 #include "robot/robot_padding.hpp"
+#include "robot/robot_refusals.hpp"
 
 #include <algorithm>
 #include <array>
@@ -33,7 +34,8 @@ struct RobotCommand {
     PaddingOptions padding;
     SettingsOptions settings;
     std::string json, csv;
-    bool limits = false, no_self = false, path = false, quiet = false;
+    std::string limits = "warn";
+    bool no_self = false, path = false, quiet = false;
 };
 
 /// One run, with its results.
@@ -154,60 +156,6 @@ std::string described(const Checked& checked)
     return text;
 }
 
-/// Throws if no pair would be tested, because the robot must not be reported free then.
-void check_pairs(const RobotCommand& options, const RobotDescription& robot, std::size_t bodies)
-{
-    if (options.no_self && options.robot.world.empty())
-        usage("--no-self: needs --world; the robot is compared with nothing");
-    std::vector<std::uint32_t> links; // links with collision geometry
-    for (std::uint32_t i = 0; i < robot.links.size(); ++i)
-        if (!robot.links[i].collision.empty()) links.push_back(i);
-    if (links.empty())
-        refuse(options.robot.urdf, "no link has collision geometry, so the robot is compared with nothing");
-    bool tested = bodies > 0;
-    for (std::size_t b = 1; b < links.size() && !tested && !options.no_self; ++b)
-        for (std::size_t a = 0; a < b && !tested; ++a)
-            tested = !std::ranges::binary_search(robot.excluded, std::pair(links[a], links[b]));
-    if (!tested)
-        refuse(options.robot.urdf, fmt::format("the robot is compared with nothing: {} has no body, and {}",
-                                               options.robot.world.empty() ? "the environment" : options.robot.world,
-                                               options.no_self ? "--no-self leaves out pairs of links"
-                                                               : "all pairs of its links are excluded"));
-}
-
-/// Throws for the first configuration that is out of the limits of a joint, or warns of all such configurations.
-void check_limits(const RobotCommand& options, const Robot& robot, std::span<const double> numbers, std::size_t count)
-{
-    struct Limits {
-        const RobotJoint* joint;
-        std::size_t number; ///< number of the configuration
-    };
-    std::vector<Limits> limits;
-    for (const RobotJoint& joint : robot.description().joints) {
-        const auto found = std::ranges::find(robot.names(), joint.name);
-        if (found != robot.names().end())
-            limits.push_back({&joint, static_cast<std::size_t>(found - robot.names().begin())});
-    }
-    std::size_t out = 0;
-    std::string first;
-    for (std::size_t i = 0; i < count; ++i) {
-        const double* const mine = numbers.data() + i * robot.width();
-        const auto broken = std::ranges::find_if(limits, [&](const Limits& l) {
-            return mine[l.number] < l.joint->lower || mine[l.number] > l.joint->upper;
-        });
-        if (broken == limits.end()) continue;
-        if (++out == 1)
-            first = fmt::format("configuration {}: joint '{}': {} is out of its limits, {} to {}", i,
-                                shortened(printable(broken->joint->name)), mine[broken->number], broken->joint->lower,
-                                broken->joint->upper);
-        if (options.limits) throw Error(ErrorKind::bad_data, first);
-    }
-    if (out && !options.quiet)
-        log(LogLevel::warning, fmt::format("{} of {} configurations {} out of the limits of a joint; the first is {} "
-                                           "(--limits refuses them)",
-                                           out, count, out == 1 ? "is" : "are", first));
-}
-
 /// Checks all items; after an interrupt, the remaining ones are left out. `check(begin, end)` checks some of them.
 void check_in_chunks(Checked& checked, std::size_t count, std::size_t chunk,
                      const std::function<void(std::size_t, std::size_t)>& check)
@@ -232,20 +180,23 @@ void check_in_chunks(Checked& checked, std::size_t count, std::size_t chunk,
 int check_robot(const RobotCommand& options)
 {
     check_files({{"--json", options.json}, {"--csv", options.csv}},
-                {options.robot.urdf, options.robot.srdf, options.robot.world, options.configurations.file});
+                {options.robot.urdf, options.robot.srdf, options.robot.world, options.configurations.file,
+                 options.padding.file});
     const Settings settings = settings_from(options.settings);
+    const LimitsCheck limits = limits_check(options.limits);
     show_reading(options.quiet);
     RobotDescription description = open_robot(options.robot);
     RobotWorld environment = open_robot_world(options.robot, settings);
     if (!options.quiet) print_warnings(environment.scene);
-    check_pairs(options, description, environment.scene.size());
+    check_pairs(options.robot, options.no_self, description, environment.scene.size());
     Robot robot(environment.world(), std::move(description), base_of(options.robot));
     set_padding(options.padding, environment, robot);
     const std::vector<double> numbers = open_configurations(options.configurations, robot);
     const std::size_t width = robot.width(), count = width ? numbers.size() / width : 1;
-    check_limits(options, robot, numbers, count);
+    check_limits(limits, robot, numbers, options.quiet);
     if (options.path && count < 2)
         throw Error(ErrorKind::usage, "--path: needs two configurations or more (--configurations)");
+    if (!options.quiet) tell_links_without_geometry(robot.description());
     const std::size_t items = options.path ? count - 1 : count;
     Checked checked{environment, robot, options.path, std::vector<RobotFinding>(items), {}};
     const RobotCheck pairs{.self = !options.no_self};
@@ -302,8 +253,8 @@ void add_robot(Arguments app)
     auto options = std::make_shared<RobotCommand>();
     add_robot_options(sub, options->robot);
     add_configuration_options(sub, options->configurations);
-    sub.add_flag("--limits", options->limits,
-                 "refuse a configuration that is out of the limits of a joint (default: warn)");
+    sub.add_option("--limits ignore|warn|refuse", options->limits,
+                   "configurations out of the limits of a joint (default warn)");
     sub.add_flag("--path", options->path, "check the whole motions from each configuration to the next, without gaps");
     sub.add_flag("--no-self", options->no_self, "only against the environment");
     add_padding_options(sub, options->padding);

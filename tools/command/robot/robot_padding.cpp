@@ -23,9 +23,39 @@ void add_padding_options(Arguments command, PaddingOptions& options)
         .add_option("--allow LINK=NAME", options.allowed,
                     "do not test a link and another one, or a body of the environment, by their names")
         .repeatable();
+    command.add_option(
+        "--padding-file FILE", options.file,
+        "clearances per link, body and pair, and allowed contacts, in YAML (docs/robots.md); the options "
+        "above replace its values");
+}
+
+std::optional<std::uint32_t> PaddingNames::link(const std::string& name) const
+{
+    const std::vector<RobotLink>& links = robot.description().links;
+    const auto found = std::ranges::find(links, name, &RobotLink::name);
+    if (found == links.end()) return {};
+    return static_cast<std::uint32_t>(found - links.begin());
+}
+
+std::optional<BodyId> PaddingNames::body(const std::string& name) const
+{
+    const auto found = environment.scene.find(name);
+    if (!found) return {};
+    return environment.pipeline.body(*found);
 }
 
 namespace {
+
+std::string no_such_name(const PaddingNames& names, const std::string& name, bool bodies)
+{
+    std::vector<std::string_view> known;
+    for (const RobotLink& link : names.robot.description().links) known.push_back(link.name);
+    const Scene& scene = names.environment.scene;
+    for (std::uint32_t body = 0; bodies && body < scene.size(); ++body)
+        if (const std::string_view own = scene.names[body]; !own.empty()) known.push_back(own);
+    return fmt::format("no link{} '{}'{}", bodies ? " or body" : "", printable(name),
+                       printable(valid_names(name, known)));
+}
 
 /// Both sides of NAME=VALUE.
 std::pair<std::string, std::string> sides_of(const char* option, const std::string& text, const char* form)
@@ -35,42 +65,49 @@ std::pair<std::string, std::string> sides_of(const char* option, const std::stri
     return {text.substr(0, at), text.substr(at + 1)};
 }
 
-/// @param environment  null: bodies are not valid
-std::uint32_t link_of(const char* option, const std::string& name, const Robot& robot,
-                      const Scene* environment = nullptr)
+} // namespace
+
+std::string PaddingNames::no_link(const std::string& name) const
 {
-    const std::vector<RobotLink>& links = robot.description().links;
-    const auto found = std::ranges::find(links, name, &RobotLink::name);
-    if (found != links.end()) return static_cast<std::uint32_t>(found - links.begin());
-    std::vector<std::string_view> known;
-    for (const RobotLink& link : links) known.push_back(link.name);
-    for (std::uint32_t body = 0; environment && body < environment->size(); ++body)
-        if (const std::string_view own = environment->names[body]; !own.empty()) known.push_back(own);
-    usage(fmt::format("{}: no link{} '{}'{}", option, environment ? " or body" : "", printable(name),
-                      printable(valid_names(name, known))));
+    return no_such_name(*this, name, false);
 }
 
-} // namespace
+std::string PaddingNames::no_link_or_body(const std::string& name) const
+{
+    return no_such_name(*this, name, true);
+}
 
 void set_padding(const PaddingOptions& options, const RobotWorld& environment, Robot& robot)
 {
-    for (const auto& [option, value] : {std::pair("--padding", options.environment), {"--self-padding", options.self}})
-        if (!(value >= 0 && value <= 1e6)) usage(fmt::format("{} {}: must be 0 to 1e6 m", option, value));
-    RobotPadding padding{.environment = options.environment, .self = options.self};
+    const PaddingNames names{robot, environment};
+    const auto link_of = [&](const char* option, const std::string& name) {
+        const auto link = names.link(name);
+        if (!link) usage(fmt::format("{}: {}", option, names.no_link(name)));
+        return *link;
+    };
+    auto [padding, allowed] = options.file.empty() ? PaddingRules{} : read_padding_file(options.file, names);
+    for (const auto& [option, value, into] : {std::tuple("--padding", options.environment, &padding.environment),
+                                              {"--self-padding", options.self, &padding.self}}) {
+        if (!value) continue;
+        if (!(*value >= 0 && *value <= 1e6)) usage(fmt::format("{} {}: must be 0 to 1e6 m", option, *value));
+        *into = *value;
+    }
     for (const std::string& text : options.links) {
-        const auto [link, length] = sides_of("--link-padding", text, "LINK=LENGTH");
-        padding.links.push_back(
-            {link_of("--link-padding", link, robot), length_from("--link-padding", length, unit_from("", "m"))});
+        const auto [name, length] = sides_of("--link-padding", text, "LINK=LENGTH");
+        const std::uint32_t link = link_of("--link-padding", name);
+        std::erase_if(padding.links, [&](const RobotPadding::OfLink& each) { return each.link == link; });
+        padding.links.push_back({link, length_from("--link-padding", length, unit_from("", "m"))});
     }
     robot.set_padding(padding);
-    std::vector<AllowedContact> allowed;
     for (const std::string& text : options.allowed) {
         const auto [link, other] = sides_of("--allow", text, "LINK=LINK or LINK=BODY");
-        const std::uint32_t first = link_of("--allow", link, robot);
-        if (const auto body = environment.scene.find(other))
-            allowed.push_back({.link = first, .body = environment.pipeline.body(*body)});
+        const std::uint32_t first = link_of("--allow", link);
+        if (const auto body = names.body(other))
+            allowed.push_back({.link = first, .body = *body});
+        else if (const auto second = names.link(other))
+            allowed.push_back({.link = first, .other = *second});
         else
-            allowed.push_back({.link = first, .other = link_of("--allow", other, robot, &environment.scene)});
+            usage("--allow: " + names.no_link_or_body(other));
     }
     robot.set_allowed(allowed);
 }

@@ -16,10 +16,14 @@ namespace oncollide::tools {
 
 void add_robot_options(Arguments command, RobotOptions& options)
 {
-    command.add_option("URDF URDF", options.urdf, "robot: a URDF file (xacro's must be expanded), or MuJoCo's MJCF").required();
-    command.add_option("--srdf FILE", options.srdf,
-                       "SRDF file for a URDF: pairs of links that are not tested, groups, states (default: the links that "
-                       "a joint connects are not tested)");
+    command
+        .add_option("URDF URDF", options.urdf,
+                    "robot: a URDF file (expanded by the program xacro, if necessary), or MuJoCo's MJCF")
+        .required();
+    command.add_option(
+        "--srdf FILE", options.srdf,
+        "SRDF file for a URDF: pairs of links that are not tested, groups, states (default: the links that "
+        "a joint connects are not tested)");
     command
         .add_option(
             "--package NAME=FOLDER", options.packages,

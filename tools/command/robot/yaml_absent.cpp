@@ -1,5 +1,6 @@
 // Replaces the readers of YAML in builds without yaml-cpp.
 #include "robot/planning_problem.hpp"
+#include "robot/robot_padding.hpp"
 #include "robot/sphere_files.hpp"
 
 namespace oncollide::tools {
@@ -22,6 +23,11 @@ SphereModel read_yaml_spheres(const std::string& path, const RobotDescription&, 
 PlanningProblem read_problem(const std::filesystem::path& scene, const std::filesystem::path&)
 {
     fail(scene.string());
+}
+
+PaddingRules read_padding_file(const std::string& path, const PaddingNames&)
+{
+    fail(path);
 }
 
 } // namespace oncollide::tools
