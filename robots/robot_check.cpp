@@ -36,7 +36,8 @@ public:
 
     bool is_for(const World& world) const { return tests_.are_of(world); }
     /// Reads the World as it is now.
-    void begin(const World& world, const RobotCheck& what)
+    /// @param copied  null: all bodies are where they are
+    void begin(const World& world, const RobotCheck& what, const CopiedBodies* copied = nullptr)
     {
         tests_.begin();
         what_ = &what, is_exact_ = tests_.is_exact();
@@ -44,7 +45,7 @@ public:
         for (const Robot::Impl::Part& part : robot_.parts) models_.push_back(&tests_.model(part.model));
         const std::vector<std::uint32_t> own = robot_.own_slots(world);
         has_surroundings_ = world.bodies().size() > own.size();
-        surroundings_.begin(what.filter, own);
+        surroundings_.begin(what.filter, own, copied);
     }
 
     /// @param number  the number of the first configuration
@@ -64,7 +65,7 @@ public:
         }
         centres_.place(robot_.covers, poses_, links);
         if (what_->self) check_self();
-        if (what_->environment && has_surroundings_) check_environment();
+        if (what_->environment && has_surroundings_) check_environment(number);
     }
 
 private:
@@ -134,17 +135,17 @@ private:
     }
 
     /// Tests the last groups first, because they reach farthest.
-    void check_environment()
+    void check_environment(std::size_t number)
     {
         in_self_ = false;
-        surroundings_.prepare(centres_, near_bodies_);
+        surroundings_.prepare(centres_, near_bodies_, number);
         for (auto g = static_cast<std::uint32_t>(robot_.covers.size()); g-- > 0;) {
             const std::span<const Surroundings::Near> all = surroundings_.find(g, open_);
             for (std::size_t k = 0; k < all.size();) {
                 const std::uint32_t i = all[k].configuration;
                 const std::size_t first = near_pairs_.size();
                 for (; k < all.size() && all[k].configuration == i; ++k)
-                    add_body(i, robot_.covers[g], surroundings_.body(all[k].body));
+                    add_body(i, robot_.covers[g], surroundings_.body(all[k]));
                 if (near_pairs_.size() > first) runs_.push_back({first, near_pairs_.size()});
             }
             decide_runs();
@@ -214,7 +215,7 @@ private:
             if (in_self_)
                 task.b = models_[b], task.pose_b = placed(b);
             else
-                task.b = &tests_.model_at(b), task.pose_b = &tests_.pose_at(b);
+                task.b = &tests_.model_at(b), task.pose_b = &surroundings_.pose_at(b, near.configuration);
             tasks_.push_back(task);
         }
         const Finding* found = tasks_.empty() ? nullptr : tests_.decide(tasks_).data();
@@ -282,11 +283,22 @@ std::shared_ptr<Robot::Impl::IdleCheckers> Robot::Impl::no_checkers()
 void Robot::check(const World& world, std::span<const double> configurations, std::span<RobotFinding> findings,
                   const RobotCheck& what) const
 {
+    check(world, WorldCopies{}, configurations, findings, what);
+}
+
+void Robot::check(const World& world, const WorldCopies& copies, std::span<const double> configurations,
+                  std::span<RobotFinding> findings, const RobotCheck& what) const
+{
     const Impl& p = *impl_;
     p.check_world(world);
     p.check_numbers("check", "configuration", *this, configurations, findings.size());
+    const CopiedBodies copied(world, copies, findings.size());
+    for (const std::uint32_t slot : p.own_slots(world))
+        if (std::ranges::binary_search(copied.sorted(), slot))
+            throw Error(ErrorKind::usage, "robot: check: a body of the copies is the robot's own");
     each_chunk(
-        world, findings.size(), chunk_size, [&] { return p.idle->lease(p, world, what); },
+        world, findings.size(), chunk_size,
+        [&] { return p.idle->lease(p, world, what, copied.size() ? &copied : nullptr); },
         [&](Checker& checker, std::size_t first, std::size_t count) {
             checker.run(configurations.subspan(first * width(), count * width()), first,
                         findings.subspan(first, count));

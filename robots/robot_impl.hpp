@@ -180,11 +180,11 @@ struct IdleCheckersOf : IdleObjects<Checker, LockRank::robot_checkers> {
     using Lease = std::unique_ptr<Checker, GiveBack>;
 
     /// An idle one, or a new one, that has begun() with the World as it is now.
-    Lease lease(const auto& robot, const World& world, const auto& what)
+    Lease lease(const auto& robot, const World& world, const auto&... what)
     {
         std::unique_ptr<Checker> checker = this->take();
         if (!checker || !checker->is_for(world)) checker = std::make_unique<Checker>(robot, world);
-        checker->begin(world, what);
+        checker->begin(world, what...);
         return Lease(checker.release(), GiveBack{this});
     }
 };

@@ -29,6 +29,15 @@ void GroupCentres::place(std::span<const GroupCover> groups, std::span<const Eig
     }
 }
 
+void Surroundings::begin(const CollisionFilter& filter, std::vector<std::uint32_t> own, const CopiedBodies* copied)
+{
+    filter_ = filter, own_ = std::move(own);
+    copied_.begin(tests_, copied, filter);
+    if (!copied) return;
+    own_.insert(own_.end(), copied->sorted().begin(), copied->sorted().end());
+    std::ranges::sort(own_);
+}
+
 bool Surroundings::is_own(std::uint32_t slot) const
 {
     return std::ranges::binary_search(own_, slot);
@@ -45,9 +54,10 @@ std::uint32_t PlacedBodies::number_of(std::uint32_t slot)
     return at->second;
 }
 
-void Surroundings::prepare(const GroupCentres& centres, const NearParts& near)
+void Surroundings::prepare(const GroupCentres& centres, const NearParts& near, std::size_t first)
 {
     centres_ = &centres, parts_ = &near;
+    copied_.place(first, centres.count);
     queries_.clear(), bodies_.clear();
     around_.resize(groups_.size());
     for (auto& list : around_) list.clear();
@@ -67,7 +77,27 @@ std::span<const Surroundings::Near> Surroundings::find(std::uint32_t group, std:
         find_together(group, open);
     else
         find_one_by_one(group, open);
+    if (!copied_.is_empty()) find_copied(group, open);
     return near_;
+}
+
+void Surroundings::find_copied(std::uint32_t group, std::span<const std::uint8_t> open)
+{
+    const std::size_t others = near_.size();
+    const BallColumns middles = centres_->of(group);
+    const double slack = 0x1p-22 * centres_->sizes[group]; // of the middles, which are floats
+    each_bit(open, [&](std::uint32_t i) {
+        const Eigen::Vector3d middle = centres_->origin + Eigen::Vector3d(middles.x[i], middles.y[i], middles.z[i]);
+        copied_.each_near(
+            i, middle, centres_->origin,
+            [&](const PlacedBox& box, double size) {
+                return slack + double(parts_->reach(groups_[group], box, size + centres_->sizes[group]));
+            },
+            [&](std::uint32_t k) {
+                near_.push_back({i, k | is_copied});
+            });
+    });
+    if (others && others < near_.size()) std::ranges::stable_sort(near_, {}, &Near::configuration);
 }
 
 void Surroundings::find_together(std::uint32_t group, std::span<const std::uint8_t> open)

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <oncollide/pipeline/world/placed_tests.hpp>
-#include <oncollide/robots/part_solids.hpp>
+#include <oncollide/robots/copied_bodies.hpp>
 
 namespace oncollide {
 
@@ -53,7 +53,7 @@ private:
 class Surroundings {
 public:
     struct Near {
-        std::uint32_t configuration, body; ///< index of body()
+        std::uint32_t configuration, body; ///< for body()
     };
 
     Surroundings(std::span<const GroupCover> groups, WorldAccess::PlacedTests& tests)
@@ -61,19 +61,30 @@ public:
     {
     }
 
-    /// @param own  sorted slots of bodies that do not count
-    void begin(const CollisionFilter& filter, std::vector<std::uint32_t> own)
-    {
-        filter_ = filter, own_ = std::move(own);
-    }
+    /// @param own     sorted slots of bodies that do not count
+    /// @param copied  bodies that have other poses in each configuration, or null. Keeps a reference.
+    void begin(const CollisionFilter& filter, std::vector<std::uint32_t> own, const CopiedBodies* copied);
 
     /// Finds the bodies that may be near in any configuration. Keeps references.
-    void prepare(const GroupCentres& centres, const NearParts& near);
+    /// @param first  the number of the first configuration
+    void prepare(const GroupCentres& centres, const NearParts& near, std::size_t first);
     /// The bodies near the group in the configurations of these bits; by configurations. Valid until the next call.
     std::span<const Near> find(std::uint32_t group, std::span<const std::uint8_t> open);
-    const PlacedBody& body(std::uint32_t i) const { return bodies_[i]; }
+    /// Valid until the next call.
+    const PlacedBody& body(const Near& near)
+    {
+        return near.body & is_copied ? copied_.body(near.body ^ is_copied, near.configuration) : bodies_[near.body];
+    }
+    const Eigen::Isometry3d& pose_at(std::uint32_t slot, std::uint32_t configuration) const
+    {
+        const Eigen::Isometry3d* const own = copied_.pose_at(slot, configuration);
+        return own ? *own : tests_.pose_at(slot);
+    }
 
 private:
+    static constexpr std::uint32_t is_copied = 0x80000000u;
+
+    void find_copied(std::uint32_t group, std::span<const std::uint8_t> open);
     bool is_own(std::uint32_t slot) const;
     void find_together(std::uint32_t group, std::span<const std::uint8_t> open);
     void find_one_by_one(std::uint32_t group, std::span<const std::uint8_t> open);
@@ -85,6 +96,7 @@ private:
     const GroupCentres* centres_ = nullptr;
     const NearParts* parts_ = nullptr;
     PlacedBodies bodies_;
+    CopiedPlaces copied_;
     std::vector<std::vector<std::uint32_t>> around_; ///< by group: bodies around it in all configurations
     std::vector<Aabb> queries_;
     std::vector<std::uint32_t> of_; ///< configurations of queries_

@@ -51,6 +51,11 @@ std::span<const AabbHit> WorldAccess::PlacedTests::around(std::span<const Aabb> 
     return hits;
 }
 
+bool WorldAccess::PlacedTests::allows(const CollisionFilter& filter, std::uint32_t slot) const
+{
+    return parts_->world.allows(filter, slot);
+}
+
 Model& WorldAccess::PlacedTests::model_at(std::uint32_t slot) const
 {
     return parts_->world.bodies.model(slot);

@@ -27,6 +27,7 @@ public:
     /// Bodies that the filter allows and whose AABBs are at most the clearance from each box; sorted by boxes, then by
     /// slots. Valid until the next call.
     std::span<const AabbHit> around(std::span<const Aabb> boxes, const CollisionFilter& filter);
+    bool allows(const CollisionFilter& filter, std::uint32_t slot) const;
     Model& model_at(std::uint32_t slot) const;
     const Eigen::Isometry3d& pose_at(std::uint32_t slot) const;
     BodyId body_at(std::uint32_t slot) const;

@@ -311,6 +311,14 @@ class Robot:
         base: ArrayLike | None = None,
     ) -> None: ...
     def check(self, configurations: ArrayLike, self_collision: bool = True, environment: bool = True) -> _Result: ...
+    def check_copies(
+        self,
+        bodies: ArrayLike,
+        poses: ArrayLike,
+        configurations: ArrayLike,
+        self_collision: bool = True,
+        environment: bool = True,
+    ) -> _Result: ...
     def distances(
         self,
         configurations: ArrayLike,

@@ -93,6 +93,46 @@ py::object check(HeldRobot& robot, py::handle configurations, py::handle self, p
     return results_of(rows, std::move(found));
 }
 
+/// Poses of `each` bodies in each of many copies.
+py::array poses_of_copies(py::handle value, std::size_t copies, std::size_t each, const Place& place)
+{
+    const py::array array = doubles(value, place);
+    const auto n = static_cast<py::ssize_t>(copies), k = static_cast<py::ssize_t>(each);
+    if (has_shape(array, {n, k, 7})) return array.attr("reshape")(n * k, 7);
+    if (has_shape(array, {n, k, 4, 4})) return array.attr("reshape")(n * k, 4, 4);
+    refuse_value(place, fmt::format("expected shape ({0}, {1}, 4, 4), or ({0}, {1}, 7) with x y z qx qy qz qw, got {2}",
+                                    n, k, shape_of(array)));
+}
+
+py::object check_copies(HeldRobot& robot, py::handle bodies, py::handle poses, py::handle configurations,
+                        py::handle self, py::handle environment)
+{
+    const char* const call = "Robot.check_copies";
+    const py::array rows = rows_of(robot, configurations, {call, "configurations"});
+    if (rows.ndim() == 1) refuse_value({call, "configurations"}, "expected one row for each copy");
+    const std::size_t copies = count_of(rows), width = robot.robot->width();
+    const Ids ids(bodies, {call, "bodies"});
+    const Poses at(poses_of_copies(poses, copies, ids.size(), {call, "poses"}), {call, "poses"});
+    const RobotCheck what{.self = truth(self, {call, "self_collision"}),
+                          .environment = truth(environment, {call, "environment"})};
+    std::vector<RobotFinding> found(copies);
+    {
+        const Looking looking(*robot.held, call);
+        const Released released;
+        constexpr std::size_t block = 4096; // of copies: their poses are converted at a time
+        std::vector<Eigen::Isometry3d> placed;
+        for (std::size_t first = 0; first < copies; first += block) {
+            const std::size_t count = std::min(block, copies - first);
+            placed.clear();
+            for (std::size_t i = first * ids.size(); i < (first + count) * ids.size(); ++i) placed.push_back(at[i]);
+            robot.robot->check(robot.held->world, {{ids.begin(), ids.size()}, placed},
+                               span_of(rows).subspan(first * width, count * width),
+                               std::span(found).subspan(first, count), what);
+        }
+    }
+    return array_of(std::move(found));
+}
+
 py::tuple distances(HeldRobot& robot, py::handle configurations, py::handle cutoff, py::handle tolerance,
                     py::handle every_pair, py::handle gradients, py::handle depths, py::handle self,
                     py::handle environment)
@@ -251,6 +291,13 @@ Structured: verdict (a Verdict), bound (metres), link, other (indices of `links`
 C-contiguous and float64. Other Python threads can run meanwhile. Raises ValueError for other shapes, Error naming the
 configuration that is not finite.)",
            "configurations"_a, "self_collision"_a = true, "environment"_a = true);
+    define(robot, "check_copies", &check_copies,
+           R"(Tests configuration i in copy i of the World, in which `bodies` (K ids) have the poses poses[i], float64
+(N, K, 4, 4) or (N, K, 7); all other bodies stay where they are. N copies need no more memory than their poses.
+
+Returns N rows as check() does. Each is the result of a World with the bodies at these poses. Other Python threads can run
+meanwhile. Raises ValueError for other shapes, Error for a pose that is not rigid, or a body that is listed twice.)",
+           "bodies"_a, "poses"_a, "configurations"_a, "self_collision"_a = true, "environment"_a = true);
     define(
         robot, "distances", &distances,
         R"(The signed distance of a configuration, float64 (width,), or of many, (N, width), to its nearest pair; with

@@ -60,6 +60,35 @@ def test_a_batch_finds_what_pairs_find(files):
     assert robot.check(samples[0]) == found[0]
 
 
+def test_copies_are_worlds_of_their_own(files):
+    random = np.random.default_rng(2)
+    count = 300
+    samples = random.uniform((-3, -3), (3, 3), (count, 2))
+    poses = np.zeros((count, 2, 7))
+    poses[:, :, :3] = random.uniform(-1, 1, (count, 2, 3))
+    poses[:, :, 3:] = random.normal(size=(count, 2, 4))
+    poses[:, :, 3:] /= np.linalg.norm(poses[:, :, 3:], axis=2, keepdims=True)
+
+    def make(first):
+        world = oncollide.World()
+        models = [world.models.add(oncollide.box((0.05, 0.4, 0.4))), world.models.add(oncollide.sphere(0.3))]
+        bodies = [world.bodies.add(model, pose, static=True) for model, pose in zip(models, first)]
+        return bodies, oncollide.Robot(world, files / "arm.urdf")
+
+    bodies, robot = make(poses[0])
+    found = robot.check_copies(bodies, poses, samples)
+    for k in range(count):
+        own_bodies, own = make(poses[k])
+        truth = own.check(samples[k])
+        assert (found[k]["verdict"], found[k]["link"], found[k]["other"]) == (truth["verdict"], truth["link"], truth["other"])
+        assert found[k]["body"] == 0 or bodies.index(found[k]["body"]) == own_bodies.index(truth["body"])
+    assert 20 < sum(found["verdict"] == oncollide.Verdict.COLLIDING) < count - 20
+    with pytest.raises(ValueError, match=r"expected shape \(300, 2, 4, 4\)"):
+        robot.check_copies(bodies, poses[:, :1], samples)
+    with pytest.raises(oncollide.Error, match="listed twice"):
+        robot.check_copies([bodies[0], bodies[0]], poses, samples)
+
+
 def test_states_and_errors(files):
     world = oncollide.World()
     robot = oncollide.Robot(world, files / "arm.urdf", srdf=files / "arm.srdf")

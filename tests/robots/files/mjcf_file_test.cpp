@@ -25,9 +25,11 @@ const std::string arm = R"(<mujoco model="arm">
       <body name="upper" pos="0 0 0.25" childclass="pipe">
         <joint name="shoulder" axis="0 0 2"/>
         <geom fromto="0 0 0 0 0 0.5" size="0.04"/>
-        <frame pos="0 0 0.5" euler="0 0 90"><body name="lower"><joint name="elbow" axis="0 1 0" range="-90 120" ref="30"/>
+        <frame pos="0 0 0.5" euler="0 0 90"><body name="lower">
+          <joint name="elbow" axis="0 1 0" range="-90 120" ref="30"/>
           <geom type="mesh" mesh="wedge"/><geom name="pad" type="sphere" size="0.02" pos="0 0 0.4" contype="2"/>
-          <body name="rail" pos="0 0 0.6"><joint name="slide" type="slide" pos="9 9 9" range="0 0.1"/><geom size="0.03"/></body></body></frame>
+          <body name="rail" pos="0 0 0.6"><joint name="slide" type="slide" pos="9 9 9" range="0 0.1"/>
+            <geom size="0.03"/></body></body></frame>
       </body>
     </body>
     <body name="ball" pos="1 0 0.1"><freejoint/><geom type="sphere" size="0.1"/></body>

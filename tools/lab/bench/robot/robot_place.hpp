@@ -38,6 +38,7 @@ struct RobotPlace {
     {
     }
     void set_obstacles(const std::vector<LinkGeometry>& obstacles);
+    std::span<const BodyId> obstacles() const { return bodies_; }
 
 private:
     std::vector<ModelId> models_;
