@@ -321,7 +321,7 @@ TEST_F(Cad, AReportStatesTheDeflections)
     write_fit(at("fit.step"), 0.5);
     EXPECT_EQ(kinds("fit.step", {"--deflection", "0.01mm", "--clearance", "0.4mm"}, 0).size(), 0u);
     EXPECT_EQ(kinds("fit.step", {"--deflection", "0.01mm", "--clearance", "0.6mm"}, 1)["block core"], "near new");
-    EXPECT_EQ(kinds("fit.step", {"--deflection", "0.2mm", "--clearance", "0.48mm"}, 0)["block core"], "within contact");
+    EXPECT_EQ(kinds("fit.step", {"--deflection", "0.2mm", "--clearance", "0.4mm"}, 0)["block core"], "within contact");
 }
 
 TEST_F(Cad, SolidsOfOneShapeAreParts)

@@ -145,11 +145,7 @@ void measure(const World& world, const Clashes& found, std::vector<Clash>& clash
 void apply_tolerance(const Clashes& found, const ClashSettings& settings, Clash& clash)
 {
     const double tolerance = settings.tolerance, deviating = tolerance + clash.deflection;
-    const auto overlaps_by_no_more = [&](double than) {
-        if (clash.kind == ClashKind::duplicate) return false;
-        return clash.has_ball ? clash.ball_upper() <= than
-                              : clash.kind == ClashKind::crossing && open_within_tolerance(found, clash, than);
-    };
+    const bool of_open = !clash.has_ball && clash.kind == ClashKind::crossing;
     bool within = false;
     if (clash.kind == ClashKind::near) {
         // Parts beyond the clearance are in the list because of the tolerance or the deflections.
@@ -157,9 +153,13 @@ void apply_tolerance(const Clashes& found, const ClashSettings& settings, Clash&
         clash.tolerated = clash.upper <= tolerance || (beyond && clash.lower <= tolerance);
         within = beyond;
     } else {
-        clash.tolerated = overlaps_by_no_more(tolerance);
-        within = clash.deflection > 0 && overlaps_by_no_more(deviating);
+        clash.tolerated = clash.has_ball ? clash.ball_upper() <= tolerance
+                                         : of_open && open_within_tolerance(found, clash, tolerance);
+        within = clash.deflection > 0 && // unless a larger ball is certain
+                 (clash.has_ball ? clash.ball_lower() <= deviating
+                                 : of_open && open_within_tolerance(found, clash, deviating));
     }
+    if (clash.kind == ClashKind::duplicate) clash.tolerated = within = false;
     clash.overlapped = clash.tolerated && clash.overlaps();
     if (clash.tolerated)
         clash.kind = ClashKind::touching;
