@@ -21,14 +21,14 @@ constexpr double any_depth = std::numeric_limits<double>::infinity();
 /// large one a point of the box is farther from the ball's surface.
 constexpr double close = 1.25, wide = 2.5;
 
-/// A box, and what is near it.
+/// A box with the faces near it.
 struct BoxPart {
     Aabb box;
     Vector3d point = Vector3d::Zero(); ///< near its middle, on no face
     double reach = 0;                  ///< largest distance of the box's points from `point`
     double most = any_depth;           ///< upper bound on the depth below both surfaces
     struct Surface {
-        std::vector<std::uint32_t> near; ///< all faces within gather_radius() of the point, and all that may be the
+        std::vector<std::uint32_t> near; ///< the faces within gather_radius() of the point, and faces that may be the
                                          ///< nearest to a point of the box
         int winding = 0;
         double distance = any_depth; ///< of the point
@@ -103,7 +103,7 @@ public:
     {
         std::optional<BoxPart> first = half_of(root_, nullptr);
         if (!first) return;
-        // Of a box between `sure` and `sure + gap` is inside both.
+        // A box has between `sure` and `sure + gap` inside both.
         struct Open {
             BoxPart part;
             double sure, gap;

@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double no_half_space = std::numeric_limits<double>::infinity();
-constexpr double rounding = 0x1p-40; ///< of unit vectors and what is computed from them, more than enough
+constexpr double rounding = 0x1p-40; ///< error of unit vectors and of values computed from them, more than enough
 
 /// True if no point within `radius` of the origin is in both half-spaces n . x >= from.
 bool parted(const Vector3d& n1, double from1, const Vector3d& n2, double from2, double radius)
@@ -72,8 +72,8 @@ int LocalSides::region_of(const Vector3d& point) const
     return region;
 }
 
-/// Sets sides_ by points of all regions. Of a region's points the nearest to the centre is its foot on some of the
-/// planes, so points beside these feet are in all regions, except very thin ones.
+/// Sets sides_ by points of all regions. The centre's nearest point of a region is its foot on some of the planes, so
+/// points beside these feet are in all regions, except very thin ones.
 void LocalSides::locate(const PlacedFaces& solid, std::span<const std::uint32_t> near, const Vector3d& centre,
                         int winding)
 {

@@ -11,8 +11,8 @@
 
 namespace oncollide {
 
-/// The triangles of a closed mesh at a pose, the largest first, without those whose corners are on one line: they are
-/// no part of the surface.
+/// The triangles of a closed mesh at a pose, the largest first, without triangles whose corners are on one line: these
+/// are no part of the surface.
 class PlacedFaces {
 public:
     struct Face {

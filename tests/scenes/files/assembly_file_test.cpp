@@ -95,12 +95,16 @@ TEST_F(AssemblyFile, FilesOfOtherFormatsAreReadAsTheGlbFileThatAConverterMakes)
     ASSERT_EQ(found.parts.size(), 2u);
     EXPECT_EQ(found.parts[0].name, "one");
     EXPECT_EQ(load_mesh(part).triangles.size(), 24u);
-    expect_error(ErrorKind::bad_data, [&] { load_assembly(bad); }, "bad.cad: nothing in it");
-    expect_error(ErrorKind::bad_data, [&] { load_mesh(cut); }, "cut.cad: ");
-    expect_error(ErrorKind::no_input, [&] { load_mesh(folder_ / "none.cad"); }, "none.cad: no such file");
+    expect_error(
+        ErrorKind::bad_data, [&] { load_assembly(bad); }, "bad.cad: nothing in it");
+    expect_error(
+        ErrorKind::bad_data, [&] { load_mesh(cut); }, "cut.cad: ");
+    expect_error(
+        ErrorKind::no_input, [&] { load_mesh(folder_ / "none.cad"); }, "none.cad: no such file");
     convert_files({}, nullptr);
     EXPECT_EQ(mesh_extensions().back(), "3mf");
-    expect_error(ErrorKind::bad_data, [&] { load_mesh(part); }, "part.Cad", "unknown kind of mesh file");
+    expect_error(
+        ErrorKind::bad_data, [&] { load_mesh(part); }, "part.Cad", "unknown kind of mesh file");
 }
 
 TEST_F(AssemblyFile, ScaledPartsShareAScaledMesh)

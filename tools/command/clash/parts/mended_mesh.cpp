@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// For each vertex the first one within the distance; first ones stay.
+/// Returns the first vertex within the distance, by vertex; first ones stay.
 std::vector<std::uint32_t> welds_of(const std::vector<Vector3d>& points, double distance)
 {
     using Cell = std::array<std::int64_t, 3>;
@@ -222,7 +222,7 @@ std::string Mending::done() const
 std::string Mending::why_open() const
 {
     if (closed) return "";
-    if (!open_edges) return "its sides cannot be told apart";
+    if (!open_edges) return "it has one side";
     return fmt::format("{} open edge{}", open_edges, open_edges == 1 ? "" : "s");
 }
 
@@ -243,7 +243,7 @@ MendedMesh mended(const Mesh& mesh, double distance)
             used[v] = 1, done.moved = std::max(done.moved, moved);
         }
         const Triangle now{first[t[0]], first[t[1]], first[t[2]]};
-        // Without area it is no part of the surface; its edges then lie on those of its neighbours.
+        // A triangle without area is no part of the surface; its edges lie on edges of its neighbours.
         if (!collinear(mesh.vertices[now[0]], mesh.vertices[now[1]], mesh.vertices[now[2]])) triangles.push_back(now);
     }
     if (triangles.empty()) return result;

@@ -6,7 +6,7 @@
 
 namespace oncollide::tools {
 
-/// What was done to close a mesh, and what is still open.
+/// How a mesh was closed, and the edges that are still open.
 struct Mending {
     std::size_t welded = 0;     ///< vertices that became one with another
     std::size_t split = 0;      ///< triangles that were divided at a vertex on their edge
@@ -19,7 +19,7 @@ struct Mending {
     bool changed() const { return welded || split || turned; }
     /// "36 vertices welded, 4 triangles split, 12 turned"; "" if nothing was done.
     std::string done() const;
-    /// Why the mesh is open: "60 open edges". For a closed one "".
+    /// The reason why the mesh is open: "60 open edges"; "" for a closed one.
     std::string why_open() const;
 };
 
@@ -30,8 +30,8 @@ struct MendedMesh {
 
 /// Closes a mesh as a person sees it: vertices at most `distance` apart become one; a triangle with another's open
 /// corner on its edge, within twice this, is divided there; triangles face the same side as their neighbours. Parts of
-/// the surface that had to be turned have their outside outside. A closed mesh stays as it is, and so does one that
-/// this does not close: nothing is moved in vain.
+/// the surface that had to be turned have their outside outside. A closed mesh stays as it is, as does a mesh
+/// that this does not close.
 /// Cost: O(n log n); for k open edges up to k^2, but no more than 10^8 comparisons: after them the mesh stays open.
 MendedMesh mended(const Mesh& mesh, double distance);
 

@@ -8,8 +8,8 @@
 
 #include <oncollide/scenes/geometry.hpp>
 
-#include "clash/parts/part_details.hpp"
 #include "clash/parts/mended_mesh.hpp"
+#include "clash/parts/part_details.hpp"
 #include "clash/parts/units.hpp"
 
 namespace oncollide::tools {
