@@ -1,5 +1,4 @@
 // oncollide clash: input that cannot be used, and files that are left out.
-// invalid input.
 #include "clash/parts/name_pattern.hpp"
 #include "tools/command/clash/clash_fixture.hpp"
 #include "tools/csv_rows.hpp"

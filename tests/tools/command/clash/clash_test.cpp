@@ -1,5 +1,4 @@
-// oncollide clash: its findings in assemblies with known clashes, the contents of each report, and its errors for
-// invalid input.
+// oncollide clash: its findings in assemblies with known clashes, and the contents of each report.
 #include "clash/parts/name_pattern.hpp"
 #include "tools/command/clash/clash_fixture.hpp"
 #include "tools/csv_rows.hpp"
