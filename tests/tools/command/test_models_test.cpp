@@ -30,7 +30,9 @@ TEST(TestModels, EachIsAnsweredOrRefusedInOneLine)
         }
         const std::string ending = entry.path().extension();
         const bool heights = (ending == ".raw" || ending == ".bin") && entry.file_size() > 0;
-        EXPECT_EQ(outcome.code, heights ? 64 : 65) << "raw arrays of heights need more options";
+        const bool converted = ending == ".ifc" && outcome.code == 66; // its converter is not installed
+        EXPECT_TRUE(converted || outcome.code == (heights ? 64 : 65)) // raw arrays of heights need more options
+            << outcome.code << ": " << outcome.err;
         EXPECT_TRUE(outcome.err.starts_with("oncollide: " + file + ": ")) << outcome.err;
         EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
         ++refused;
