@@ -31,8 +31,8 @@ TEST(TestModels, EachIsAnsweredOrRefusedInOneLine)
         const std::string ending = entry.path().extension();
         const bool heights = (ending == ".raw" || ending == ".bin") && entry.file_size() > 0;
         const bool converted = ending == ".ifc" && outcome.code == 66; // its converter is not installed
-        EXPECT_TRUE(converted || outcome.code == (heights ? 64 : 65)) // raw arrays of heights need more options
-            << outcome.code << ": " << outcome.err;
+        // Raw arrays of heights need more options.
+        EXPECT_TRUE(converted || outcome.code == (heights ? 64 : 65)) << outcome.code << ": " << outcome.err;
         EXPECT_TRUE(outcome.err.starts_with("oncollide: " + file + ": ")) << outcome.err;
         EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
         ++refused;

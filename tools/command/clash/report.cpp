@@ -50,7 +50,7 @@ std::string self_text(const ClashReport& r)
                        r.found.self.size() == 1 ? "meets itself" : "meet themselves", fmt::join(texts, ", "));
 }
 
-/// "25 pairs touch: 20 exactly, 4 overlap and 1 is apart by at most 0.04 mm, the precision of the files; ..."
+/// "25 pairs touch: 20 exactly, 4 with an overlap within the tolerance of 0.04 mm (the precision of the files), ..."
 std::string touching_text(const ClashReport& r, std::size_t count)
 {
     std::size_t overlap = 0, apart = 0;
@@ -61,8 +61,12 @@ std::string touching_text(const ClashReport& r, std::size_t count)
     if (r.settings.tolerance > 0) {
         std::vector<std::string> ways;
         if (count > overlap + apart) ways.push_back(fmt::format("{} exactly", grouped(count - overlap - apart)));
-        if (overlap) ways.push_back(fmt::format("{} with an overlap within the tolerance", grouped(overlap)));
-        if (apart) ways.push_back(fmt::format("{} with a gap within it", grouped(apart)));
+        const std::string limit = r.settings.matrix
+                                      ? "their tolerance"
+                                      : fmt::format("the tolerance of {}{}", r.length(r.settings.tolerance),
+                                                    r.settings.from_files ? " (the precision of the files)" : "");
+        if (overlap) ways.push_back(fmt::format("{} with an overlap within {}", grouped(overlap), limit));
+        if (apart) ways.push_back(fmt::format("{} with a gap within {}", grouped(apart), overlap ? "it" : limit));
         text += fmt::format(": {}", fmt::join(ways, ", "));
     } else
         text += " without overlapping";
