@@ -40,7 +40,7 @@ std::vector<std::string> mjcf_seeds()
 <geom name="k" type="ellipsoid" size="1 2 3" xyaxes="1 0 0 0 1 0"/><geom type="mesh" mesh="f"/></body></body></frame></worldbody>
 <contact><exclude body1="b" body2="c"/><pair geom1="g" geom2="k"/></contact>
 <keyframe><key qpos="0 0 0 1 0 0 0 0 0"/></keyframe></mujoco>)",
-        R"(<mujoco><worldbody><body><joint type="ball"/><geom type="box" size="1 1 1" quat="1 2 3 4"/></body></worldbody></mujoco>)"};
+        R"(<mujoco><worldbody><body><joint type="slide"/><geom type="box" size="1 1 1" quat="1 2 3 4"/></body></worldbody></mujoco>)"};
 }
 
 std::vector<std::string> problem_seeds()

@@ -151,8 +151,8 @@ TEST_F(PlantedReports, PathsNameFilesAndAllNodes)
     write_box("parts/bolt.off", {0, 0, 0}, {1, 1, 1}), write_box("parts/left/bolt.off", {0.5, 0, 0}, {2, 1, 1});
     run({"clash", "parts/", "--set-a", "left/*", "-o", "r.json"});
     report = read_json("r.json");
-    EXPECT_EQ(report["clashes"][0]["a"]["path"], "bolt.off");
-    EXPECT_EQ(report["clashes"][0]["b"]["path"], "left/bolt.off");
+    EXPECT_EQ(report["clashes"][0]["a"]["path"], "left/bolt.off") << "the side of set A";
+    EXPECT_EQ(report["clashes"][0]["b"]["path"], "bolt.off");
 }
 
 } // namespace

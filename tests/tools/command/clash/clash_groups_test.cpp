@@ -111,7 +111,7 @@ TEST_F(ClashGroups, StatusesAreSetInTheTerminal)
     EXPECT_EQ(after["clashes"][0]["comment"], "as planned, in \"7\"");
     EXPECT_EQ(after["clashes"][1]["status"], "reviewed");
     EXPECT_EQ(after["counts"]["new"],
-              (json{{"duplicate", 0}, {"enclosed", 0}, {"crossing", 0}, {"touching", 0}, {"near", 1}}));
+              (json{{"duplicate", 0}, {"enclosed", 0}, {"crossing", 0}, {"within", 0}, {"touching", 0}, {"near", 1}}));
     EXPECT_EQ(after["counts"]["active"]["enclosed"], 1);
     const std::string text = folder_.read("r.json");
     EXPECT_EQ(std::ranges::count(text, '\n'), 7) << "a line per clash";

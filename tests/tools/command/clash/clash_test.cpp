@@ -35,7 +35,7 @@ TEST_F(ClashCommand, TheJsonReportMeasures)
     EXPECT_EQ(report["unit"], "mm");
     EXPECT_EQ(report["parts"], 6);
     EXPECT_EQ(report["counts"]["new"],
-              (json{{"duplicate", 0}, {"enclosed", 1}, {"crossing", 1}, {"touching", 0}, {"near", 1}}));
+              (json{{"duplicate", 0}, {"enclosed", 1}, {"crossing", 1}, {"within", 0}, {"touching", 0}, {"near", 1}}));
     const json &enclosed = report["clashes"][0], &crossing = report["clashes"][1], &near = report["clashes"][3];
     EXPECT_EQ(enclosed["contact"], nullptr);
     EXPECT_EQ(enclosed["overlap"], (json{{"min", {15, 1, 1}}, {"max", {20, 5, 5}}}));
