@@ -26,9 +26,10 @@ struct BoxPart {
     Aabb box;
     Vector3d point = Vector3d::Zero(); ///< near its middle, on no face
     double reach = 0;                  ///< largest distance of the box's points from `point`
+    double seen = any_depth;           ///< all faces within this distance of `point` are near
     double most = any_depth;           ///< upper bound on the depth below both surfaces
     struct Surface {
-        std::vector<std::uint32_t> near; ///< the faces within gather_radius() of the point, and faces that may be the
+        std::vector<std::uint32_t> near; ///< the faces within `seen` of the point, and all faces that may be the
                                          ///< nearest to a point of the box
         int winding = 0;
         double distance = any_depth; ///< of the point
@@ -37,7 +38,6 @@ struct BoxPart {
     std::array<Surface, 2> surfaces;
 
     double depth() const { return std::min(surfaces[0].depth(), surfaces[1].depth()); }
-    double gather_radius() const { return wide * reach; }
     double volume() const { return (box.max - box.min).prod(); }
 };
 
@@ -181,6 +181,8 @@ private:
             if (located) break;
         }
         part.reach = (half + (part.point - middle).cwiseAbs()).norm() + slack_;
+        part.seen = wide * part.reach; // and no more than is known of the whole
+        if (box) part.seen = std::min(part.seen, whole.seen - (part.point - whole.point).norm() - slack_);
         for (std::size_t s = 0; s < 2; ++s) gather(whole.surfaces[s].near, s, part);
         return part;
     }
@@ -193,7 +195,7 @@ private:
             distances_.push_back(distance_of(part.point, solids_[s]->faces()[face].corners));
             surface.distance = std::min(surface.distance, distances_.back());
         }
-        const double far = std::max(surface.distance + 2 * part.reach, part.gather_radius()) + slack_;
+        const double far = std::max(surface.distance + 2 * part.reach, part.seen) + slack_;
         for (std::size_t k = 0; k < faces.size(); ++k)
             if (distances_[k] <= far) surface.near.push_back(faces[k]);
     }
@@ -220,7 +222,7 @@ private:
         BoxPart around;
         const double half = 1.2 * found.radius_lower;
         around.box = {found.centre.array() - half, found.centre.array() + half};
-        around.point = found.centre, around.reach = std::sqrt(3.0) * half;
+        around.point = found.centre, around.reach = std::sqrt(3.0) * half, around.seen = wide * around.reach;
         for (std::size_t s = 0; s < 2; ++s) {
             const auto winding = solids_[s]->winding(around.point);
             if (!winding) return;
@@ -241,16 +243,17 @@ private:
     {
         double least = any_depth;
         for (const double times : {close, wide}) {
-            if (set_sides(part, times * part.reach))
+            if (set_sides(part, std::min(times * part.reach, part.seen)))
                 least = std::min(least, LocalSides::depth(sides_[0], sides_[1], part.reach, deep) + 4 * slack_);
             if (least <= enough) break;
         }
         return least;
     }
 
-    /// False if many planes pass through the ball.
+    /// False if many planes pass through the ball, or if it may have faces that are not near.
     bool set_sides(const BoxPart& part, double radius)
     {
+        if (radius > part.seen) return false;
         for (std::size_t s = 0; s < 2; ++s) {
             const BoxPart::Surface& surface = part.surfaces[s];
             close_.clear();
