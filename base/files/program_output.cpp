@@ -1,5 +1,6 @@
 #include <oncollide/base/files/program_output.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -9,14 +10,15 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/paths.hpp>
-
-extern char** environ; // NOLINT: POSIX leaves its declaration to the program
 
 namespace oncollide {
 
@@ -31,10 +33,18 @@ class ProgramPipe {
 public:
     ProgramPipe()
     {
-        if (::pipe(ends_.data()) != 0) throw Error(ErrorKind::no_input, "pipe: " + std::string(std::strerror(errno)));
+#ifdef __linux__
+        const bool made = ::pipe2(ends_.data(), O_CLOEXEC) == 0; // at once: other threads may start programs
+#else
+        const bool made = ::pipe(ends_.data()) == 0;
         for (const int end : ends_) ::fcntl(end, F_SETFD, FD_CLOEXEC);
+#endif
+        if (!made) throw Error(ErrorKind::no_input, "pipe: " + std::string(std::strerror(errno)));
     }
-    ~ProgramPipe() { close(0), close(1); }
+    ~ProgramPipe()
+    {
+        close(0), close(1);
+    }
     ProgramPipe(const ProgramPipe&) = delete;
     ProgramPipe& operator=(const ProgramPipe&) = delete;
 
@@ -43,52 +53,93 @@ public:
         if (ends_[end] >= 0) ::close(ends_[end]);
         ends_[end] = -1;
     }
-    int read_end() const { return ends_[0]; }
-    int write_end() const { return ends_[1]; }
-    bool is_open() const { return ends_[0] >= 0; }
+    int read_end() const
+    {
+        return ends_[0];
+    }
+    int write_end() const
+    {
+        return ends_[1];
+    }
+    bool is_open() const
+    {
+        return ends_[0] >= 0;
+    }
 
-    /// Appends a piece to `text`, up to `most` bytes in all. False: the limit was reached.
-    bool read_to(std::string& text, std::size_t most)
+    /// Appends a piece to `text`; closes the pipe at its end.
+    void read_to(std::string& text)
     {
         std::array<char, 65536> piece;
         const ssize_t count = ::read(ends_[0], piece.data(), piece.size());
-        if (count < 0 && errno == EINTR) return true;
-        if (count <= 0) {
+        if (count > 0)
+            text.append(piece.data(), static_cast<std::size_t>(count));
+        else if (count == 0 || errno != EINTR)
             close(0);
-            return true;
-        }
-        const auto bytes = static_cast<std::size_t>(count);
-        text.append(piece.data(), std::min(bytes, most - text.size()));
-        return text.size() < most || bytes == 0;
     }
 
 private:
     std::array<int, 2> ends_{};
 };
 
-pid_t start(const std::filesystem::path& program, std::vector<std::string>& arguments, const ProgramPipe& out,
-            const ProgramPipe& err)
+/// Runs in the new process. Other threads of the parent may have held locks at the fork, so only functions for signal
+/// handlers are called. Writes errno to `fault` if the program does not start.
+[[noreturn]] void become(char* const* arguments, int out, int err, int file, int fault, std::size_t bytes, pid_t parent)
+{
+#ifdef PR_SET_PDEATHSIG
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+#endif
+    if (::getppid() != parent) ::_exit(1); // it ended before the line above
+    ::setpgid(0, 0);                       // to kill it with its children
+    sigset_t none;
+    sigemptyset(&none);
+    ::sigprocmask(SIG_SETMASK, &none, nullptr);
+    for (const int signal : {SIGXFSZ, SIGPIPE}) ::signal(signal, SIG_DFL);
+    const rlimit no_core{0, 0}, most{bytes, bytes};
+    ::setrlimit(RLIMIT_CORE, &no_core);
+    ::dup2(::open("/dev/null", O_RDONLY | O_CLOEXEC), STDIN_FILENO);
+    ::dup2(out, STDOUT_FILENO), ::dup2(err, STDERR_FILENO);
+    constexpr int to = 3;
+    if (file >= 0) {
+        ::setrlimit(RLIMIT_FSIZE, &most);
+        if (fault == to) fault = ::fcntl(fault, F_DUPFD_CLOEXEC, to + 1);
+        if (file == to)
+            ::fcntl(file, F_SETFD, 0);
+        else
+            ::dup2(file, to);
+    }
+    ::execv(arguments[0], arguments);
+    const int why = errno;
+    [[maybe_unused]] const ssize_t written = ::write(fault, &why, sizeof why);
+    ::_exit(1);
+}
+
+pid_t start(const std::filesystem::path& program, std::vector<std::string>& arguments, const ProgramLimits& limits,
+            const ProgramPipe& out, const ProgramPipe& err, int file)
 {
     std::string name = program.string();
     std::vector<char*> argv{name.data()};
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
-    posix_spawn_file_actions_t files;
-    posix_spawnattr_t attributes;
-    posix_spawn_file_actions_init(&files), posix_spawnattr_init(&attributes);
-    posix_spawn_file_actions_addopen(&files, 0, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_adddup2(&files, out.write_end(), 1);
-    posix_spawn_file_actions_adddup2(&files, err.write_end(), 2);
-    sigset_t none;
-    sigemptyset(&none);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setpgroup(&attributes, 0); // of its own, to kill it with its children
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK);
-    pid_t child = -1;
-    const int fault = ::posix_spawn(&child, name.c_str(), &files, &attributes, argv.data(), environ);
-    posix_spawn_file_actions_destroy(&files), posix_spawnattr_destroy(&attributes);
-    if (fault) throw Error(ErrorKind::no_input, name + ": cannot be started: " + std::strerror(fault));
+    ProgramPipe fault;
+    const pid_t parent = ::getpid(), child = ::fork();
+    if (child == 0)
+        become(argv.data(), out.write_end(), err.write_end(), file, fault.write_end(), limits.bytes, parent);
+    fault.close(1);
+    int why = child < 0 ? errno : 0;
+    if (child > 0) {
+        std::string text;
+        while (fault.is_open()) fault.read_to(text); // it closes when the program starts
+        if (text.size() == sizeof why) std::memcpy(&why, text.data(), sizeof why);
+        if (why)
+            while (::waitpid(child, nullptr, 0) < 0 && errno == EINTR) {}
+    }
+    if (why) throw Error(ErrorKind::no_input, name + ": cannot be started: " + std::strerror(why));
     return child;
+}
+
+void keep_end(std::string& errors)
+{
+    errors.erase(0, errors.size() - std::min(errors.size(), most_errors));
 }
 
 } // namespace
@@ -109,12 +160,12 @@ std::filesystem::path find_program(std::string_view name)
 }
 
 ProgramOutput output_of(const std::filesystem::path& program, std::vector<std::string> arguments,
-                        const ProgramLimits& limits)
+                        const ProgramLimits& limits, int file)
 {
     const SteadyClock::time_point until = SteadyClock::now() + limits.time;
     ProgramOutput result;
     ProgramPipe out, err;
-    const pid_t child = start(program, arguments, out, err);
+    const pid_t child = start(program, arguments, limits, out, err, file);
     out.close(1), err.close(1);
     while (result.end == ProgramOutput::End::exited && (out.is_open() || err.is_open())) {
         const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - SteadyClock::now()).count();
@@ -124,10 +175,12 @@ ProgramOutput output_of(const std::filesystem::path& program, std::vector<std::s
             if (left <= 0) result.end = ProgramOutput::End::too_long;
             continue;
         }
-        if (waiting[0].revents && !out.read_to(result.output, limits.bytes + 1))
-            result.end = ProgramOutput::End::too_much;
-        if (waiting[1].revents && !err.read_to(result.errors, most_errors)) result.errors.resize(most_errors - 1);
+        if (waiting[0].revents) out.read_to(result.output);
+        if (result.output.size() > limits.bytes) result.end = ProgramOutput::End::too_much;
+        if (waiting[1].revents) err.read_to(result.errors);
+        if (result.errors.size() > 2 * most_errors) keep_end(result.errors); // not at each piece
     }
+    keep_end(result.errors);
     int status = 0;
     while (result.end == ProgramOutput::End::exited && ::waitpid(child, &status, WNOHANG) == 0) {
         if (SteadyClock::now() > until) result.end = ProgramOutput::End::too_long;

@@ -13,7 +13,7 @@ namespace oncollide {
 std::filesystem::path find_program(std::string_view name);
 
 struct ProgramLimits {
-    std::size_t bytes = std::size_t{64} << 20; ///< of its standard output
+    std::size_t bytes = std::size_t{64} << 20; ///< of its standard output, and of a file that it fills
     std::chrono::milliseconds time{60'000};
 };
 
@@ -22,16 +22,19 @@ struct ProgramOutput {
     enum class End { exited, killed, too_long, too_much };
 
     std::string output;
-    std::string errors; ///< the beginning of its standard error
+    std::string errors; ///< the last 64 KiB of its standard error
     End end = End::exited;
     int code = 0; ///< exited: the exit code; killed: the signal
 
     bool is_good() const { return end == End::exited && code == 0; }
 };
 
-/// Runs a program without a shell, with an empty standard input. At a limit, the program is killed with its children.
-/// Throws Error{no_input} if it cannot be started.
+/// Runs a program without a shell, with an empty standard input, and waits for it. It ends with the calling thread. At
+/// a limit, it is killed with its children. Several threads may call at once. Throws Error{no_input} if the program
+/// cannot be started.
+/// @param file  an open file, which the program has as /dev/fd/3 and may fill; beyond the limit SIGXFSZ ends the
+///              program; -1: none
 ProgramOutput output_of(const std::filesystem::path& program, std::vector<std::string> arguments,
-                        const ProgramLimits& limits = {});
+                        const ProgramLimits& limits = {}, int file = -1);
 
 } // namespace oncollide

@@ -18,12 +18,11 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/files/paths.hpp>
+#include <oncollide/base/files/program_output.hpp>
 #include <oncollide/base/files/spool.hpp>
 #include <oncollide/base/text/file_warning.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
-
-#include "convert/child_program.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -37,7 +36,8 @@ constexpr Converter ifc{"oncollide-ifc", "ONCOLLIDE_IFC", "IFC", "Node.js and th
 constexpr std::array<std::pair<std::string_view, const Converter*>, 7> of_extension{
     {{"step", &cad}, {"stp", &cad}, {"iges", &cad}, {"igs", &cad}, {"brep", &cad}, {"brp", &cad}, {"ifc", &ifc}}};
 
-constexpr ProgramLimits limits{.seconds = 3600, .bytes = std::uint64_t(2) << 30};
+constexpr ProgramLimits limits{.bytes = std::size_t(2) << 30, .time = std::chrono::hours(1)};
+constexpr int cannot_start = 127; // exit code of a script whose interpreter, such as Node.js, is absent
 
 bool is_program(const fs::path& path)
 {
@@ -61,6 +61,12 @@ std::vector<std::string> lines_with(const std::string& messages, std::string_vie
     return found;
 }
 
+/// The lines that it printed, to either stream.
+std::string messages_of(const ProgramOutput& made)
+{
+    return made.output + '\n' + made.errors;
+}
+
 /// A message of the converter without the file's name, which the reader's messages begin with.
 std::string without_name(const std::string& message, const std::string& name)
 {
@@ -74,29 +80,31 @@ ErrorKind kind_of(int code)
     return ErrorKind::bad_data;
 }
 
-[[noreturn]] void fail(const Converter& converter, const std::string& name, const ProgramEnd& end)
+[[noreturn]] void fail(const Converter& converter, const std::string& name, const ProgramOutput& made)
 {
     const auto fail_as = [&](ErrorKind kind, const std::string& what) {
         throw Error(kind, printable(name + ": " + what));
     };
-    if (end.late)
+    using End = ProgramOutput::End;
+    if (made.end == End::too_long)
         fail_as(ErrorKind::bad_data,
-                fmt::format("{} was stopped after {} minutes", converter.program, limits.seconds / 60));
-    if (end.signal == SIGXFSZ)
+                fmt::format("{} was stopped after {} minutes", converter.program,
+                            std::chrono::duration_cast<std::chrono::minutes>(limits.time).count()));
+    if (made.end == End::killed && made.code == SIGXFSZ)
         fail_as(
             ErrorKind::bad_data,
             fmt::format("its triangles take more than {} GiB; a coarser --deflection has fewer", limits.bytes >> 30));
-    if (end.signal == SIGKILL)
+    if (made.end == End::killed && made.code == SIGKILL)
         fail_as(ErrorKind::bad_data, fmt::format("{} was killed; the system may lack memory", converter.program));
-    if (end.signal)
+    if (made.end == End::killed)
         fail_as(ErrorKind::bad_data,
-                fmt::format("{} crashed ({}) while it read the file", converter.program, ::strsignal(end.signal)));
-    if (end.code == cannot_start)
+                fmt::format("{} crashed ({}) while it read the file", converter.program, ::strsignal(made.code)));
+    if (made.code == cannot_start)
         fail_as(ErrorKind::no_input,
                 fmt::format("{} cannot be started; it needs {}", converter.program, converter.needs));
-    const std::vector<std::string> errors = lines_with(end.messages, "error: ");
-    fail_as(kind_of(end.code), errors.empty() ? fmt::format("{} failed (exit code {})", converter.program, end.code)
-                                              : without_name(errors.back(), name));
+    const std::vector<std::string> errors = lines_with(messages_of(made), "error: ");
+    fail_as(kind_of(made.code), errors.empty() ? fmt::format("{} failed (exit code {})", converter.program, made.code)
+                                               : without_name(errors.back(), name));
     std::abort();
 }
 
@@ -122,11 +130,17 @@ std::string converted(const fs::path& file, const std::string& deflection)
     const std::unique_ptr<std::FILE, Close> output(open_nameless());
     if (!output)
         throw Error(ErrorKind::cannot_write, fmt::format("temporary file for {}: {}", name, std::strerror(errno)));
-    std::vector<std::string> command{program, name.starts_with('-') ? "./" + name : name, "-o", "/dev/fd/3"};
-    if (!deflection.empty()) command.insert(command.end(), {"--deflection", deflection});
-    const ProgramEnd end = run_program(command, ::fileno(output.get()), limits);
-    if (end.late || end.signal || end.code) fail(converter, name, end);
-    for (const std::string& line : lines_with(end.messages, "warning: ")) warn_of_file(name, without_name(line, name));
+    std::vector<std::string> arguments{name.starts_with('-') ? "./" + name : name, "-o", "/dev/fd/3"};
+    if (!deflection.empty()) arguments.insert(arguments.end(), {"--deflection", deflection});
+    ProgramOutput made;
+    try {
+        made = output_of(program, arguments, limits, ::fileno(output.get()));
+    } catch (const Error&) {
+        made.code = cannot_start;
+    }
+    if (!made.is_good()) fail(converter, name, made);
+    for (const std::string& line : lines_with(messages_of(made), "warning: "))
+        warn_of_file(name, without_name(line, name));
     std::string bytes = content_of(output.get());
     if (bytes.empty()) refuse(name, fmt::format("{} wrote no mesh", converter.program));
     return bytes;
@@ -152,17 +166,9 @@ std::string find_program(const Converter& converter)
     const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
     std::vector<fs::path> folders;
     if (!here.empty()) folders = {here, here.parent_path() / "libexec/oncollide"};
-    if (const char* const path = std::getenv("PATH")) {
-        const std::string all = path;
-        for (std::size_t begin = 0; begin < all.size();) {
-            const std::size_t end = std::min(all.find(':', begin), all.size());
-            if (all[begin] == '/') folders.emplace_back(all.substr(begin, end - begin)); // never the current folder
-            begin = end + 1;
-        }
-    }
     for (const fs::path& folder : folders)
         if (const fs::path path = folder / converter.program; is_program(path)) return path.string();
-    return {};
+    return oncollide::find_program(converter.program).string();
 }
 
 void read_converted_files(const std::string& deflection)
