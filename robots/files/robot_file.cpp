@@ -9,6 +9,7 @@
 #include <oncollide/base/text/file_warning.hpp>
 #include <oncollide/base/text/near_word.hpp>
 #include <oncollide/base/text/printable.hpp>
+#include <oncollide/robots/description_fault.hpp>
 #include <oncollide/scenes/files/xml/xml_reader.hpp>
 
 namespace oncollide {
@@ -77,6 +78,18 @@ void RobotSource::fail_at(const XmlElement& element, const std::string& what) co
     in.fail(fmt::format("{}{}: {}", printable(element.name),
                         own.empty() ? "" : fmt::format(" {}", oncollide::quoted(own)), what),
             element.line);
+}
+
+void RobotSource::check(const RobotDescription& robot, std::span<const XmlElement* const> links,
+                        std::span<const XmlElement* const> joints, const XmlElement& root) const
+{
+    using Of = DescriptionFault::Of;
+    const std::optional<DescriptionFault> fault = fault_of(robot);
+    if (!fault) return;
+    fail_at(fault->of == Of::link    ? *links[fault->number]
+            : fault->of == Of::joint ? *joints[fault->number]
+                                     : root,
+            fault->what);
 }
 
 const std::string& RobotSource::required(const XmlElement& element, std::string_view key) const

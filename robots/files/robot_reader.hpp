@@ -1,6 +1,7 @@
 #pragma once
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 
 #include <oncollide/robots/robot.hpp>
@@ -28,6 +29,11 @@ struct RobotSource : MeshSource {
             fail_at(element, error.what());
         }
     }
+    /// Throws Error{bad_data} for the fault of fault_of(), at its element.
+    /// @param links, joints  the elements of the robot's links and joints
+    /// @param root           the element of everything else
+    void check(const RobotDescription& robot, std::span<const XmlElement* const> links,
+               std::span<const XmlElement* const> joints, const XmlElement& root) const;
     /// An attribute that must be there, and must not be empty.
     const std::string& required(const XmlElement& element, std::string_view key) const;
     /// The finite numbers of an attribute; nothing if it is absent. Throws unless there are `count`.

@@ -1,5 +1,4 @@
 // URDF: links, joints and their tree.
-#include <oncollide/robots/description_fault.hpp>
 #include <oncollide/robots/files/robot_reader.hpp>
 
 #include <algorithm>
@@ -51,7 +50,7 @@ public:
             if (child.name == "joint") read_joint(child);
         for (std::uint32_t i = 0; i < joints_.size(); ++i) read_mimic(i);
         resolve_mimics();
-        check();
+        source_.check(robot_, links_, joints_, root_);
         return std::move(robot_);
     }
 
@@ -149,18 +148,6 @@ private:
                 joint.mimics = of.mimics;
             }
         }
-    }
-
-    /// The checks that descriptions from all sources pass.
-    void check() const
-    {
-        using Of = DescriptionFault::Of;
-        const std::optional<DescriptionFault> fault = fault_of(robot_);
-        if (!fault) return;
-        source_.fail_at(fault->of == Of::link    ? *links_[fault->number]
-                        : fault->of == Of::joint ? *joints_[fault->number]
-                                                 : root_,
-                        fault->what);
     }
 
     const RobotSource& source_;

@@ -1,5 +1,4 @@
 // MJCF: bodies, joints and keyframes of MuJoCo's models.
-#include <oncollide/robots/description_fault.hpp>
 #include <oncollide/robots/files/mjcf/mjcf_geometry.hpp>
 #include <oncollide/robots/files/mjcf/mjcf_pairs.hpp>
 
@@ -37,7 +36,7 @@ public:
             if (section.name == "worldbody") read_contents(section, {0, 0, Isometry3d::Identity(), ""});
         robot_.excluded = pairs_.excluded(tree_);
         read_states();
-        check();
+        source_.check(robot_, links_, joints_, document_.root());
         return std::move(robot_);
     }
 
@@ -289,18 +288,6 @@ private:
             const std::string& name = key.attribute("name");
             state_of(name.empty() ? fmt::format("key {}", robot_.states.size() - 1) : name, qpos);
         });
-    }
-
-    /// The checks that descriptions from all sources pass.
-    void check() const
-    {
-        using Of = DescriptionFault::Of;
-        const std::optional<DescriptionFault> fault = fault_of(robot_);
-        if (!fault) return;
-        source_.fail_at(fault->of == Of::link    ? *links_[fault->number]
-                        : fault->of == Of::joint ? *joints_[fault->number]
-                                                 : document_.root(),
-                        fault->what);
     }
 
     const MjcfDocument document_;

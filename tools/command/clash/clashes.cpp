@@ -70,33 +70,19 @@ void measure_duplicate(const PartList& list, Clash& clash)
     clash.where = box.centre();
 }
 
-/// The settings for a pair, with the limits of the matrix; none if the matrix skips it.
-std::optional<ClashSettings> for_pair(const ClashSettings& settings, const PartList& parts, std::uint32_t a,
-                                      std::uint32_t b)
-{
-    ClashSettings of = settings;
-    if (!settings.matrix) return of;
-    const PairLimits limits =
-        settings.matrix->limits(parts.parts[a], parts.parts[b], {settings.clearance, settings.tolerance});
-    of.clearance = limits.clearance, of.tolerance = limits.tolerance;
-    if (limits.skip) return {};
-    return of;
-}
-
 /// The overlap of each pair of closed parts.
-void measure_balls(const PartList& list, const Clashes& found, const ClashSettings& settings,
-                   std::vector<Clash>& clashes)
+void measure_balls(const PartList& list, const Clashes& found, std::vector<Clash>& clashes)
 {
-    const World& world = *found.world;
+    const int threads = thread_count(found.world->settings());
     const auto mesh = [&](std::uint32_t part) -> const Mesh& {
         return std::get<Mesh>(list.meshes[list.parts[part].mesh]->data);
     };
-    parallel_chunks(clashes.size(), 1, thread_count(world.settings()), [&](std::size_t begin, std::size_t end, int) {
+    parallel_chunks(clashes.size(), 1, threads, [&](std::size_t begin, std::size_t end, int) {
         for (Clash& clash : std::span(clashes).subspan(begin, end - begin)) {
             if (!clash.overlaps() || !found.closed[clash.a] || !found.closed[clash.b]) continue;
-            const double tolerance = for_pair(settings, list, clash.a, clash.b)->tolerance;
-            clash.ball = common_ball(mesh(clash.a), list.parts[clash.a].pose, mesh(clash.b), list.parts[clash.b].pose,
-                                     {.enough = (tolerance + clash.deflection) / 2, .most_boxes_for_volume = 2000});
+            clash.ball =
+                common_ball(mesh(clash.a), list.parts[clash.a].pose, mesh(clash.b), list.parts[clash.b].pose,
+                            {.enough = (clash.limits.tolerance + clash.deflection) / 2, .most_boxes_for_volume = 2000});
             clash.has_ball = true;
         }
     });
@@ -142,14 +128,14 @@ void measure(const World& world, const Clashes& found, std::vector<Clash>& clash
 
 /// Parts that overlap, or are apart, by no more than the tolerance touch. Not duplicates, however thin they are.
 /// Overlaps and gaps below the deflections are within.
-void apply_tolerance(const Clashes& found, const ClashSettings& settings, Clash& clash)
+void apply_tolerance(const Clashes& found, bool touching, Clash& clash)
 {
-    const double tolerance = settings.tolerance, deviating = tolerance + clash.deflection;
+    const double tolerance = clash.limits.tolerance, deviating = tolerance + clash.deflection;
     const bool of_open = !clash.has_ball && clash.kind == ClashKind::crossing;
     bool within = false;
     if (clash.kind == ClashKind::near) {
         // Parts beyond the clearance are in the list because of the tolerance or the deflections.
-        const bool beyond = clash.lower > settings.clearance;
+        const bool beyond = clash.lower > clash.limits.clearance;
         clash.tolerated = clash.upper <= tolerance || (beyond && clash.lower <= tolerance);
         within = beyond;
     } else {
@@ -166,14 +152,14 @@ void apply_tolerance(const Clashes& found, const ClashSettings& settings, Clash&
     else if (within)
         clash.kind = ClashKind::within;
     const bool touches = clash.kind == ClashKind::touching || clash.kind == ClashKind::within;
-    if (touches && !settings.touching) clash.status = ClashStatus::contact;
+    if (touches && !touching) clash.status = ClashStatus::contact;
 }
 
-/// True for parts that are in the list because of the deflections of other parts.
-bool is_apart(const Clash& clash, const ClashSettings& settings)
+/// True for parts that are in the list because of the limits or deflections of other parts.
+bool is_apart(const Clash& clash)
 {
     return clash.kind == ClashKind::near &&
-           clash.lower > std::max(settings.clearance, settings.tolerance) + clash.deflection;
+           clash.lower > std::max(clash.limits.clearance, clash.limits.tolerance) + clash.deflection;
 }
 
 void find_self(const PartList& list, const std::vector<ModelId>& models, Clashes& found)
@@ -263,23 +249,25 @@ Clashes find_clashes(const PartList& parts, const ClashSettings& settings)
         if (pair.verdict == Verdict::separate) continue;
         const auto [a, b] = std::minmax({static_cast<std::uint32_t>(world.bodies().user(pair.a)),
                                          static_cast<std::uint32_t>(world.bodies().user(pair.b))});
-        if (!for_pair(settings, parts, a, b)) {
+        const Part &part_a = parts.parts[a], &part_b = parts.parts[b];
+        PairLimits limits{settings.clearance, settings.tolerance};
+        if (settings.matrix) limits = settings.matrix->limits(part_a, part_b, limits);
+        if (limits.skip) {
             ++found.skipped;
             continue;
         }
-        const Part &part_a = parts.parts[a], &part_b = parts.parts[b];
         found.list.push_back({.a = a,
                               .b = b,
                               .kind = kind_of(pair.kind),
+                              .limits = limits,
                               .id = clash_id(part_a, part_b),
                               .deflection = 2 * std::max(part_a.details.deflection, part_b.details.deflection)});
     }
     find_duplicates(parts, world, settings.tolerance, found.list);
     measure(world, found, found.list);
-    std::erase_if(found.list,
-                  [&](const Clash& clash) { return is_apart(clash, *for_pair(settings, parts, clash.a, clash.b)); });
-    measure_balls(parts, found, settings, found.list);
-    for (Clash& clash : found.list) apply_tolerance(found, *for_pair(settings, parts, clash.a, clash.b), clash);
+    std::erase_if(found.list, is_apart);
+    measure_balls(parts, found, found.list);
+    for (Clash& clash : found.list) apply_tolerance(found, settings.touching, clash);
     std::ranges::sort(found.list, more_severe);
     return found;
 }

@@ -34,10 +34,17 @@ enum class ClashStatus : std::uint8_t {
 };
 std::string_view name_of(ClashStatus status);
 
+/// Clearance and tolerance of a pair of parts, in the unit of the report.
+struct PairLimits {
+    double clearance, tolerance;
+    bool skip = false; ///< the pair is not compared
+};
+
 /// Two parts that are the same, or touch, cross, enclose or are near each other. Lengths in the unit of the report.
 struct Clash {
     std::uint32_t a, b; ///< in PartList::parts, a < b
     ClashKind kind;
+    PairLimits limits;   ///< of the settings or the matrix
     std::string id{};    ///< as clash_id()
     Penetration reach{}; ///< set unless the parts are apart; for a duplicate only the box and the thickness
     CommonBall ball{};   ///< if both parts are closed and overlap: the largest ball in the overlap

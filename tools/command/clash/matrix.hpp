@@ -7,12 +7,6 @@
 
 namespace oncollide::tools {
 
-/// Clearance and tolerance of a pair of parts, in the unit of the report.
-struct PairLimits {
-    double clearance, tolerance;
-    bool skip = false; ///< the pair is not compared
-};
-
 /// The clash matrix of a project: limits by discipline, class or storey of the parts.
 class ClashMatrix {
 public:

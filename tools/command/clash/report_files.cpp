@@ -180,8 +180,8 @@ void write_csv(OutputFile& file, const ClashReport& r)
         const Aabb& contact = c.reach.contact;
         csv.add(CsvField{name_field(r.name(c.a))}, CsvField{name_field(r.name(c.b))},
                 CsvField{name_field(std::string(c.status_text()))}, name_of(c.kind), length(c.ball_lower(), c.has_ball),
-                length(c.ball_upper(), c.has_ball), length(c.ball.volume_lower, c.has_volume()),
-                length(c.ball.volume_upper, c.has_volume()),
+                length(c.ball_upper(), c.has_ball && std::isfinite(c.ball_upper())),
+                length(c.ball.volume_lower, c.has_volume()), length(c.ball.volume_upper, c.has_volume()),
                 length(c.reach.thickness, !near && std::isfinite(c.reach.thickness)), length(c.reach.depth, !near),
                 length(c.upper, near));
         for (const double x : c.where) csv.add(length(x));

@@ -251,14 +251,14 @@ void write_page(OutputFile& file, const ClashReport& r, const ClashPictures& pic
     write_section(file, r, pictures, ClashStatus::contact, "Pairs that only touch, or may do so (not a clash)");
     write_section(file, r, pictures, ClashStatus::ignored, "Ignored pairs");
     write_settings(file, r);
-    file.print(
-        "<p class=\"soft\">Every pair was decided exactly. Overlap: the common part of both parts is at most this "
-        "thick, and a vertex of one is at least this deep inside the other. Lengths and positions in {}.{}</p>\n",
-        r.unit.name,
-        r.count(ClashStatus::fresh) + r.count(ClashStatus::active)
-            ? " Pictures: the first part is blue, the second yellow, both transparent; their common part, or an "
-              "enclosed part, is red. Left: close-up; right: both parts as a whole."
-            : "");
+    file.print("<p class=\"soft\">Every pair was decided exactly. Overlap: a ball of at least this diameter fits into "
+               "the common "
+               "part of both parts. Lengths and positions in {}.{}</p>\n",
+               r.unit.name,
+               r.count(ClashStatus::fresh) + r.count(ClashStatus::active)
+                   ? " Pictures: the first part is blue, the second yellow, both transparent; their common part, or an "
+                     "enclosed part, is red. Left: close-up; right: both parts as a whole."
+                   : "");
     write_data(file, r);
     file.print("<script>{}</script>\n</body></html>\n", clash_page_script);
 }

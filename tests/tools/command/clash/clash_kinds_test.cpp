@@ -1,4 +1,5 @@
 // oncollide clash: duplicates, the tolerance of touching faces, and which parts are compared.
+#include "plate_with_hole.hpp"
 #include "tools/command/clash/clash_fixture.hpp"
 #include <oncollide/samples/generators.hpp>
 
@@ -105,27 +106,17 @@ TEST_F(ClashKinds, FacesThatRoundingPartsOrOverlapsTouchWithinTheTolerance)
 
 TEST_F(ClashKinds, AWindowInItsOpeningTouchesAndPartsAreMended)
 {
-    // A plate with a rectangular hole, `by` smaller than it is drawn; each triangle has vertices of its own.
+    // Each triangle has vertices of its own, up to twice `jitter` apart.
     const auto write_frame = [&](const std::string& name, double low, double high, double hole_low, double hole_high,
                                  double thick, double jitter) {
-        std::vector<Eigen::Vector3d> v;
-        for (const double z : {0.0, thick})
-            for (const auto& [l, h] : {std::pair(low, high), std::pair(hole_low, hole_high)})
-                for (const auto& [x, y] : {std::pair(l, l), std::pair(h, l), std::pair(h, h), std::pair(l, h)})
-                    v.emplace_back(x, y, z);
-        std::vector<Triangle> t;
-        const auto quad = [&](unsigned a, unsigned b, unsigned c, unsigned d) {
-            t.push_back({a, b, c}), t.push_back({a, c, d});
-        };
-        for (unsigned k = 0; k < 4; ++k) {
-            const unsigned n = (k + 1) % 4;
-            quad(k, n, 8 + n, 8 + k), quad(4 + n, 4 + k, 12 + k, 12 + n);
-            quad(n, k, 4 + k, 4 + n), quad(8 + k, 8 + n, 12 + n, 12 + k);
-        }
-        std::string text = fmt::format("OFF\n{} {} 0\n", 3 * t.size(), t.size()), faces;
-        for (std::size_t i = 0; i < t.size(); ++i) {
-            for (const std::uint32_t k : t[i])
-                text += fmt::format("{} {} {}\n", v[k].x() + jitter * double(i % 3), v[k].y(), v[k].z());
+        const Mesh plate =
+            plate_with_hole({low, low, 0}, {high, high, thick}, {hole_low, hole_low, 0}, {hole_high, hole_high, 0});
+        std::string text = fmt::format("OFF\n{} {} 0\n", 3 * plate.triangles.size(), plate.triangles.size()), faces;
+        for (std::uint32_t i = 0; i < plate.triangles.size(); ++i) {
+            for (const int k : {0, 1, 2}) {
+                const Eigen::Vector3d v = corners_of(plate, i)[std::size_t(k)];
+                text += fmt::format("{} {} {}\n", v.x() + jitter * k, v.y(), v.z());
+            }
             faces += fmt::format("3 {} {} {}\n", 3 * i, 3 * i + 1, 3 * i + 2);
         }
         folder_.write(name, text + faces);

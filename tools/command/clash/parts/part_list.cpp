@@ -231,6 +231,18 @@ PartList read_parts(const std::vector<std::string>& all_files, const Units& unit
     return list;
 }
 
+double precision_of(const PartList& parts)
+{
+    const double far = reach_of(parts.bounds);
+    // Elements of a building are placed in double, wherever the site lies.
+    if (!std::ranges::all_of(parts.parts, [](const Part& part) { return !part.details.part_class.empty(); }))
+        return 0x1p-19 * far;
+    double size = 0;
+    for (const auto& geometry : parts.meshes)
+        if (geometry) size = std::max(size, reach_of(std::get<Mesh>(geometry->data).bounds));
+    return std::max(0x1p-19 * size, 0x1p-45 * far);
+}
+
 double PartList::deflection() const
 {
     double most = 0;
