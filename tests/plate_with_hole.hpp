@@ -6,8 +6,8 @@
 
 namespace oncollide {
 
-/// A plate from low.z() to high.z() with a hole through it; plate and hole are rectangles. Such as a wall with an
-/// opening, or the frame of a window.
+/// A plate from low.z() to high.z() with a hole through it, as a wall with an opening or the frame of a window; plate and
+/// hole are rectangles.
 inline Mesh plate_with_hole(const Eigen::Vector3d& low, const Eigen::Vector3d& high, const Eigen::Vector3d& hole_low,
                             const Eigen::Vector3d& hole_high)
 {

@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <oncollide/base/numbers/random.hpp>
+#include <oncollide/narrowphase/overlap/facing_bound.hpp>
 #include <oncollide/narrowphase/overlap/local_sides.hpp>
 
 namespace oncollide {
@@ -68,6 +70,7 @@ public:
             };
             take(part.depth(), part.point);
             part.most = std::min(part.most, part.depth() + part.reach + slack_);
+            if (part.most > threshold()) part.most = std::min(part.most, facing_bound(part, threshold()));
             if (part.most > threshold()) {
                 Vector3d deep = Vector3d::Zero();
                 part.most = std::min(part.most, bound(part, threshold(), deep));
@@ -190,14 +193,36 @@ private:
     void gather(const std::vector<std::uint32_t>& faces, std::size_t s, BoxPart& part)
     {
         BoxPart::Surface& surface = part.surfaces[s];
-        distances_.clear();
+        const std::span<const PlacedFaces::Face> all = solids_[s]->faces();
+        // Most faces are certainly too far away: the middle of the nearest face is nearer.
+        middles_.clear(), ways_[s].clear();
+        double nearest = any_depth;
         for (const std::uint32_t face : faces) {
-            distances_.push_back(distance_of(part.point, solids_[s]->faces()[face].corners));
-            surface.distance = std::min(surface.distance, distances_.back());
+            middles_.push_back((part.point - all[face].middle).norm());
+            nearest = std::min(nearest, middles_.back());
+        }
+        const double farthest = std::max(nearest + 2 * part.reach, part.seen) + 3 * slack_;
+        for (std::size_t k = 0; k < faces.size(); ++k) {
+            if (middles_[k] - all[faces[k]].radius > farthest) continue;
+            surface.near.push_back(faces[k]);
+            ways_[s].push_back(way_to(all[faces[k]].corners, part.point));
+            surface.distance = std::min(surface.distance, ways_[s].back().norm());
         }
         const double far = std::max(surface.distance + 2 * part.reach, part.seen) + slack_;
-        for (std::size_t k = 0; k < faces.size(); ++k)
-            if (distances_[k] <= far) surface.near.push_back(faces[k]);
+        std::size_t kept = 0;
+        for (std::size_t k = 0; k < ways_[s].size(); ++k)
+            if (ways_[s][k].norm() <= far) surface.near[kept] = surface.near[k], ways_[s][kept++] = ways_[s][k];
+        surface.near.resize(kept), ways_[s].resize(kept);
+    }
+
+    /// A bound on the depth in the part for which gather() was called last.
+    double facing_bound(const BoxPart& part, double enough)
+    {
+        facing_.clear();
+        for (std::size_t s = 0; s < 2; ++s)
+            for (std::size_t k = 0; k < ways_[s].size(); ++k)
+                facing_.add(solids_[s]->faces()[part.surfaces[s].near[k]], ways_[s][k]);
+        return facing_.find(part.box, part.reach, enough) + slack_;
     }
 
     /// The depth of a point; negative outside, and if it is not known.
@@ -215,7 +240,8 @@ private:
         return depth;
     }
 
-    /// Moves the ball between the faces that face each other around it.
+    /// Moves the ball to where it may be larger: between the faces that face each other around it, and by small steps
+    /// along the axes.
     void centre(CommonBall& found)
     {
         if (!(found.radius_lower > 0)) return;
@@ -229,11 +255,22 @@ private:
             around.surfaces[s].winding = *winding;
             gather(root_.surfaces[s].near, s, around);
         }
+        const auto try_at = [&](const Vector3d& point) {
+            const double depth = depth_at(around, point) - slack_;
+            const bool deeper = depth > found.radius_lower;
+            if (deeper) found.radius_lower = depth, found.centre = point;
+            return deeper;
+        };
         Vector3d deep = Vector3d::Zero();
-        if (!set_sides(around, 1.6 * found.radius_lower)) return;
-        LocalSides::depth(sides_[0], sides_[1], found.radius_lower / 2, deep);
-        if (const double depth = depth_at(around, around.point + deep) - slack_; depth > found.radius_lower)
-            found.radius_lower = depth, found.centre = around.point + deep;
+        if (set_sides(around, 1.6 * found.radius_lower))
+            LocalSides::depth(sides_[0], sides_[1], found.radius_lower / 2, deep);
+        if (!deep.isZero()) try_at(around.point + deep);
+        for (const double share : {0.1, 0.03, 0.01, 0.003}) {
+            const double step = share * found.radius_lower;
+            for (const int axis : {0, 1, 2})
+                for (const double way : {-step, step})
+                    while (try_at(found.centre + way * Vector3d::Unit(axis))) {}
+        }
     }
 
     /// A bound on the depth by the planes of the faces near the part; infinite if there are too many.
@@ -271,7 +308,9 @@ private:
     double slack_; ///< rounding of coordinates and distances, more than enough
     BoxPart root_;
     std::array<LocalSides, 2> sides_;
-    std::vector<double> distances_;
+    std::vector<double> middles_;
+    std::array<std::vector<Vector3d>, 2> ways_; ///< of gather(): from the point to the near faces
+    FacingBound facing_;
     std::vector<std::uint32_t> close_;
 };
 

@@ -1,6 +1,7 @@
 #include <oncollide/narrowphase/overlap/placed_faces.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include <oncollide/base/numbers/random.hpp>
@@ -38,7 +39,10 @@ PlacedFaces::PlacedFaces(const Mesh& mesh, const Eigen::Isometry3d& pose, const 
     for (const Triangle& t : mesh.triangles) {
         const std::array corners{points[t[0]], points[t[1]], points[t[2]]};
         if (collinear(corners[0], corners[1], corners[2])) continue;
-        faces_.push_back({corners, unit_normal(corners[0], corners[1], corners[2])});
+        const Vector3d middle = (corners[0] + corners[1] + corners[2]) / 3;
+        double radius2 = 0;
+        for (const Vector3d& corner : corners) radius2 = std::max(radius2, (corner - middle).squaredNorm());
+        faces_.push_back({corners, unit_normal(corners[0], corners[1], corners[2]), middle, std::sqrt(radius2)});
         areas.push_back((corners[1] - corners[0]).cross(corners[2] - corners[0]).squaredNorm());
         for (const Vector3d& corner : corners) bounds_.add(corner);
     }
@@ -75,26 +79,26 @@ std::optional<int> PlacedFaces::winding_change(const Vector3d& from, const Vecto
     return change;
 }
 
-double distance_of(const Vector3d& point, const std::array<Vector3d, 3>& t)
+Vector3d way_to(const std::array<Vector3d, 3>& t, const Vector3d& point)
 {
     // Regions of a triangle: Ericson, Real-Time Collision Detection, 5.1.5.
     const Vector3d ab = t[1] - t[0], ac = t[2] - t[0], ap = point - t[0];
     const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-    if (d1 <= 0 && d2 <= 0) return ap.norm();
+    if (d1 <= 0 && d2 <= 0) return -ap;
     const Vector3d bp = point - t[1];
     const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-    if (d3 >= 0 && d4 <= d3) return bp.norm();
+    if (d3 >= 0 && d4 <= d3) return -bp;
     const double vc = d1 * d4 - d3 * d2;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) return (ap - d1 / (d1 - d3) * ab).norm();
+    if (vc <= 0 && d1 >= 0 && d3 <= 0) return d1 / (d1 - d3) * ab - ap;
     const Vector3d cp = point - t[2];
     const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-    if (d6 >= 0 && d5 <= d6) return cp.norm();
+    if (d6 >= 0 && d5 <= d6) return -cp;
     const double vb = d5 * d2 - d1 * d6;
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) return (ap - d2 / (d2 - d6) * ac).norm();
+    if (vb <= 0 && d2 >= 0 && d6 <= 0) return d2 / (d2 - d6) * ac - ap;
     const double va = d3 * d6 - d5 * d4;
-    if (va <= 0 && d4 >= d3 && d5 >= d6) return (bp - (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (t[2] - t[1])).norm();
+    if (va <= 0 && d4 >= d3 && d5 >= d6) return (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (t[2] - t[1]) - bp;
     const double scale = 1 / (va + vb + vc);
-    return (ap - vb * scale * ab - vc * scale * ac).norm();
+    return vb * scale * ab + vc * scale * ac - ap;
 }
 
 } // namespace oncollide

@@ -18,6 +18,8 @@ public:
     struct Face {
         std::array<Eigen::Vector3d, 3> corners;
         Eigen::Vector3d normal; ///< unit
+        Eigen::Vector3d middle; ///< on the face
+        double radius;          ///< of a ball around `middle` that holds the face
     };
 
     /// @param origin  the point of the world that becomes (0, 0, 0). Near the geometry, coordinates round less
@@ -41,7 +43,13 @@ private:
     Aabb bounds_;
 };
 
-/// The distance of a point from a triangle, to rounding: some 2^-50 of the largest coordinate.
-double distance_of(const Eigen::Vector3d& point, const std::array<Eigen::Vector3d, 3>& triangle);
+/// The vector from a point to the nearest point of a triangle, to rounding: some 2^-50 of the largest coordinate.
+Eigen::Vector3d way_to(const std::array<Eigen::Vector3d, 3>& triangle, const Eigen::Vector3d& point);
+
+/// The distance of a point from a triangle, as way_to().
+inline double distance_of(const Eigen::Vector3d& point, const std::array<Eigen::Vector3d, 3>& triangle)
+{
+    return way_to(triangle, point).norm();
+}
 
 } // namespace oncollide

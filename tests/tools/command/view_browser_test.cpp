@@ -1,89 +1,15 @@
 // The page of 'run --view', rendered if Chromium and three.js are installed.
-#include "tools/browser.hpp"
-#include "tools/decoded_png.hpp"
-#include "tools/view_fixture.hpp"
+#include "tools/page_in_browser.hpp"
 
 namespace oncollide::test {
 namespace {
 
-bool is_colliding(const std::uint8_t* p)
-{
-    return p[0] > 150 && p[0] > 2 * p[1] && p[0] > 2 * p[2];
-}
 bool is_within(const std::uint8_t* p)
 {
     return p[0] > 150 && p[1] > 120 && p[0] > 2 * p[2];
 }
-bool is_blue(const std::uint8_t* p)
-{
-    return p[2] > 120 && p[2] > p[0] + 40;
-}
 
-/// Tests with three.js and Chromium on a software renderer.
-class ViewInBrowser : public View {
-protected:
-    void SetUp() override
-    {
-        if (!std::filesystem::exists(chromium)) GTEST_SKIP() << "needs Debian's package chromium";
-        if (!std::filesystem::exists(three)) GTEST_SKIP() << "needs Debian's package libjs-three";
-    }
-
-    struct Seen {
-        std::string document; ///< at the end
-        Decoded picture;
-
-        /// data-NAME of the document.
-        std::string data(const std::string& name) const
-        {
-            const std::string mark = "data-" + name + "=\"";
-            const std::size_t from = document.find(mark);
-            if (from == std::string::npos || from > document.find("<head>")) return "";
-            return document.substr(from + mark.size(), document.find('"', from + mark.size()) - from - mark.size());
-        }
-    };
-    /// The page after the given time of the browser's clock. The browser may draw late on a loaded machine, so a
-    /// picture without bodies, whose labels may be there, is taken again.
-    Seen look(const std::string& page, const std::string& fragment, const std::string& size = "900,640",
-              int milliseconds = 1500)
-    {
-        const Seen seen = look_once(page, fragment, size, milliseconds);
-        const bool early = (seen.data("drawn").empty() || drawn(seen.picture) < 200) && milliseconds < 10'000;
-        return early ? look(page, fragment, size, 3 * milliseconds) : seen;
-    }
-    Seen look_once(const std::string& page, const std::string& fragment, const std::string& size, int milliseconds)
-    {
-        const Outcome outcome = browse(
-            folder_, {"--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-                      "--disable-dev-shm-usage", "--enable-logging=stderr", "--run-all-compositor-stages-before-draw",
-                      fmt::format("--virtual-time-budget={}", milliseconds), "--window-size=" + size,
-                      "--screenshot=" + (folder_ / "x.png").string(), "--dump-dom",
-                      "file://" + (folder_ / page).string() + "#" + fragment});
-        EXPECT_EQ(outcome.code, 0) << outcome.err;
-        EXPECT_EQ(outcome.err.find("Uncaught"), std::string::npos) << outcome.err;
-        EXPECT_EQ(outcome.err.find("THREE."), std::string::npos) << outcome.err; // no shader fails to compile
-        Seen seen{outcome.out, decode(folder_.read("x.png"))};
-        EXPECT_EQ(seen.data("ready"), "yes") << fragment << "\n" << outcome.err;
-        EXPECT_EQ(seen.data("error"), "");
-        return seen;
-    }
-    /// Pixels of the scene that are `wanted`: outside the panel, the legend and the strip of frames.
-    template <class Wanted>
-    static int in_scene(const Decoded& picture, Wanted wanted)
-    {
-        int count = 0;
-        for (int y = 60; y < 420; ++y)
-            for (int x = 0; x < 520; ++x) count += wanted(picture.at(x, y));
-        return count;
-    }
-    /// Pixels that differ from the background.
-    static int drawn(const Decoded& picture)
-    {
-        const std::uint8_t* paper = picture.at(260, 4);
-        return in_scene(picture, [&](const std::uint8_t* p) {
-            return std::abs(p[0] - paper[0]) + std::abs(p[1] - paper[1]) + std::abs(p[2] - paper[2]) > 60;
-        });
-    }
-};
+using ViewInBrowser = InBrowser<View>;
 
 TEST_F(ViewInBrowser, EveryViewShowsWhatItIsFor)
 {
@@ -107,36 +33,6 @@ TEST_F(ViewInBrowser, EveryViewShowsWhatItIsFor)
     const Seen phone = look("x.html", "frame=7&theme=light&tab=stages", "390,844");
     EXPECT_GT(phone.picture.count(is_colliding), 2000);
     EXPECT_NE(phone.document.find("Boxes of the bodies"), std::string::npos);
-}
-
-/// A link of a clash report selects the pair and moves the camera to the clash.
-TEST_F(ViewInBrowser, AClashIsSeenFromNear)
-{
-    const auto write_box = [&](const std::string& name, double low, double high) {
-        std::string text = "OFF\n8 12 0\n";
-        for (const double x : {low, high})
-            for (const char* yz : {"0 0", "100 0", "100 100", "0 100"}) text += fmt::format("{} {}\n", x, yz);
-        folder_.write(name, text + "3 0 2 1\n3 0 3 2\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n3 2 3 7\n"
-                                   "3 2 7 6\n3 3 0 4\n3 3 4 7\n");
-    };
-    write_box("left.off", 0, 100), write_box("right.off", 99, 200), write_box("far.off", 50'000, 50'100);
-    EXPECT_EQ(run({"clash", "left.off", "right.off", "far.off", "--quiet", "--view", "v.html", "-o", "r.html"}).code,
-              1);
-    const std::string page = folder_.read("r.html"), mark = "href=\"./v.html#";
-    const std::size_t begin = page.find(mark) + mark.size();
-    std::string link = page.substr(begin, page.find('"', begin) - begin);
-    for (std::size_t at = 0; (at = link.find("&amp;", at)) != link.npos;) link.replace(at, 5, "&");
-    EXPECT_TRUE(link.starts_with("pair=0,1&isolate&at=99.5,50,50,")) << link;
-    const Seen near = look("v.html", link + "&theme=light"), all = look("v.html", "frame=0&theme=light");
-    const auto scale = [](const Seen& seen) {
-        const std::size_t at = seen.document.find("<b>", seen.document.find("id=\"scale\""));
-        return seen.document.substr(at + 3, seen.document.find("</b>", at) - at - 3);
-    };
-    EXPECT_EQ(scale(near), "50 mm");
-    EXPECT_EQ(scale(all), "10 m");
-    EXPECT_GT(in_scene(near.picture, is_colliding), 8000);
-    EXPECT_LT(in_scene(all.picture, is_colliding), 1000);
-    EXPECT_NE(near.document.find("surfaces cross"), std::string::npos) << "the pair is selected";
 }
 
 TEST_F(ViewInBrowser, TheSliderAndKeysChangeTheFrame)

@@ -19,12 +19,12 @@
 
 #include "clash/bcf_file.hpp"
 #include "clash/clash_pictures.hpp"
-#include "clash/clash_view.hpp"
 #include "clash/known_pairs.hpp"
 #include "clash/matrix.hpp"
 #include "clash/parts/file_list.hpp"
 #include "clash/report.hpp"
 #include "clash/review.hpp"
+#include "clash/view/clash_view.hpp"
 #include "cli/command.hpp"
 #include "cli/log.hpp"
 #include "cli/outputs.hpp"
@@ -289,9 +289,9 @@ void add_report_options(Arguments sub, ClashOptions* o)
     sub.add_option("--bcf FILE.bcfzip", o->bcf,
                    "write the new and active clashes as BCF, one topic per clash with camera, parts and picture");
     sub.add_option("--bcf-version 2.1|3.0", o->bcf_version, "version of BCF files (default 2.1)");
-    sub.add_option(
-        "--view FILE.html", o->view,
-        "write all parts as a page in 3D, to which the clashes of .html reports link; needs Debian's libjs-three");
+    sub.add_option("--view FILE.html", o->view,
+                   "write a page in 3D: all parts, and the list of clashes that flies to each; .html reports link to "
+                   "it; needs Debian's libjs-three");
     add_view_limit(sub, o->view_limit);
     sub.add_option(
         "--group-by KEYS", o->group_by,

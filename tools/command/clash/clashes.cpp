@@ -48,7 +48,9 @@ std::vector<ModelId> add_parts(const PartList& list, Clashes& found)
 
     std::vector<std::uint8_t> closed(list.meshes.size(), 0);
     parallel_chunks(closed.size(), 1, thread_count(world.settings()), [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t i = begin; i < end; ++i) closed[i] = list.meshes[i] && world.models().closed(models[i]);
+        for (std::size_t i = begin; i < end; ++i)
+            closed[i] =
+                !list.mending.empty() ? list.mending[i].closed : list.meshes[i] && world.models().closed(models[i]);
     });
     for (std::uint32_t part = 0; part < list.parts.size(); ++part) {
         found.closed.push_back(closed[list.parts[part].mesh]);
@@ -80,9 +82,10 @@ void measure_balls(const PartList& list, const Clashes& found, std::vector<Clash
     parallel_chunks(clashes.size(), 1, threads, [&](std::size_t begin, std::size_t end, int) {
         for (Clash& clash : std::span(clashes).subspan(begin, end - begin)) {
             if (!clash.overlaps() || !found.closed[clash.a] || !found.closed[clash.b]) continue;
-            clash.ball =
-                common_ball(mesh(clash.a), list.parts[clash.a].pose, mesh(clash.b), list.parts[clash.b].pose,
-                            {.enough = (clash.limits.tolerance + clash.deflection) / 2, .most_boxes_for_volume = 2000});
+            clash.ball = common_ball(mesh(clash.a), list.parts[clash.a].pose, mesh(clash.b), list.parts[clash.b].pose,
+                                     {.enough = (clash.limits.tolerance + clash.deflection) / 2,
+                                      .relative = 0.05,
+                                      .most_boxes_for_volume = 300});
             clash.has_ball = true;
         }
     });

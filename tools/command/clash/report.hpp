@@ -8,6 +8,7 @@
 #include "clash/baseline.hpp"
 #include "clash/clashes.hpp"
 #include "clash/grouping.hpp"
+#include "clash/scenery.hpp"
 #include "render/png.hpp"
 
 namespace oncollide::tools {
@@ -55,13 +56,6 @@ void write_json(TextSink& out, const ClashReport& report);
 void write_csv(OutputFile& file, const ClashReport& report);
 /// JUnit XML: a new clash is a failure, a known clash is skipped, a resolved clash passes.
 void write_junit(OutputFile& file, const ClashReport& report);
-
-/// The camera of a picture. Lengths in the unit of the report.
-struct ClashView {
-    Eigen::Vector3d from; ///< unit, towards the camera
-    Eigen::Vector3d middle;
-    double radius; ///< radius of the ball that the close-up shows
-};
 
 struct ClashPictures {
     std::vector<std::string> images; ///< PNG files, in the order of Clashes::list; empty if there is none

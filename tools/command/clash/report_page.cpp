@@ -13,6 +13,7 @@
 
 #include "clash/report.hpp"
 #include "clash/report_page_text.hpp"
+#include "clash/view/clash_view.hpp"
 #include "common/base64.hpp"
 #include "common/text.hpp"
 
@@ -40,15 +41,10 @@ std::string kind_text(const Clash& c)
                        c.was.empty() ? "" : note("was " + c.was), c.review.empty() ? "" : note(c.review));
 }
 
-/// A link into the 3D page that shows the pair from near; empty without such a page.
-std::string link_text(const ClashReport& r, const Clash& c, const ClashView& view)
+/// A link to the clash on the 3D page; empty without such a page.
+std::string link_text(const ClashReport& r, const Clash& c)
 {
-    if (r.view.empty()) return "";
-    const auto& [from, middle, radius] = view;
-    const std::string at = fmt::format("{:.9g},{:.9g},{:.9g},{:.4g},{:.3g},{:.3g},{:.3g}", middle.x(), middle.y(),
-                                       middle.z(), radius, from.x(), from.y(), from.z());
-    return fmt::format("<a target=\"clash-3d\" href=\"{}#pair={},{}&amp;isolate&amp;at={}\">3D</a>", r.view, c.a, c.b,
-                       at);
+    return r.view.empty() ? "" : fmt::format("<a target=\"clash-3d\" href=\"{}#{}\">3D</a>", r.view, view_of(c));
 }
 
 /// The options of the run, in words.
@@ -88,8 +84,7 @@ std::string both(GroupKey key, const ClashReport& r, const Clash& c)
 
 /// @param rows    in Clashes::list
 /// @param number  of the last row
-void write_rows(OutputFile& file, const ClashReport& r, const ClashPictures& pictures,
-                const std::vector<std::size_t>& rows, std::size_t& number)
+void write_rows(OutputFile& file, const ClashReport& r, const std::vector<std::size_t>& rows, std::size_t& number)
 {
     for (const std::size_t i : rows) {
         const Clash& c = r.found.list[i];
@@ -106,13 +101,12 @@ void write_rows(OutputFile& file, const ClashReport& r, const ClashPictures& pic
         for (const std::uint32_t part : {c.a, c.b})
             file.print("<td title=\"{}\">{}</td>", xml_escaped(r.parts.parts[part].path),
                        xml_escaped(shortened(r.label(part), 80)));
-        file.print("<td class=\"number\">{} {}</td><td>{}</td><td>{}</td></tr>\n", r.position(c.where),
-                   link_text(r, c, pictures.views[i]), xml_escaped(c.status_text()), xml_escaped(c.comment));
+        file.print("<td class=\"number\">{} {}</td><td>{}</td><td>{}</td></tr>\n", r.position(c.where), link_text(r, c),
+                   xml_escaped(c.status_text()), xml_escaped(c.comment));
     }
 }
 
-void write_table(OutputFile& file, const ClashReport& r, const ClashPictures& pictures,
-                 const std::vector<ClashGroup>& groups)
+void write_table(OutputFile& file, const ClashReport& r, const std::vector<ClashGroup>& groups)
 {
     const char* headings[] = {"#", "kind", "overlap or gap", "part", "part", "where", "status", "comment"};
     file.print("<div class=\"scroll\"><table><thead><tr>");
@@ -124,7 +118,7 @@ void write_table(OutputFile& file, const ClashReport& r, const ClashPictures& pi
         if (!group.name.empty())
             file.print("<tr class=\"group\"><th colspan=\"8\" scope=\"rowgroup\">{} ({})</th></tr>\n",
                        xml_escaped(group.name), grouped(group.rows.size()));
-        write_rows(file, r, pictures, group.rows, number);
+        write_rows(file, r, group.rows, number);
         file.print("</tbody>\n");
     }
     file.print("</table></div>\n");
@@ -147,8 +141,7 @@ void write_cards(OutputFile& file, const ClashReport& r, const ClashPictures& pi
         file.write(base64(pictures.images[i]));
         file.print("\"><figcaption>{} <b>{}</b> and <b>{}</b>: {}, at {} {} <a href=\"#{}\">row</a></figcaption>"
                    "</figure>\n",
-                   kind_text(c), a, b, xml_escaped(measure_text(r, c)), r.position(c.where),
-                   link_text(r, c, pictures.views[i]), c.id);
+                   kind_text(c), a, b, xml_escaped(measure_text(r, c)), r.position(c.where), link_text(r, c), c.id);
     }
     if (any) file.print("</div>\n");
 }
@@ -162,7 +155,7 @@ void write_section(OutputFile& file, const ClashReport& r, const ClashPictures& 
     if (rows.empty()) return;
     file.print("<h2>{} ({})</h2>\n", title, grouped(rows.size()));
     const bool open = status == ClashStatus::fresh || status == ClashStatus::active;
-    write_table(file, r, pictures, groups_of(r.parts, r.found.list, rows, open ? r.group_by : std::vector<GroupKey>{}));
+    write_table(file, r, groups_of(r.parts, r.found.list, rows, open ? r.group_by : std::vector<GroupKey>{}));
     write_cards(file, r, pictures,
                 std::span(rows).subspan(open && status == ClashStatus::fresh ? std::min(rows.size(), first_cards) : 0));
 }

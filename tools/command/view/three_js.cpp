@@ -8,6 +8,8 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
 
+#include "view/page_text.hpp"
+
 namespace oncollide::tools {
 namespace {
 
@@ -35,7 +37,7 @@ ThreeJs read_three_js()
                                     "ONCOLLIDE_THREE to a folder that holds three.min.js (release 111) and "
                                     "examples/js/controls/OrbitControls.js",
                                     file.string()));
-    return {folder.string(), script_from(library), script_from(controls)};
+    return {folder.string(), std::string(page::three_licence_txt) + script_from(library), script_from(controls)};
 }
 
 } // namespace oncollide::tools

@@ -16,6 +16,7 @@
 
 #include "common/base64.hpp"
 #include "view/page_about.hpp"
+#include "view/page_file.hpp"
 #include "view/page_model.hpp"
 #include "view/page_text.hpp"
 #include "view/page_trees.hpp"
@@ -33,34 +34,6 @@ constexpr std::size_t least_frames = 32;    ///< that fit, with meshes that defo
 constexpr std::size_t most_of_level = 3000; ///< volumes of trees
 /// Bytes of the trees of one geometry.
 constexpr std::size_t most_bytes_of_trees = 12 * most_of_level * 4 / 3 + 32 * most_of_level * 8 / 7;
-
-std::size_t encoded(std::size_t bytes)
-{
-    return (bytes + 2) / 3 * 4;
-}
-
-/// JSON for a script element: nothing in it ends the element or begins a comment. Bytes that are not UTF-8 become
-/// U+FFFD.
-std::string script_json(const json& value)
-{
-    std::string text;
-    for (const char c : value.dump(-1, ' ', true, json::error_handler_t::replace))
-        c == '<' ? text += "\\u003c" : text += c;
-    return text;
-}
-
-void write_block(OutputFile& file, std::string_view name, std::string_view encoded_bytes)
-{
-    file.print("<script type=\"text/plain\" id=\"{}\">", name);
-    file.write(encoded_bytes);
-    file.print("</script>\n");
-}
-
-std::string megabytes(std::size_t bytes)
-{
-    return bytes < 100'000'000 ? fmt::format("{:.1f} MB", 1e-6 * double(bytes))
-                               : fmt::format("{:.0f} MB", 1e-6 * double(bytes));
-}
 
 json columns_of(const Eigen::Vector3d& v)
 {
@@ -119,16 +92,16 @@ struct ViewPage::Shown {
 
 ViewPage::ViewPage(const Scene& scene, const Pipeline& pipeline, const Options& options)
     : scene_(scene), pipeline_(pipeline), options_(options), three_(read_three_js()),
-      deforming_(scene, std::min<std::uint64_t>(options.most_bytes / encoded(6 * least_frames), most_triangles))
+      deforming_(scene, std::min<std::uint64_t>(options.most_bytes / encoded_size(6 * least_frames), most_triangles))
 {
     using namespace page;
     std::size_t fixed = three_.library.size() + three_.controls.size() + 16'384;
     for (const std::string_view text :
-         {page_html, style_css, data_js, bodies_js, sprites_js, overlay_js, trees_js, panel_js, main_js})
+         {page_html, style_css, columns_js, data_js, bodies_js, sprites_js, overlay_js, trees_js, panel_js, main_js})
         fixed += text.size();
     frames_ = std::make_unique<PageFrames>(scene, pipeline, deforming_, options.separate, 0);
-    const std::size_t bodies = encoded(bytes_of_body * scene.size()) + bytes_of_geometry * scene.geometries.size();
-    const std::size_t least = fixed + bodies + 2 * encoded(frames_->least_bytes()) + 500'000;
+    const std::size_t bodies = encoded_size(bytes_of_body * scene.size()) + bytes_of_geometry * scene.geometries.size();
+    const std::size_t least = fixed + bodies + 2 * encoded_size(frames_->least_bytes()) + 500'000;
     if (least > options.most_bytes)
         throw Error(ErrorKind::usage,
                     fmt::format("--view-limit: a page of {} bodies needs at least {}; set --view-limit to {} or more",
@@ -139,7 +112,8 @@ ViewPage::ViewPage(const Scene& scene, const Pipeline& pipeline, const Options& 
     names_ = names < room_ / 5;
     if (names_) room_ -= names;
     frames_room_ = room_ - std::min(room_ / 5 * 2, room_for_geometries());
-    const std::size_t without_pairs = encoded(frames_->least_bytes() + PageFrames::bytes_of_rest) + bytes_of_header;
+    const std::size_t without_pairs =
+        encoded_size(frames_->least_bytes() + PageFrames::bytes_of_rest) + bytes_of_header;
     const std::size_t of_frame = frames_room_ / (options.frames == 1 ? 1 : 2);
     const std::size_t most_pairs = (std::max(of_frame, without_pairs) - without_pairs) * 3 / 4;
     frames_ = std::make_unique<PageFrames>(scene, pipeline, deforming_, options.separate,
@@ -174,8 +148,8 @@ std::size_t ViewPage::room_for_geometries() const
     std::uint64_t triangles = 0;
     for (const Geometry& geometry : scene_.geometries) triangles += std::min(page_triangles(geometry), most_of_model);
     // Coarser meshes take three sevenths more.
-    return encoded(std::min(triangles, most_triangles) * bytes_of_triangle) * 10 / 7 +
-           encoded(most_bytes_of_trees) * scene_.geometries.size();
+    return encoded_size(std::min(triangles, most_triangles) * bytes_of_triangle) * 10 / 7 +
+           encoded_size(most_bytes_of_trees) * scene_.geometries.size();
 }
 
 ViewPage::LeftOut ViewPage::most_left_out() const
@@ -239,7 +213,7 @@ void ViewPage::add_all_trees(Shown& shown) const
     std::stable_sort(order.begin(), order.end(),
                      [&](std::uint32_t x, std::uint32_t y) { return frames_->touched()[x] > frames_->touched()[y]; });
     for (const std::uint32_t g : order) {
-        if (shown.taken + encoded(most_bytes_of_trees) > room_left()) {
+        if (shown.taken + encoded_size(most_bytes_of_trees) > room_left()) {
             ++shown.without_trees;
             continue;
         }
@@ -369,24 +343,19 @@ void ViewPage::close()
 
     using namespace page;
     OutputFile file(options_.file);
-    std::string_view rest = page_html;
-    const auto until = [&](std::string_view mark) {
-        const std::size_t at = rest.find(mark);
-        file.write(rest.substr(0, at));
-        rest.remove_prefix(at + mark.size());
-    };
-    until("{{title}}"), file.write(xml_escaped(scene_.name));
-    until("{{style}}"), file.write(style_css);
-    until("{{data}}");
-    file.print("<script type=\"application/json\" id=\"header\">{}</script>\n", script_json(header));
-    write_block(file, "bodies", base64(bodies().bytes()));
-    for (const auto& [name, block] : made.blocks) write_block(file, name, block);
-    for (std::size_t k = 0; k < kept_.size(); ++k) write_block(file, fmt::format("f{}", k), kept_[k].block);
-    until("{{three}}"), file.write(three_.library), file.write("\n"), file.write(three_.controls);
-    until("{{script}}"), file.write("(() => {\n");
-    for (const std::string_view script : {data_js, bodies_js, sprites_js, overlay_js, trees_js, panel_js, main_js})
-        file.write(script);
-    file.write("})();\n"), file.write(rest);
+    PageFile out(file, page_html);
+    out.until("{{title}}"), out.write(xml_escaped(scene_.name));
+    out.until("{{style}}"), out.write(style_css);
+    out.until("{{data}}"), out.add_json("header", header);
+    out.add_block("bodies", base64(bodies().bytes()));
+    for (const auto& [name, block] : made.blocks) out.add_block(name, block);
+    for (std::size_t k = 0; k < kept_.size(); ++k) out.add_block(fmt::format("f{}", k), kept_[k].block);
+    out.until("{{three}}"), out.write(three_.library), out.write("\n"), out.write(three_.controls);
+    out.until("{{script}}"), out.write("(() => {\n");
+    for (const std::string_view script :
+         {columns_js, data_js, bodies_js, sprites_js, overlay_js, trees_js, panel_js, main_js})
+        out.write(script);
+    out.write("})();\n"), out.finish();
     file.commit();
     std::error_code error;
     summarize(made, std::filesystem::file_size(options_.file, error));

@@ -144,14 +144,16 @@ TEST_F(ClashReview, ThePageShowsItsSettingsAndLinksInto3D)
           "<dt>Input</dt><dd>a.off, b.off, c.off, d.off, e.off, f.off</dd>", "<dt>Clearance</dt><dd>1 mm</dd>",
           "<dt>Set A</dt><dd>a</dd>", "<dt>Set B</dt><dd>all other parts</dd>"})
         EXPECT_NE(page.find(row), std::string::npos) << row;
-    // Parts 0 and 1 meet around (9.5, 5, 5).
-    EXPECT_NE(page.find("<a target=\"clash-3d\" href=\"./a%20b/v%261.html#pair=0,1&amp;isolate&amp;at=9.5,5,5,"),
-              std::string::npos);
     const std::size_t begin = view.find("id=\"header\">") + 12, end = view.find("</script>", begin);
     const json header = json::parse(view.substr(begin, end - begin));
-    EXPECT_EQ(header["names"], (json{"a", "b", "c", "d", "e", "f"}));
+    EXPECT_EQ(header["labels"], (json{"a", "b", "c", "d", "e", "f"}));
     EXPECT_EQ(header["metres"], 0.001);
-    EXPECT_EQ(header["frames"][0]["pairs"], 3) << "b crosses, c touches and d is near a";
+    ASSERT_EQ(header["clashes"].size(), 2) << "b crosses and d is near a; c touches it";
+    const json& row = header["clashes"][0];
+    EXPECT_EQ(row["where"], "9.5 5 5");
+    EXPECT_NE(page.find(fmt::format("<a target=\"clash-3d\" href=\"./a%20b/v%261.html#clash={}\">3D</a>",
+                                    row["id"].get<std::string>())),
+              std::string::npos);
     around.environment[1].second = "yesterday";
     EXPECT_EQ(run(arguments, around).code, 64);
 }

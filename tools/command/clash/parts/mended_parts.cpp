@@ -13,7 +13,7 @@ void mend_parts(PartList& parts, double distance, int threads)
             MendedMesh result = mended(std::get<Mesh>(parts.meshes[i]->data), distance);
             parts.mending[i] = result.mending;
             if (result.mending.changed())
-                parts.meshes[i] = std::make_shared<Geometry>(Geometry{parts.meshes[i]->name, std::move(result.mesh)});
+                parts.meshes[i] = std::make_shared<Geometry>(Geometry{parts.meshes[i]->name, std::move(result.mesh), {}});
         }
     });
 }
