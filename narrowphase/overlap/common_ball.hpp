@@ -31,7 +31,7 @@ struct CommonBall {
 ///
 /// Branch and bound over boxes: the depth of a point below both surfaces changes by no more than the point moves. Where
 /// few flat faces pass through a box, half-spaces bound it better: a gap or an overlap of rounding errors between two
-/// large faces needs few boxes. So does a ball between faces that face each other: FacingBound.
+/// large faces needs few boxes. A ball between faces that face each other needs few boxes, too: FacingBound.
 /// Cost: O(triangles), and 2 to 10 microseconds for each box. Two bars that cross need some tens of boxes, a window
 /// frame in its opening some thousands.
 CommonBall common_ball(const Mesh& a, const Eigen::Isometry3d& pose_a, const Mesh& b, const Eigen::Isometry3d& pose_b,
