@@ -8,10 +8,10 @@ namespace oncollide {
 
 /// A bound on the radius of a ball that no face cuts and whose centre is in a box.
 ///
-/// The distances from faces are convex functions of the centre, and so is their mean with any weights: its largest
+/// The distances from faces are convex functions of the centre. Their mean is convex for any weights, so its largest
 /// value is at a corner of the box. The weights balance the directions to the faces, so that the mean hardly changes
-/// within the box: between two parallel faces the mean of both distances is half the gap everywhere. The bound's error
-/// is then of the second order in the size of the box, while that of a single distance is of the first.
+/// within the box: between two parallel faces the mean of both distances is half the gap everywhere. The error of this
+/// bound is of second order in the size of the box; the error of a single distance is of first order.
 class FacingBound {
 public:
     void clear() { faces_.clear(); }

@@ -13,7 +13,7 @@ struct ClashView {
     double radius; ///< radius of the ball that the close-up shows
 };
 
-/// What a picture of a clash shows.
+/// The contents of a picture of a clash.
 struct ClashScenery {
     std::vector<std::array<Eigen::Vector3d, 2>> lines; ///< where surfaces meet; apart: between the nearest points
     Aabb box_a, box_b, part;                           ///< part: around the contact

@@ -83,7 +83,7 @@ root.dataset.seen = seen.join("; ");
                           "i {0} 2 0  2; Escape  3 0  2; z  3 0 z 2; z  3 0  2; search  3 0  1; n {0} 3 0  2; "
                           "s {0} 3 0 y 2",
                           first, second));
-    EXPECT_LT(drawn(cut.picture), drawn(whole.picture)) << "what is before the plane is not drawn";
+    EXPECT_LT(drawn(cut.picture), drawn(whole.picture)) << "nothing is drawn before the plane";
 }
 
 /// The page's own time from the beginning of its loading to its first picture.

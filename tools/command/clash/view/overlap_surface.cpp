@@ -109,8 +109,8 @@ public:
         outward_ = volume < 0 ? -1 : 1;
     }
 
-    /// Adds a segment of a face along which a face of the other mesh meets it. Of coplanar faces any segment of both
-    /// will do: where one ends, it is met by a face that is not coplanar.
+    /// Adds a segment of a face along which a face of the other mesh meets it. For coplanar faces any common segment is
+    /// enough: another face meets them where one of them ends.
     void add(std::uint32_t face, const Segment& segment) { lines_[face].push_back(segment); }
 
     /// Appends the faces inside the other mesh. False if there are more than `most` triangles.

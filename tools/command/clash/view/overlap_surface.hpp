@@ -14,7 +14,7 @@ struct PlacedMesh {
     Eigen::Isometry3d pose;
 };
 
-/// The surface of what two closed meshes have in common, as triangles, for pictures: the faces of each inside the
+/// The surface of the common part of two closed meshes, as triangles, for pictures: the faces of each inside the
 /// other, cut where the other's faces pass. Accurate to rounding, not certified; pieces of a share below 1e-12 of a
 /// face are left out. Cost: some microseconds per triangle of the result, and 0.1 per triangle of both meshes.
 /// @param contacts  all contacts of both

@@ -1,4 +1,4 @@
-// What is chosen and hidden, and how the view follows it.
+// The choice, the hidden parts, and the view that follows them.
 const state = {clash: -1, part: -1, isolate: false, hidden: new Set(), search: "", kind: "", status: "", onlyPart: false, rows: rowsAtATime, axis: "", depth: 0.5, flipped: false, theme: ""};
 let listed = [], dirty = true, flight = null;
 const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -13,7 +13,7 @@ function showParts() {
     shown += part.shown;
   }
   points.visible = state.clash < 0;
-  materials.glass.uniforms.alpha.value = chosen.size ? 0.08 : 0.3; // what is chosen is seen through it
+  materials.glass.uniforms.alpha.value = chosen.size ? 0.08 : 0.3; // the choice is seen through it
   root.dataset.parts = shown, (root.dataset.clash = state.clash < 0 ? "" : header.clashes[state.clash].id), (root.dataset.hidden = state.hidden.size);
   root.dataset.red = front.children.filter((thing) => thing.material === materials.red).reduce((sum, thing) => sum + (thing.geometry.index ? thing.geometry.index.count : thing.geometry.attributes.position.count) / 3, 0);
   dirty = true;
@@ -101,7 +101,7 @@ function sectionHere() {
   state.axis = state.axis || "y";
   const low = parts.box.min[state.axis], size = parts.box.max[state.axis] - low || 1;
   state.depth = Math.min(1, Math.max(0, (at[state.axis] - low) / size));
-  state.flipped = camera.position[state.axis] < at[state.axis]; // keeps what is behind the clash
+  state.flipped = camera.position[state.axis] < at[state.axis]; // keeps the side behind the clash
   applySection();
 }
 function applySection() {
@@ -116,7 +116,7 @@ function applyTheme() {
   applyColours(), listed.length && placeMarks(listed), (dirty = true);
 }
 
-// The address holds what is chosen, so that it can be shared.
+// The address holds the choice, so that it can be shared.
 function writeHash() {
   const words = [];
   if (state.clash >= 0) words.push("clash=" + header.clashes[state.clash].id);
@@ -142,7 +142,7 @@ function readHash() {
 }
 addEventListener("hashchange", readHash);
 
-const KEYS = [["N P", "next or previous clash"], ["F", "fly to the clash, or show everything"], ["I", "isolate what is chosen"], ["H", "hide the chosen part, or the second part of the clash; with Shift: show all"], ["S", "section plane through the clash"],
+const KEYS = [["N P", "next or previous clash"], ["F", "fly to the clash, or show everything"], ["I", "isolate the choice"], ["H", "hide the chosen part, or the second part of the clash; with Shift: show all"], ["S", "section plane through the clash"],
   ["X Y Z", "section plane along an axis, or off"], ["Esc", "choose nothing"], ["D", "dark or light"], ["Drag, wheel", "turn, zoom; right button or two fingers: move"]];
 document.querySelector("#keys dl").append(...KEYS.flatMap(([k, t]) => [element("dt", {}, ...k.split(" ").flatMap((w) => [element("kbd", {}, w), " "])), element("dd", {}, t)]));
 addEventListener("keydown", (e) => {

@@ -1,4 +1,4 @@
-// The list of clashes, the worst first, and what is chosen.
+// The list of clashes, the worst first, and the text about the choice.
 const element = (kind, attributes, ...children) => {
   const [tag, name] = kind.split("."), made = Object.assign(document.createElement(tag), attributes);
   if (name) made.className = name;

@@ -1,4 +1,4 @@
-// The model: every part as grey glass, the chosen two in colours, what they have in common in red.
+// The model: every part as grey glass, the chosen two in colours, their common part in red.
 const header = JSON.parse(document.getElementById("header").textContent);
 const $ = (id) => document.getElementById(id), root = document.documentElement;
 const canvas = $("scene"), gl = canvas.getContext("webgl2", {antialias: true, alpha: false, powerPreference: "high-performance"});
@@ -58,7 +58,7 @@ const fresh = (numbers) => {
 };
 
 const glass = new THREE.Group(), front = new THREE.Group(), marked = new THREE.Group();
-scene.add(front, glass, marked); // what is chosen is drawn first: glass is before it or behind it
+scene.add(front, glass, marked); // the choice is drawn first: glass is before it or behind it
 const parts = (() => {
   const count = header.labels.length, columns = new Columns("parts"), box = new THREE.Box3();
   const at = columns.take(Float64Array, 3 * count), turn = columns.take(Float32Array, 4 * count), mesh = columns.take(Uint32Array, count), made = [];
@@ -114,7 +114,7 @@ function placeMarks(listed) {
   marks.setIndex(index);
 }
 
-// What a clash has in red, from the columns of all clashes.
+// The red lines and faces of each clash, from the columns of all.
 const red = new Columns("red"), reds = header.clashes.map((c) => ({triangles: red.take(Float32Array, 9 * c.red[0]), lines: red.take(Float32Array, 6 * c.red[1])}));
 function showInFront(clash, part) {
   for (const thing of [...front.children]) front.remove(thing), thing.own && thing.geometry.dispose();
