@@ -19,12 +19,12 @@
 
 #include "clash/bcf_file.hpp"
 #include "clash/clash_pictures.hpp"
+#include "clash/clash_view.hpp"
 #include "clash/known_pairs.hpp"
 #include "clash/matrix.hpp"
 #include "clash/parts/file_list.hpp"
 #include "clash/report.hpp"
 #include "clash/review.hpp"
-#include "clash/view/clash_view.hpp"
 #include "cli/command.hpp"
 #include "cli/log.hpp"
 #include "cli/outputs.hpp"

@@ -11,9 +11,9 @@
 #include <oncollide/base/text/svg.hpp>
 #include <oncollide/runs/report.hpp>
 
+#include "clash/clash_view.hpp"
 #include "clash/report.hpp"
 #include "clash/report_page_text.hpp"
-#include "clash/view/clash_view.hpp"
 #include "common/base64.hpp"
 #include "common/text.hpp"
 

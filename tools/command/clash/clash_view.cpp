@@ -1,4 +1,4 @@
-#include "clash/view/clash_view.hpp"
+#include "clash/clash_view.hpp"
 
 #include <algorithm>
 #include <filesystem>
