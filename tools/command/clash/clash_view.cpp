@@ -12,8 +12,8 @@
 #include <oncollide/base/threads/parallel.hpp>
 
 #include "clash/scenery.hpp"
+#include "clash/view/clash_page_text.hpp"
 #include "clash/view/overlap_surface.hpp"
-#include "clash/view/page_text.hpp"
 #include "common/base64.hpp"
 #include "view/page_file.hpp"
 #include "view/page_model.hpp"

@@ -57,6 +57,7 @@ const Program program{
         add_hard(app);
         add_fuzz(app);
         add_manifolds(app);
+        add_league(app);
         add_doctor(app, peers_text);
         add_reference(app);
     }};

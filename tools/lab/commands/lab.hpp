@@ -7,6 +7,7 @@ namespace oncollide::tools {
 void add_bench(Arguments app);
 void add_hard(Arguments app);
 void add_fuzz(Arguments app);
+void add_league(Arguments app);
 void add_manifolds(Arguments app);
 
 } // namespace oncollide::tools

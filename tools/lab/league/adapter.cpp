@@ -1,0 +1,52 @@
+#include "league/adapter.hpp"
+
+#include <algorithm>
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <oncollide/base/error.hpp>
+#include <oncollide/base/text/printable.hpp>
+
+namespace oncollide::tools {
+
+std::vector<const league_library*> open_adapter(const std::filesystem::path& file)
+{
+    std::error_code error;
+    const std::filesystem::path whole = std::filesystem::absolute(file, error); // dlopen searches for bare names
+    void* const handle = dlopen(whole.c_str(), RTLD_NOW | RTLD_LOCAL);
+    const auto reason = [] { return printable(std::string(dlerror())); };
+    if (!handle) throw Error(ErrorKind::no_input, fmt::format("--adapter {}: {}", printable(file.string()), reason()));
+    const auto open = reinterpret_cast<const league_library* (*)(int)>(dlsym(handle, "league_open"));
+    if (!open) throw Error(ErrorKind::no_input, fmt::format("--adapter {}: {}", printable(file.string()), reason()));
+    std::vector<const league_library*> libraries;
+    for (int number = 0; number < 64; ++number) {
+        const league_library* const library = open(number);
+        if (!library) break;
+        if (library->version != LEAGUE_VERSION || !library->name || !library->supports || !library->prepare ||
+            !library->answer || !library->release || (library->bits != 32 && library->bits != 64))
+            throw Error(
+                ErrorKind::bad_data,
+                fmt::format("--adapter {}: library {} is not complete, or of another version of league.h than {}",
+                            printable(file.string()), number, LEAGUE_VERSION));
+        libraries.push_back(library);
+    }
+    if (libraries.empty())
+        throw Error(ErrorKind::bad_data, fmt::format("--adapter {}: no libraries", printable(file.string())));
+    return libraries;
+}
+
+std::vector<std::filesystem::path> known_adapters()
+{
+    namespace fs = std::filesystem;
+    std::error_code error;
+    const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
+    std::vector<fs::path> files;
+    for (const fs::path& folder : {here / "league", here.parent_path() / "lib/oncollide-league"})
+        for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+            if (entry->path().extension() == ".so") files.push_back(entry->path());
+    std::ranges::sort(files);
+    return files;
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,17 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "league/league.h"
+
+namespace oncollide::tools {
+
+/// Loads an adapter; it stays loaded. Throws Error{no_input} if the file is none, Error{bad_data} for another version
+/// of the interface.
+std::vector<const league_library*> open_adapter(const std::filesystem::path& file);
+
+/// The adapters beside this program, or in ../lib/oncollide-league.
+std::vector<std::filesystem::path> known_adapters();
+
+} // namespace oncollide::tools

@@ -1,0 +1,170 @@
+// What several adapters share. Define LEAGUE_WITH_HULL_FACES before it for hull_of(), which needs Qhull
+// (-lqhull_r).
+#pragma once
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "../league.h"
+
+#ifdef LEAGUE_WITH_HULL_FACES
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+extern "C" {
+#include <libqhull_r/qhull_ra.h>
+}
+#endif
+
+namespace league {
+
+using Vector = std::array<double, 3>;
+
+/// The body is given by triangles.
+inline bool has_triangles(int kind)
+{
+    return kind == LEAGUE_MESH || kind == LEAGUE_TERRAIN;
+}
+
+/// The body is convex and bounded.
+inline bool is_convex(int kind)
+{
+    return kind >= LEAGUE_HULL && kind <= LEAGUE_ELLIPSOID;
+}
+
+/// The body has an inside that a library of surfaces does not know.
+inline bool is_solid_mesh(const league_body& body)
+{
+    return body.kind == LEAGUE_MESH && body.solid;
+}
+
+/// The point of the world at p of the body's own frame.
+inline Vector to_world(const league_body& body, const Vector& p)
+{
+    const double *r = body.rotation, *t = body.position;
+    return {r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + t[0], r[3] * p[0] + r[4] * p[1] + r[5] * p[2] + t[1],
+            r[6] * p[0] + r[7] * p[1] + r[8] * p[2] + t[2]};
+}
+
+/// The direction in the body's own frame that is d in the world.
+inline Vector to_body_direction(const league_body& body, const Vector& d)
+{
+    const double* r = body.rotation;
+    return {r[0] * d[0] + r[3] * d[1] + r[6] * d[2], r[1] * d[0] + r[4] * d[1] + r[7] * d[2],
+            r[2] * d[0] + r[5] * d[1] + r[8] * d[2]};
+}
+
+inline double length_of(const Vector& v)
+{
+    return std::hypot(v[0], v[1], v[2]);
+}
+
+/// The mean of the vertices; it is inside of their hull.
+inline Vector mean_vertex(const league_body& body)
+{
+    Vector mean{};
+    for (std::size_t i = 0; i < 3 * body.vertex_count; ++i) mean[i % 3] += body.vertices[i] / double(body.vertex_count);
+    return mean;
+}
+
+/// Calls `work`, whose answer is a league_state; no exception gets out of it.
+template <class Work>
+int without_exceptions(Work&& work)
+{
+    try {
+        return work();
+    } catch (...) {
+        return LEAGUE_FAILED;
+    }
+}
+
+/// Makes a `Prepared`, or NULL if it throws.
+template <class Prepared>
+void* prepared_or_null(const league_case& asked)
+{
+    try {
+        return new Prepared(asked);
+    } catch (...) {
+        return nullptr;
+    }
+}
+
+#ifdef LEAGUE_WITH_HULL_FACES
+
+/// The faces of a hull: triangles, counter-clockwise seen from outside, of the points that they use.
+struct Hull {
+    std::vector<Vector> points;
+    std::vector<std::array<int, 3>> faces;
+};
+
+/// One run of Qhull. It reports errors by a code; its output goes to /dev/null.
+class Qhull {
+public:
+    explicit Qhull(const league_body& body) : coordinates_(body.vertices, body.vertices + 3 * body.vertex_count)
+    {
+        if (!quiet_) throw std::runtime_error("there is no /dev/null");
+        qh_zero(&qh_, quiet_.get());
+        char command[] = "qhull Qt Pp"; // triangles, no warnings
+        failed_ = qh_new_qhull(&qh_, 3, int(body.vertex_count), coordinates_.data(), False, command, nullptr,
+                               quiet_.get()) != qh_ERRnone;
+    }
+    ~Qhull()
+    {
+        qh_freeqhull(&qh_, !qh_ALL);
+        int long_left = 0, bytes_left = 0;
+        qh_memfreeshort(&qh_, &long_left, &bytes_left);
+    }
+    Qhull(const Qhull&) = delete;
+    Qhull& operator=(const Qhull&) = delete;
+
+    /// The faces as numbers of the body's vertices.
+    std::vector<std::array<int, 3>> faces()
+    {
+        if (failed_) throw std::runtime_error("Qhull failed");
+        std::vector<std::array<int, 3>> found;
+        qhT* qh = &qh_; // Qhull's macros need this name.
+        facetT* facet;
+        FORALLfacets
+        {
+            if (qh_setsize(qh, facet->vertices) != 3) throw std::runtime_error("a face is no triangle");
+            std::array<int, 3> face{};
+            for (int k = 0; k < 3; ++k)
+                face[std::size_t(k)] = qh_pointid(qh, SETelemt_(facet->vertices, k, vertexT)->point);
+            if (!(facet->toporient ^ qh_ORIENTclock)) std::swap(face[1], face[2]);
+            found.push_back(face);
+        }
+        return found;
+    }
+
+private:
+    std::unique_ptr<std::FILE, int (*)(std::FILE*)> quiet_{std::fopen("/dev/null", "w"), &std::fclose};
+    std::vector<double> coordinates_;
+    qhT qh_;
+    bool failed_;
+};
+
+/// Throws if the vertices are in a plane.
+inline Hull hull_of(const league_body& body)
+{
+    Hull hull{{}, Qhull(body).faces()};
+    std::vector<int> place(body.vertex_count, -1);
+    for (auto& face : hull.faces)
+        for (int& corner : face) {
+            int& where = place.at(std::size_t(corner));
+            if (where < 0) {
+                const double* p = body.vertices + 3 * corner;
+                where = int(hull.points.size());
+                hull.points.push_back({p[0], p[1], p[2]});
+            }
+            corner = where;
+        }
+    return hull;
+}
+
+#endif
+
+} // namespace league

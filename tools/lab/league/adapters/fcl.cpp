@@ -1,0 +1,313 @@
+// FCL with each of its two solvers for convex bodies.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <fcl/fcl.h>
+
+#define LEAGUE_WITH_HULL_FACES
+#include "common.hpp"
+
+namespace {
+
+using Geometry = std::shared_ptr<fcl::CollisionGeometryd>;
+using Tree = fcl::BVHModel<fcl::OBBRSSd>;
+
+fcl::Transform3d pose_of(const league_body& body)
+{
+    fcl::Transform3d pose = fcl::Transform3d::Identity();
+    pose.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(body.rotation);
+    pose.translation() = Eigen::Map<const Eigen::Vector3d>(body.position);
+    return pose;
+}
+
+Geometry make_tree(const league_body& body)
+{
+    std::vector<fcl::Vector3d> vertices;
+    for (std::size_t i = 0; i < body.vertex_count; ++i) vertices.emplace_back(body.vertices + 3 * i);
+    std::vector<fcl::Triangle> triangles;
+    for (std::size_t i = 0; i < body.triangle_count; ++i) {
+        const std::uint32_t* t = body.triangles + 3 * i;
+        triangles.emplace_back(t[0], t[1], t[2]);
+    }
+    auto tree = std::make_shared<Tree>();
+    if (tree->beginModel(int(triangles.size()), int(vertices.size())) != fcl::BVH_OK ||
+        tree->addSubModel(vertices, triangles) != fcl::BVH_OK || tree->endModel() != fcl::BVH_OK)
+        throw std::runtime_error("FCL made no tree");
+    return tree;
+}
+
+Geometry make_hull(const league_body& body)
+{
+    const league::Hull hull = league::hull_of(body);
+    auto points = std::make_shared<std::vector<fcl::Vector3d>>();
+    for (const league::Vector& p : hull.points) points->emplace_back(p.data());
+    auto faces = std::make_shared<std::vector<int>>();
+    for (const auto& face : hull.faces) faces->insert(faces->end(), {3, face[0], face[1], face[2]});
+    return std::make_shared<fcl::Convexd>(points, int(hull.faces.size()), faces, true);
+}
+
+/// Throws if a cell is not one of the octree's.
+Geometry make_octree(const league_body& body)
+{
+    const double side = body.size[0];
+    auto tree = std::make_shared<octomap::OcTree>(side);
+    for (std::size_t i = 0; i < body.vertex_count; ++i) {
+        const double* centre = body.vertices + 3 * i;
+        octomap::OcTreeKey key;
+        if (!tree->coordToKeyChecked(centre[0], centre[1], centre[2], key)) throw std::out_of_range("far away");
+        for (unsigned k = 0; k < 3; ++k)
+            if (std::abs(tree->keyToCoord(key[k]) - centre[k]) > 1e-9 * side) throw std::domain_error("off the grid");
+        tree->setNodeValue(key, tree->getClampingThresMaxLog(), true);
+    }
+    tree->updateInnerOccupancy(), tree->prune();
+    return std::make_shared<fcl::OcTreed>(std::move(tree));
+}
+
+Geometry make_geometry(const league_body& body)
+{
+    const double* size = body.size;
+    switch (body.kind) {
+    case LEAGUE_MESH:
+    case LEAGUE_TERRAIN:
+        return make_tree(body);
+    case LEAGUE_HULL:
+        return make_hull(body);
+    case LEAGUE_SPHERE:
+        return std::make_shared<fcl::Sphered>(size[0]);
+    case LEAGUE_CAPSULE:
+        return std::make_shared<fcl::Capsuled>(size[0], 2 * size[1]);
+    case LEAGUE_BOX:
+        return std::make_shared<fcl::Boxd>(2 * size[0], 2 * size[1], 2 * size[2]);
+    case LEAGUE_CYLINDER:
+        return std::make_shared<fcl::Cylinderd>(size[0], 2 * size[1]);
+    case LEAGUE_CONE:
+        return std::make_shared<fcl::Coned>(size[0], 2 * size[1]);
+    case LEAGUE_ELLIPSOID:
+        return std::make_shared<fcl::Ellipsoidd>(size[0], size[1], size[2]);
+    case LEAGUE_HALF_SPACE:
+        return std::make_shared<fcl::Halfspaced>(fcl::Vector3d::UnitZ(), 0);
+    case LEAGUE_CELLS:
+        return make_octree(body);
+    default:
+        throw std::domain_error("an unknown kind");
+    }
+}
+
+/// The pairs in FCL's tables (narrowphase/detail/*_func_matrix-inl.h), but for half-spaces where it needs distances:
+/// GJK crashes on them, as they have no support function. A contact's depth is that of one triangle or cell, so only
+/// bodies that have neither are asked for it.
+int supports(int question, int kind_a, int kind_b)
+{
+    const auto both = [&](auto holds) { return holds(kind_a) && holds(kind_b); };
+    switch (question) {
+    case LEAGUE_MEET:
+        return both([](int kind) { return kind >= 0 && kind < LEAGUE_KIND_COUNT; });
+    case LEAGUE_DISTANCE:
+        return both([](int kind) { return kind >= 0 && kind < LEAGUE_KIND_COUNT && kind != LEAGUE_HALF_SPACE; });
+    case LEAGUE_DEPTH:
+        return both([](int kind) { return league::is_convex(kind) || kind == LEAGUE_HALF_SPACE; });
+    case LEAGUE_CAST:
+        return both([](int kind) {
+            return league::has_triangles(kind) || (league::is_convex(kind) && kind != LEAGUE_ELLIPSOID);
+        });
+    default:
+        return question == LEAGUE_PAIRS;
+    }
+}
+
+struct Pair {
+    Geometry a, b;
+    fcl::Transform3d pose_a, pose_b, end_b;
+
+    explicit Pair(const league_case& asked)
+        : a(make_geometry(asked.a)), b(make_geometry(asked.b)), pose_a(pose_of(asked.a)), pose_b(pose_of(asked.b)),
+          end_b(Eigen::Translation3d(Eigen::Map<const Eigen::Vector3d>(asked.motion)) * pose_b)
+    {
+        a->computeLocalAABB(), b->computeLocalAABB();
+    }
+
+    int meet(fcl::GJKSolverType solver, league_answer& answer) const
+    {
+        fcl::CollisionRequestd request(1, false);
+        request.gjk_solver_type = solver;
+        fcl::CollisionResultd result;
+        answer.meet = fcl::collide(a.get(), pose_a, b.get(), pose_b, request, result) > 0;
+        return LEAGUE_ANSWERED;
+    }
+
+    int distance(fcl::GJKSolverType solver, league_answer& answer) const
+    {
+        fcl::DistanceRequestd request(true);
+        request.gjk_solver_type = solver;
+        fcl::DistanceResultd result;
+        answer.distance = std::max(0.0, fcl::distance(a.get(), pose_a, b.get(), pose_b, request, result));
+        answer.meet = answer.distance == 0;
+        answer.has_points = !answer.meet;
+        const bool swapped = result.o1 == b.get();
+        std::copy_n(result.nearest_points[swapped].data(), 3, answer.point_a);
+        std::copy_n(result.nearest_points[!swapped].data(), 3, answer.point_b);
+        return LEAGUE_ANSWERED;
+    }
+
+    int depth(fcl::GJKSolverType solver, league_answer& answer) const
+    {
+        fcl::CollisionRequestd request(100, true);
+        request.gjk_solver_type = solver;
+        fcl::CollisionResultd result;
+        fcl::collide(a.get(), pose_a, b.get(), pose_b, request, result);
+        for (std::size_t k = 0; k < result.numContacts(); ++k) {
+            const fcl::Contactd& contact = result.getContact(k);
+            if (answer.meet && contact.penetration_depth <= answer.depth) continue;
+            const fcl::Vector3d normal = contact.o1 == b.get() ? fcl::Vector3d(-contact.normal) : contact.normal;
+            answer.meet = 1, answer.depth = contact.penetration_depth;
+            std::copy_n(normal.data(), 3, answer.normal);
+        }
+        return LEAGUE_ANSWERED;
+    }
+
+    int cast(fcl::GJKSolverType solver, league_answer& answer) const
+    {
+        fcl::ContinuousCollisionRequestd request;
+        request.gjk_solver_type = solver;
+        request.ccd_motion_type = fcl::CCDM_TRANS;
+        request.ccd_solver_type = fcl::CCDC_CONSERVATIVE_ADVANCEMENT;
+        fcl::ContinuousCollisionResultd result;
+        fcl::continuousCollide(a.get(), pose_a, pose_a, b.get(), pose_b, end_b, request, result);
+        answer.meet = result.is_collide;
+        answer.time = result.time_of_contact;
+        answer.error = request.toc_err;
+        return LEAGUE_ANSWERED;
+    }
+};
+
+struct Boxes {
+    std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects;
+    fcl::DynamicAABBTreeCollisionManagerd manager;
+    std::vector<std::uint32_t> pairs;
+
+    explicit Boxes(const league_case& asked)
+    {
+        std::vector<fcl::CollisionObjectd*> all;
+        for (std::size_t i = 0; i < asked.body_count; ++i) {
+            const league_body& body = asked.bodies[i];
+            all.push_back(
+                objects.emplace_back(std::make_unique<fcl::CollisionObjectd>(make_geometry(body), pose_of(body)))
+                    .get());
+            all.back()->setUserData(reinterpret_cast<void*>(i));
+        }
+        manager.registerObjects(all);
+        manager.setup();
+    }
+
+    static bool take(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* pairs)
+    {
+        if (a->getAABB().overlap(b->getAABB()))
+            for (const fcl::CollisionObjectd* object : {a, b})
+                static_cast<std::vector<std::uint32_t>*>(pairs)->push_back(
+                    std::uint32_t(reinterpret_cast<std::uintptr_t>(object->getUserData())));
+        return false; // It goes on.
+    }
+
+    int find(league_answer& answer)
+    {
+        pairs.clear();
+        if (!manager.empty()) manager.collide(&pairs, take);
+        answer.pair_count = pairs.size() / 2;
+        answer.pairs = pairs.data();
+        return LEAGUE_ANSWERED;
+    }
+};
+
+struct Prepared {
+    std::unique_ptr<Pair> pair;
+    std::unique_ptr<Boxes> boxes;
+
+    explicit Prepared(const league_case& asked)
+    {
+        if (asked.question == LEAGUE_PAIRS)
+            boxes = std::make_unique<Boxes>(asked);
+        else
+            pair = std::make_unique<Pair>(asked);
+    }
+};
+
+void* prepare(const league_case* asked)
+{
+    if (!supports(asked->question, asked->a.kind, asked->b.kind)) return nullptr;
+    if (asked->question != LEAGUE_PAIRS && (league::is_solid_mesh(asked->a) || league::is_solid_mesh(asked->b)))
+        return nullptr;
+    return league::prepared_or_null<Prepared>(*asked);
+}
+
+template <fcl::GJKSolverType solver>
+int answer(void* prepared, const league_case* asked, league_answer* answer)
+{
+    const auto& [pair, boxes] = *static_cast<const Prepared*>(prepared);
+    *answer = {};
+    return league::without_exceptions([&] {
+        switch (asked->question) {
+        case LEAGUE_MEET:
+            return pair->meet(solver, *answer);
+        case LEAGUE_DISTANCE:
+            return pair->distance(solver, *answer);
+        case LEAGUE_DEPTH:
+            return pair->depth(solver, *answer);
+        case LEAGUE_CAST:
+            return pair->cast(solver, *answer);
+        default:
+            return boxes->find(*answer);
+        }
+    });
+}
+
+void release(void* prepared)
+{
+    delete static_cast<Prepared*>(prepared);
+}
+
+#define LEAGUE_FCL_USE                                                                                                 \
+    "0.7.0; BVHModel<OBBRSS>, Convex, OcTree; collide(), distance(), deepest of 100 contacts, continuousCollide() by " \
+    "conservative advancement, DynamicAABBTreeCollisionManager; "
+
+constexpr const char* source = "fcl/narrowphase/collision_request.h, distance_request.h, contact.h, "
+                               "continuous_collision_request.h";
+
+constexpr league_library with_libccd{
+    .version = LEAGUE_VERSION,
+    .bits = 64,
+    .name = "fcl",
+    .settings = LEAGUE_FCL_USE "GST_LIBCCD, the default",
+    .source = source,
+    .precision = 1e-6, // gjk_tolerance, distance_tolerance
+    .conservative = 0,
+    .supports = supports,
+    .prepare = prepare,
+    .answer = answer<fcl::GST_LIBCCD>,
+    .release = release,
+};
+
+constexpr league_library with_indep{
+    .version = LEAGUE_VERSION,
+    .bits = 64,
+    .name = "fcl-indep",
+    .settings = LEAGUE_FCL_USE "GST_INDEP",
+    .source = source,
+    .precision = 1e-6,
+    .conservative = 0,
+    .supports = supports,
+    .prepare = prepare,
+    .answer = answer<fcl::GST_INDEP>,
+    .release = release,
+};
+
+} // namespace
+
+const league_library* league_open(int number)
+{
+    constexpr const league_library* all[] = {&with_libccd, &with_indep};
+    return number >= 0 && number < int(std::size(all)) ? all[number] : nullptr;
+}

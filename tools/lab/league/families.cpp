@@ -1,0 +1,13 @@
+#include "league/families.hpp"
+
+namespace oncollide::tools {
+
+std::vector<LeagueFamily> league_families()
+{
+    std::vector<LeagueFamily> all;
+    for (auto* part : {triangle_league, mesh_league, shape_league, motion_league, box_league})
+        for (LeagueFamily& family : part()) all.push_back(std::move(family));
+    return all;
+}
+
+} // namespace oncollide::tools

@@ -1,0 +1,65 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include <oncollide/scenes/geometry.hpp>
+
+#include "league/league.h"
+
+namespace oncollide::tools {
+
+/// A body of a case.
+struct LeagueBody {
+    GeometryData geometry{};
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    bool solid = false; ///< a mesh that is closed, with its inside
+
+    /// Diameter, or a bound of it; of a half-space 0.
+    double size() const;
+};
+
+/// A question about bodies, with all numbers that it needs.
+struct LeagueCase {
+    league_question question = LEAGUE_MEET;
+    LeagueBody a{}, b{}; ///< of pairs: not used
+    Eigen::Vector3d from = Eigen::Vector3d::Zero(), motion = Eigen::Vector3d::Zero();
+    std::vector<LeagueBody> bodies{}; ///< of pairs: boxes
+
+    bool has_b() const { return question < LEAGUE_RAY; }
+};
+
+/// The same, with all numbers rounded to float.
+LeagueCase rounded_to_float(LeagueCase asked);
+
+/// A case in the form of league.h. Keeps the case, and all that the form points to.
+class AskedCase {
+public:
+    explicit AskedCase(LeagueCase asked);
+    AskedCase(const AskedCase&) = delete;
+
+    const league_case& view() const { return view_; }
+
+private:
+    struct Columns {
+        std::vector<double> vertices;
+        std::vector<std::uint32_t> triangles;
+    };
+    league_body form_of(const LeagueBody& body);
+
+    LeagueCase case_;
+    std::vector<Columns> columns_;
+    std::vector<league_body> bodies_;
+    league_case view_{};
+};
+
+/// The case for the page: kinds by name, vertices and triangles as lists.
+nlohmann::json json_of(const league_case& asked);
+/// The bodies as an OBJ file: an object each, at their poses; shapes as meshes around them. A ray is a line.
+std::string obj_of(const LeagueCase& asked);
+
+std::string_view name_of(league_question question); ///< "meet"
+std::string_view name_of(league_kind kind);         ///< "half-space"
+
+} // namespace oncollide::tools

@@ -1,0 +1,46 @@
+#pragma once
+#include <functional>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "league/league_case.hpp"
+
+namespace oncollide::tools {
+
+/// The right answers to a case. Lengths in metres; times as fractions of the motion.
+struct LeagueTruth {
+    enum class Meet { no, yes, open }; ///< open: rounding decides, both answers are right
+    Meet meet = Meet::open;
+    bool exact = false; ///< `meet` is right to the last bit, and so must answers be
+    /// Bounds of the distance; of depth: of the least translation that parts the two; of casts and rays: of the time.
+    long double lower = 0, upper = std::numeric_limits<long double>::infinity();
+    long double gap = 0;   ///< meet is not exact: how far apart the two are, negative: how deep they are in each other
+    long double way = 0;   ///< of casts and rays: the length of the motion
+    double size = 0;       ///< sum of the bodies' sizes, without half-spaces
+    double coordinate = 0; ///< the largest coordinate
+    /// How far a point is from the surface of a (0) or b (1); empty: not judged.
+    std::function<long double(const Eigen::Vector3d& point, int of)> off_surface{};
+    /// How far b must move along a unit vector until the two are parted; empty: not judged.
+    std::function<long double(const Eigen::Vector3d& unit)> way_out{};
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs{}; ///< a < b, sorted
+};
+
+/// The faults of an answer, the gravest first.
+enum class LeagueFault : std::uint8_t { none, missed, late, invented, early, distance, depth, normal, points };
+constexpr std::string_view fault_names[] = {"right",    "missed", "late",   "invented", "early",
+                                            "distance", "depth",  "normal", "points"};
+
+struct LeagueVerdict {
+    LeagueFault fault = LeagueFault::none;
+    double error = 0; ///< metres, or a share of the motion
+    std::string expected{}, given{};
+};
+
+/// Judges an answer.
+/// @param precision  promised by the library, as a share of the bodies' sizes
+/// @param rounding   of its numbers: 2^-53 or 2^-24; the coordinates have it, too
+LeagueVerdict judge(league_question question, const LeagueTruth& truth, const league_answer& answer, double precision,
+                    double rounding);
+
+} // namespace oncollide::tools
