@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -37,6 +38,20 @@ void write_all(int file, const void* data, std::size_t size)
         if (written <= 0) std::exit(int(ErrorKind::cannot_write));
         at += written, size -= std::size_t(written);
     }
+}
+
+/// True if float holds the bodies' shapes: the smaller one is not below 2^-14 of the coordinates.
+bool fits_float(const LeagueCase& asked)
+{
+    if (asked.question == LEAGUE_PAIRS) return true; // exact in float
+    double least = std::numeric_limits<double>::infinity(), most = 0;
+    for (const LeagueBody* body : {&asked.a, asked.has_b() ? &asked.b : &asked.a}) {
+        if (body->size() > 0) least = std::min(least, body->size());
+        most = std::max(most, body->pose.translation().cwiseAbs().maxCoeff());
+        if (const auto* mesh = std::get_if<Mesh>(&body->geometry))
+            most = std::max({most, mesh->bounds.min.cwiseAbs().maxCoeff(), mesh->bounds.max.cwiseAbs().maxCoeff()});
+    }
+    return least >= 0x1p-14 * most;
 }
 
 /// Asks, and writes the reply before the library's memory goes.
@@ -74,6 +89,11 @@ void answer_in_child(const LeagueFamily& family, const league_library& library, 
     for (const int signal : {SIGALRM, SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL}) std::signal(signal, SIG_DFL);
     for (std::uint64_t seed = first; seed < first + count; ++seed) {
         LeagueCase made = family.make(seed);
+        if (library.bits == 32 && !fits_float(made)) {
+            const Record record{.seed = seed, .nanoseconds = 0, .answer = {}, .state = LEAGUE_UNSUPPORTED};
+            write_all(replies, &record, sizeof record);
+            continue;
+        }
         const AskedCase asked(library.bits == 32 ? rounded_to_float(std::move(made)) : std::move(made));
         ::alarm(most_seconds);
         ask(library, asked.view(), seed, replies);

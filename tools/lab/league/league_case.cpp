@@ -91,7 +91,9 @@ double LeagueBody::size() const
 
 LeagueCase rounded_to_float(LeagueCase asked)
 {
-    round(asked.a), round(asked.b), round(asked.from), round(asked.motion);
+    if (asked.question != LEAGUE_PAIRS) round(asked.a);
+    if (asked.has_b()) round(asked.b);
+    round(asked.from), round(asked.motion);
     for (LeagueBody& body : asked.bodies) round(body);
     return asked;
 }

@@ -100,8 +100,8 @@ std::uint64_t LeagueTable::wrong_of(std::string_view library) const
 
 std::string text_of(const LeagueTable& table)
 {
-    std::string text = fmt::format("{:<18}{:>10}{:>12}{:>9}{:>9}{:>10}{:>9}{:>12}  {}\n", "library", "answers",
-                                   "right, %", "missed", "invented", "inexact", "crashed", "us a query", "settings");
+    std::string text = fmt::format("{:<18}{:>10}{:>12}{:>9}{:>9}{:>10}{:>10}{:>12}  {}\n", "library", "answers",
+                                   "right, %", "missed", "invented", "inexact", "no answer", "us a query", "settings");
     for (std::size_t e = 0; e < table.libraries.size(); ++e) {
         const LeagueCell c = table.sum(e);
         const auto of = [&](LeagueFault fault) { return c.faults[std::size_t(fault)]; };
@@ -110,7 +110,7 @@ std::string text_of(const LeagueTable& table)
         text += fmt::format(
             "{:<18}{:>10}{:>12.4f}{:>9}{:>9}{:>10}{:>9}{:>12.3g}  {}\n", table.libraries[e].library->name,
             grouped(c.answered()), c.answered() ? 100 * double(c.right()) / double(c.answered()) : 0, grouped(missed),
-            grouped(invented), grouped(c.wrong() - missed - invented), grouped(c.crashed + c.hung),
+            grouped(invented), grouped(c.wrong() - missed - invented), grouped(c.failed + c.crashed + c.hung),
             c.answered() ? 1e-3 * c.nanoseconds / double(c.answered()) : 0, table.libraries[e].library->settings);
     }
     text += "\nwrong answers\n";

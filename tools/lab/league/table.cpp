@@ -78,7 +78,8 @@ LeagueCell judge_replies(const LeagueFamily& family, const league_library& libra
             continue;
         case LeagueReply::State::failed:
             ++cell.failed;
-            continue;
+            cell.worst.push_back({reply.seed, "failed", "an answer", "the library says that it failed", 0});
+            break;
         case LeagueReply::State::crashed:
         case LeagueReply::State::hung: {
             const bool hung = reply.state == LeagueReply::State::hung;

@@ -131,7 +131,7 @@ constexpr league_library gjk{
     .bits = 64,
     .name = "ccd",
     .settings = "2.1; ccdGJKIntersect(), ccdGJKPenetration() (EPA); at most 100 iterations, epa_tolerance 1e-10",
-    .source = "ccd/ccd.h; README of libccd, \"Usage of library\"",
+    .source = "ccd/ccd.h, README.md of libccd",
     .precision = 1e-4,
     .conservative = 0,
     .supports = supports,
@@ -145,7 +145,7 @@ constexpr league_library mpr{
     .bits = 64,
     .name = "ccd-mpr",
     .settings = "2.1; ccdMPRIntersect(), ccdMPRPenetration(); at most 100 iterations, default mpr_tolerance 1e-4",
-    .source = "ccd/ccd.h; README of libccd, \"Usage of library\"",
+    .source = "ccd/ccd.h, README.md of libccd",
     .precision = 1e-4, // mpr_tolerance
     .conservative = 0,
     .supports = supports,

@@ -225,7 +225,8 @@ constexpr league_library cgal{
     .name = "cgal",
     .settings = CGAL_VERSION_STR
     "; Exact_predicates_inexact_constructions_kernel; AABB_tree of a, do_intersect() for each triangle of b; solids: "
-    "Polygon_mesh_processing::do_intersect() of bounded sides; rays: first_intersection(); box_self_intersection_d()",
+    "Polygon_mesh_processing::do_intersect() of bounded sides; rays: first_intersection(); box_self_intersection_d(); "
+    "no triangles without area",
     .source = "CGAL/AABB_tree.h, Polygon_mesh_processing/intersection.h, box_intersection_d.h",
     .precision = 0,
     .conservative = 0,

@@ -10,10 +10,13 @@
 #include "../league.h"
 
 #ifdef LEAGUE_WITH_HULL_FACES
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <stdexcept>
 #include <utility>
+
+#include <Eigen/Geometry>
 
 extern "C" {
 #include <libqhull_r/qhull_ra.h>
@@ -95,10 +98,17 @@ void* prepared_or_null(const league_case& asked)
 
 #ifdef LEAGUE_WITH_HULL_FACES
 
-/// The faces of a hull: triangles, counter-clockwise seen from outside, of the points that they use.
+/// A hull's face: a plane and the corners in it, counter-clockwise seen from outside.
+struct Face {
+    Vector normal;
+    double distance; ///< of the origin: normal * p == distance
+    std::vector<int> corners;
+};
+
+/// A hull of only the points that are corners of faces.
 struct Hull {
     std::vector<Vector> points;
-    std::vector<std::array<int, 3>> faces;
+    std::vector<Face> faces;
 };
 
 /// One run of Qhull. It reports errors by a code; its output goes to /dev/null.
@@ -108,7 +118,7 @@ public:
     {
         if (!quiet_) throw std::runtime_error("there is no /dev/null");
         qh_zero(&qh_, quiet_.get());
-        char command[] = "qhull Qt Pp"; // triangles, no warnings
+        char command[] = "qhull Pp"; // no warnings
         failed_ = qh_new_qhull(&qh_, 3, int(body.vertex_count), coordinates_.data(), False, command, nullptr,
                                quiet_.get()) != qh_ERRnone;
     }
@@ -121,26 +131,40 @@ public:
     Qhull(const Qhull&) = delete;
     Qhull& operator=(const Qhull&) = delete;
 
-    /// The faces as numbers of the body's vertices.
-    std::vector<std::array<int, 3>> faces()
+    /// The faces, with numbers of the body's vertices as corners.
+    std::vector<Face> faces()
     {
         if (failed_) throw std::runtime_error("Qhull failed");
-        std::vector<std::array<int, 3>> found;
+        std::vector<Face> found;
         qhT* qh = &qh_; // Qhull's macros need this name.
         facetT* facet;
+        vertexT *vertex, **vertexp;
         FORALLfacets
         {
-            if (qh_setsize(qh, facet->vertices) != 3) throw std::runtime_error("a face is no triangle");
-            std::array<int, 3> face{};
-            for (int k = 0; k < 3; ++k)
-                face[std::size_t(k)] = qh_pointid(qh, SETelemt_(facet->vertices, k, vertexT)->point);
-            if (!(facet->toporient ^ qh_ORIENTclock)) std::swap(face[1], face[2]);
-            found.push_back(face);
+            Face face{{facet->normal[0], facet->normal[1], facet->normal[2]}, -facet->offset, {}};
+            FOREACHvertex_(facet->vertices) face.corners.push_back(qh_pointid(qh, vertex->point));
+            sort_around(face);
+            found.push_back(std::move(face));
         }
         return found;
     }
 
 private:
+    /// Sorts a face's corners by their angles around its middle.
+    void sort_around(Face& face) const
+    {
+        using Map = Eigen::Map<const Eigen::Vector3d>;
+        const auto point = [&](int corner) { return Map(coordinates_.data() + 3 * corner); };
+        const Eigen::Vector3d normal = Map(face.normal.data()), x = normal.unitOrthogonal(), y = normal.cross(x);
+        Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+        for (const int corner : face.corners) middle += point(corner) / double(face.corners.size());
+        const auto angle = [&](int corner) {
+            const Eigen::Vector3d to = point(corner) - middle;
+            return std::atan2(y.dot(to), x.dot(to));
+        };
+        std::sort(face.corners.begin(), face.corners.end(), [&](int p, int q) { return angle(p) < angle(q); });
+    }
+
     std::unique_ptr<std::FILE, int (*)(std::FILE*)> quiet_{std::fopen("/dev/null", "w"), &std::fclose};
     std::vector<double> coordinates_;
     qhT qh_;
@@ -152,8 +176,8 @@ inline Hull hull_of(const league_body& body)
 {
     Hull hull{{}, Qhull(body).faces()};
     std::vector<int> place(body.vertex_count, -1);
-    for (auto& face : hull.faces)
-        for (int& corner : face) {
+    for (Face& face : hull.faces)
+        for (int& corner : face.corners) {
             int& where = place.at(std::size_t(corner));
             if (where < 0) {
                 const double* p = body.vertices + 3 * corner;

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <memory>
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
 #include <fcl/fcl.h>
@@ -46,7 +45,10 @@ Geometry make_hull(const league_body& body)
     auto points = std::make_shared<std::vector<fcl::Vector3d>>();
     for (const league::Vector& p : hull.points) points->emplace_back(p.data());
     auto faces = std::make_shared<std::vector<int>>();
-    for (const auto& face : hull.faces) faces->insert(faces->end(), {3, face[0], face[1], face[2]});
+    for (const league::Face& face : hull.faces) {
+        faces->push_back(int(face.corners.size()));
+        faces->insert(faces->end(), face.corners.begin(), face.corners.end());
+    }
     return std::make_shared<fcl::Convexd>(points, int(hull.faces.size()), faces, true);
 }
 
@@ -122,10 +124,12 @@ int supports(int question, int kind_a, int kind_b)
 struct Pair {
     Geometry a, b;
     fcl::Transform3d pose_a, pose_b, end_b;
+    bool are_shapes;
 
     explicit Pair(const league_case& asked)
         : a(make_geometry(asked.a)), b(make_geometry(asked.b)), pose_a(pose_of(asked.a)), pose_b(pose_of(asked.b)),
-          end_b(Eigen::Translation3d(Eigen::Map<const Eigen::Vector3d>(asked.motion)) * pose_b)
+          end_b(Eigen::Translation3d(Eigen::Map<const Eigen::Vector3d>(asked.motion)) * pose_b),
+          are_shapes(league::is_convex(asked.a.kind) && league::is_convex(asked.b.kind))
     {
         a->computeLocalAABB(), b->computeLocalAABB();
     }
@@ -146,10 +150,12 @@ struct Pair {
         fcl::DistanceResultd result;
         answer.distance = std::max(0.0, fcl::distance(a.get(), pose_a, b.get(), pose_b, request, result));
         answer.meet = answer.distance == 0;
-        answer.has_points = !answer.meet;
-        const bool swapped = result.o1 == b.get();
-        std::copy_n(result.nearest_points[swapped].data(), 3, answer.point_a);
-        std::copy_n(result.nearest_points[!swapped].data(), 3, answer.point_b);
+        // distance_request.h promises points on the surfaces only for these.
+        answer.has_points = !answer.meet && are_shapes && solver == fcl::GST_LIBCCD;
+        if (answer.has_points) {
+            std::copy_n(result.nearest_points[0].data(), 3, answer.point_a);
+            std::copy_n(result.nearest_points[1].data(), 3, answer.point_b);
+        }
         return LEAGUE_ANSWERED;
     }
 
@@ -162,9 +168,8 @@ struct Pair {
         for (std::size_t k = 0; k < result.numContacts(); ++k) {
             const fcl::Contactd& contact = result.getContact(k);
             if (answer.meet && contact.penetration_depth <= answer.depth) continue;
-            const fcl::Vector3d normal = contact.o1 == b.get() ? fcl::Vector3d(-contact.normal) : contact.normal;
             answer.meet = 1, answer.depth = contact.penetration_depth;
-            std::copy_n(normal.data(), 3, answer.normal);
+            std::copy_n(contact.normal.data(), 3, answer.normal);
         }
         return LEAGUE_ANSWERED;
     }

@@ -83,6 +83,9 @@ public:
             throw std::domain_error("ODE has no such kind");
         }
         place(geometry_.get(), body, origin);
+        // This brings the AABB up to date, as a space does; dCollide() of a hull and a mesh reads it.
+        dReal box[6];
+        dGeomGetAABB(geometry_.get(), box);
     }
 
     dGeomID get() const { return geometry_.get(); }
@@ -106,15 +109,12 @@ private:
         const Vector middle = league::mean_vertex(body);
         for (const Vector& p : hull.points)
             for (std::size_t k = 0; k < 3; ++k) numbers_.push_back(p[k] - middle[k]);
-        for (const auto& face : hull.faces) {
-            std::array<const double*, 3> p;
-            for (std::size_t k = 0; k < 3; ++k) p[k] = numbers_.data() + 3 * face[k];
-            dVector3 first, second, normal;
-            dSubtractVectors3(first, p[1], p[0]), dSubtractVectors3(second, p[2], p[0]);
-            dCalcVectorCross3(normal, first, second);
-            if (!dSafeNormalize3(normal)) throw std::domain_error("a face has no area");
-            planes_.insert(planes_.end(), {normal[0], normal[1], normal[2], dCalcVectorDot3(normal, p[0])});
-            polygons_.insert(polygons_.end(), {3, unsigned(face[0]), unsigned(face[1]), unsigned(face[2])});
+        for (const league::Face& face : hull.faces) {
+            const auto& [x, y, z] = face.normal;
+            const double distance = face.distance - (x * middle[0] + y * middle[1] + z * middle[2]);
+            planes_.insert(planes_.end(), {x, y, z, distance});
+            polygons_.push_back(unsigned(face.corners.size()));
+            polygons_.insert(polygons_.end(), face.corners.begin(), face.corners.end());
         }
         geometry_.reset(dCreateConvex(nullptr, planes_.data(), unsigned(planes_.size() / 4), numbers_.data(),
                                       unsigned(hull.points.size()), polygons_.data()));

@@ -138,11 +138,12 @@ try {
     }
     case LEAGUE_CAST: {
         const Eigen::Isometry3d from = pose_of(asked->b);
+        const double rounding = 0x1p-48 * from.translation().cwiseAbs().maxCoeff(); // no gap below it is known
         Eigen::Isometry3d to = from;
         to.translation() += Vector3d(asked->motion);
         const SweepResult found =
             world.pairs().sweep({prepared.models[0], pose_of(asked->a)}, {prepared.models[1], RigidMotion(from, to)},
-                                {.time_tolerance = 1e-9, .gap_tolerance = 1e-9});
+                                {.time_tolerance = 1e-9, .gap_tolerance = 1e-9 + rounding});
         out->meet = found.verdict != Verdict::separate;
         out->time = std::isfinite(found.contact_by) ? found.contact_by : found.clear_until;
         out->error = out->time - found.clear_until;

@@ -9,7 +9,7 @@ const fill = (made, more, kids) => {
 const make = (tag, more, ...kids) => fill(document.createElement(tag), more, kids);
 const draw = (tag, more, ...kids) => fill(document.createElementNS("http://www.w3.org/2000/svg", tag), more, kids), number = n => Number(n ?? 0).toLocaleString("en");
 const short = n => n < 1000 ? String(n) : n < 9950 ? `${(n / 1000).toFixed(1)}k` : n < 999500 ? `${Math.round(n / 1000)}k` : `${(n / 1e6).toFixed(1)}M`;
-const percent = x => x === 0 ? "0 %" : x >= 0.0995 ? `${(100 * x).toFixed(0)} %` : `${(100 * x).toPrecision(2).replace(/e-\d+$/, "")} %`;
+const percent = x => x === 0 ? "0 %" : x < 1e-4 ? "<0.01 %" : `${x < 0.00095 ? (100 * x).toFixed(2) : x < 0.0995 ? (100 * x).toPrecision(2) : (100 * x).toFixed(0)} %`;
 const micro = ns => ns > 0 ? `${(us => us < 10 ? us.toPrecision(2) : Math.round(us).toLocaleString("en"))(ns / 1000)} µs` : "-";
 
 // The data, and the names of its counts in the order of the panel.
@@ -25,8 +25,8 @@ const results = new Map(league.results.map(result => [key(result.library, result
 const badOf = result => faults.reduce((sum, name) => sum + (result[name] ?? 0), 0);
 const judged = result => (result.cases ?? 0) - (result.unsupported ?? 0); // Of undecided cases every answer is right.
 const classOf = (result, library) => {
-  if (!result || judged(result) <= 0) return "none";
-  if (result.crashed || result.hung || result.missed) return result.crashed || result.hung ? "broken" : "lost";
+  if (!result || judged(result) <= 0 || result.crashed || result.hung) return result?.crashed || result?.hung ? "broken" : "none";
+  if (result.missed) return "lost";
   const bad = badOf(result), share = bad / judged(result);
   if (!bad || library?.conservative && bad === result.invented) return bad ? "extra" : "right";
   return share < 0.001 ? "wrong1" : share < 0.01 ? "wrong2" : share < 0.1 ? "wrong3" : "wrong4";
@@ -36,18 +36,18 @@ const ofLibrary = (name, question) => league.results.filter(result => result.lib
   && (!question || families.get(result.family)?.question === question));
 const verdicts = {right: "All answers are right", extra: "Some hits are extra; the library says that it may report them", lost: "The library lost collisions",
   broken: "The library crashed or hung", none: "The library does not support this"};
+const bare = ({name, group, question}) => [group, question].some(word => name.startsWith(`${word}: `)) ? name.slice(name.indexOf(": ") + 2) : name;
 const verdict = kind => verdicts[kind] ?? "Some answers are wrong";
 
 function showTotals() {
   const sum = sumOf(league.results), asked = judged(sum);
   const tile = (name, value, kind, title) => make("div", {class: kind, title}, make("dt", null, name), make("dd", null, value));
-  find("totals").append(tile("libraries", number(libraries.size)), tile("families of cases", number(families.size)), tile("cases", number(league.cases)),
-    tile("answers judged", number(asked - sum.failed - sum.crashed - sum.hung)), tile("wrong answers", percent(asked ? (badOf(sum) - sum.crashed - sum.hung) / asked : 0), null, number(badOf(sum))),
-    tile("lost collisions", number(sum.missed), sum.missed ? "lost" : null),
-    tile("crashes and hangs", number(sum.crashed + sum.hung), sum.crashed + sum.hung ? "broken" : null));
+  find("totals").append(tile("libraries", number(libraries.size)), tile("families of cases", number(families.size)),
+    tile("answers judged", number(asked - sum.failed - sum.crashed - sum.hung)),
+    tile("wrong answers", percent(asked ? (badOf(sum) - sum.crashed - sum.hung) / asked : 0), null, number(badOf(sum))),
+    tile("lost collisions", number(sum.missed), sum.missed ? "lost" : null), tile("crashes and hangs", number(sum.crashed + sum.hung), sum.crashed + sum.hung ? "broken" : null));
   find("foot").textContent = `${league.program}; the league played on ${league.date}.`;
 }
-
 const cells = new Map();
 function showMatrix() {
   const table = find("matrix"), all = [...libraries.values()], groups = new Map();
@@ -57,7 +57,7 @@ function showMatrix() {
   for (const [group, members] of groups) {
     const body = make("tbody", null, make("tr", null, make("th", {scope: "rowgroup", colspan: all.length + 1}, make("span", null, group))));
     for (const family of members)
-      body.append(make("tr", null, make("th", {scope: "row", title: family.what}, make("span", null, family.name), make("small", null, family.question)),
+      body.append(make("tr", null, make("th", {scope: "row", title: family.what}, make("span", null, bare(family)), make("small", null, family.question)),
         all.map(library => make("td", null, cellOf(library, family)))));
     table.tFoot.before(body);
   }
@@ -155,15 +155,15 @@ function drawChart() {
   const taken = dots.map(dot => [x(dot.us) - 8, y(dot.share) - 8, x(dot.us) + 8, y(dot.share) + 8]);
   const meets = (p, q) => p[0] < q[2] && q[0] < p[2] && p[1] < q[3] && q[1] < p[3];
   for (const dot of dots.sort((p, q) => p.us - q.us)) {
-    const cx = x(dot.us), cy = y(dot.share), long = dot.library.name.length * 8.4 + 4, spots = [[11, 0], [-11 - long, 0]];
-    for (const up of [-17, 17, -32, 32, -47, 47, -62, 62]) spots.push([-long / 2, up], [6, up], [-6 - long, up]);
+    const cx = x(dot.us), cy = y(dot.share), long = dot.library.name.length * (wide < 560 ? 8.1 : 8.6) + 4, spots = [[11, 0], [-11 - long, 0]];
+    for (const up of [-17, 17, -32, 32, -47, 47, -62, 62, -77, 77, -92, 92]) spots.push([-long / 2, up], [6, up], [-6 - long, up]);
     const box = ([dx, dy]) => [cx + dx, cy + dy - 8, cx + dx + long, cy + dy + 8];
-    const spot = spots.find(place => (b => b[0] > left && b[2] < right + 10 && b[1] > 0 && b[3] < base + 2 && !taken.some(other => meets(b, other)))(box(place))) ?? spots[0];
+    const inside = spots.filter(place => (b => b[0] > left && b[2] < right + 10 && b[1] > 0 && b[3] < base + 2)(box(place)));
+    const spot = inside.find(place => !taken.some(other => meets(box(place), other))) ?? inside[0] ?? spots[0];
     taken.push(box(spot));
     if (Math.abs(spot[1]) > 18) picture.append(line(cx, cy, cx + spot[0] + long / 2, cy + spot[1] - 6 * Math.sign(spot[1]), "leader"));
     const told = `${dot.library.name}: ${micro(1000 * dot.us)} a query, ${percent(dot.share)} wrong, ${dot.list.length} families`;
-    picture.append(draw("circle", {cx, cy, r: 7, class: dot.kind}, draw("title", null, told)),
-      text(dot.library.name, {x: cx + spot[0] + 2, y: cy + spot[1] + 4, class: "label"}));
+    picture.append(draw("circle", {cx, cy, r: 7, class: dot.kind}, draw("title", null, told)), text(dot.library.name, {x: cx + spot[0] + 2, y: cy + spot[1] + 4, class: "label"}));
   }
   find("chart").replaceChildren(dots.length ? picture : make("p", {class: "soft"}, "No library answers this question."));
 }

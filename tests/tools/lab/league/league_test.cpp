@@ -1,0 +1,203 @@
+// The league: its truths, its judge, and libraries that crash, hang or lie.
+#include <cmath>
+#include <map>
+
+#include "league/families.hpp"
+#include "tools/command_fixture.hpp"
+#include "tools/csv_rows.hpp"
+
+namespace oncollide::tools {
+namespace {
+
+using Meet = LeagueTruth::Meet;
+
+LeagueFault fault_of(league_question question, const LeagueTruth& truth, const league_answer& answer,
+                     double precision = 0)
+{
+    return judge(question, truth, answer, precision, 0x1p-53).fault;
+}
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers" // answers have a few of all fields
+TEST(LeagueJudge, NamesEveryFault)
+{
+    LeagueTruth apart{.meet = Meet::no, .lower = 1, .upper = 1, .gap = 1, .size = 2},
+        meet{.meet = Meet::yes, .lower = 0, .upper = 0, .gap = -0.5, .size = 2};
+    EXPECT_EQ(fault_of(LEAGUE_MEET, meet, {.meet = 0}), LeagueFault::missed);
+    EXPECT_EQ(fault_of(LEAGUE_MEET, apart, {.meet = 1}), LeagueFault::invented);
+    EXPECT_EQ(fault_of(LEAGUE_MEET, meet, {.meet = 1}), LeagueFault::none);
+    EXPECT_EQ(fault_of(LEAGUE_DISTANCE, apart, {.distance = 1 + 1e-7}), LeagueFault::none) << "1e-6 of the sizes";
+    EXPECT_EQ(fault_of(LEAGUE_DISTANCE, apart, {.distance = 1 + 1e-5}), LeagueFault::distance);
+    EXPECT_EQ(fault_of(LEAGUE_DISTANCE, apart, {.distance = 1 - 1e-5}), LeagueFault::distance);
+    EXPECT_EQ(fault_of(LEAGUE_DISTANCE, apart, {.distance = 1 + 1e-5}, 1e-4), LeagueFault::none) << "its promise";
+    EXPECT_EQ(fault_of(LEAGUE_DISTANCE, apart, {.distance = 1.1, .error = 0.2}), LeagueFault::none) << "its own bound";
+    EXPECT_EQ(fault_of(LEAGUE_DISTANCE, apart, {.distance = std::nan("")}), LeagueFault::distance);
+    EXPECT_EQ(fault_of(LEAGUE_DISTANCE, apart, {.distance = 0}), LeagueFault::invented);
+    EXPECT_EQ(fault_of(LEAGUE_DISTANCE, meet, {.distance = 1}), LeagueFault::missed);
+    apart.off_surface = [](const Eigen::Vector3d& p, int of) { return std::abs(p.x() - of); };
+    EXPECT_EQ(fault_of(LEAGUE_DISTANCE, apart, {.has_points = 1, .distance = 1, .point_b = {1, 0, 0}}),
+              LeagueFault::none);
+    EXPECT_EQ(fault_of(LEAGUE_DISTANCE, apart, {.has_points = 1, .distance = 1, .point_b = {1.1, 0, 0}}),
+              LeagueFault::points);
+    LeagueTruth deep{.meet = Meet::yes, .lower = 0.5, .upper = 0.5, .gap = -0.5, .size = 2};
+    deep.way_out = [](const Eigen::Vector3d& along) { return along.x() > 0.9 ? 0.5L : 3.0L; };
+    EXPECT_EQ(fault_of(LEAGUE_DEPTH, deep, {.meet = 1, .depth = 0.5, .normal = {1, 0, 0}}), LeagueFault::none);
+    EXPECT_EQ(fault_of(LEAGUE_DEPTH, deep, {.meet = 1, .depth = 0.6, .normal = {1, 0, 0}}), LeagueFault::depth);
+    EXPECT_EQ(fault_of(LEAGUE_DEPTH, deep, {.meet = 1, .depth = 0.4, .normal = {1, 0, 0}}), LeagueFault::depth);
+    EXPECT_EQ(fault_of(LEAGUE_DEPTH, deep, {.meet = 1, .depth = 0.5, .normal = {0, 1, 0}}), LeagueFault::normal);
+    EXPECT_EQ(fault_of(LEAGUE_DEPTH, deep, {.meet = 0}), LeagueFault::missed);
+    const LeagueTruth hit{.meet = Meet::yes, .exact = true, .lower = 0.25, .upper = 0.25, .way = 10, .size = 2},
+        pass{.meet = Meet::no, .exact = true, .way = 10, .size = 2};
+    EXPECT_EQ(fault_of(LEAGUE_RAY, hit, {.meet = 1, .time = 0.25}), LeagueFault::none);
+    EXPECT_EQ(fault_of(LEAGUE_RAY, hit, {.meet = 1, .time = 0.3}), LeagueFault::late);
+    EXPECT_EQ(fault_of(LEAGUE_RAY, hit, {.meet = 1, .time = 0.2}), LeagueFault::early);
+    EXPECT_EQ(fault_of(LEAGUE_RAY, hit, {.meet = 0}), LeagueFault::missed);
+    EXPECT_EQ(fault_of(LEAGUE_RAY, pass, {.meet = 1, .time = 0.2}), LeagueFault::invented);
+    const LeagueTruth pairs{.pairs = {{0, 1}, {1, 2}}};
+    const std::uint32_t all[] = {1, 0, 2, 1}, fewer[] = {0, 1}, more[] = {0, 1, 1, 2, 0, 2};
+    EXPECT_EQ(fault_of(LEAGUE_PAIRS, pairs, {.pair_count = 2, .pairs = all}), LeagueFault::none);
+    EXPECT_EQ(fault_of(LEAGUE_PAIRS, pairs, {.pair_count = 1, .pairs = fewer}), LeagueFault::missed);
+    EXPECT_EQ(fault_of(LEAGUE_PAIRS, pairs, {.pair_count = 3, .pairs = more}), LeagueFault::invented);
+}
+
+#pragma GCC diagnostic pop
+
+/// Another method confirms the truths of every family, also about cases that are rounded to float, and both answers of
+/// yes or no occur.
+TEST(LeagueFamilies, HaveTruthsThatAnotherMethodConfirms)
+{
+    std::map<std::string, int> names, meet, apart; ///< by question
+    for (const LeagueFamily& family : league_families()) {
+        ++names[family.name];
+        for (std::uint64_t seed = 0; seed < 24; ++seed) {
+            const LeagueCase asked = family.make(seed), rounded = rounded_to_float(family.make(seed));
+            EXPECT_EQ(json_of(AskedCase(asked).view()), json_of(AskedCase(family.make(seed)).view())) << family.name;
+            EXPECT_EQ(json_of(AskedCase(rounded).view()), json_of(AskedCase(rounded_to_float(rounded)).view()))
+                << family.name;
+            for (const LeagueCase* one : {&asked, &rounded}) {
+                const LeagueTruth truth = family.truth(*one);
+                EXPECT_LE(truth.lower, truth.upper) << family.name << " " << seed;
+                if (family.confirms) {
+                    EXPECT_TRUE(family.confirms(*one, truth)) << family.name << ", seed " << seed;
+                }
+                if (family.question == LEAGUE_PAIRS) continue;
+                const std::string question(name_of(family.question));
+                meet[question] += truth.meet == Meet::yes, apart[question] += truth.meet == Meet::no;
+            }
+        }
+    }
+    for (const auto& [question, count] : meet) {
+        EXPECT_GT(count, 20) << question;
+        if (question != "depth") {
+            EXPECT_GT(apart[question], 20) << question;
+        }
+    }
+    EXPECT_GE(names.size(), 25u);
+    for (const auto& [name, count] : names) EXPECT_EQ(count, 1) << name;
+}
+
+} // namespace
+} // namespace oncollide::tools
+
+namespace oncollide::test {
+namespace {
+
+class League : public CommandLine {
+protected:
+    Outcome league(std::vector<std::string> arguments)
+    {
+        arguments.insert(arguments.begin(), {"league", "--quiet"});
+        return run_program(ONCOLLIDE_LAB, arguments, {.folder = folder_.path()});
+    }
+    Outcome faulty(const std::string& library, std::vector<std::string> more = {})
+    {
+        more.insert(more.begin(), {"--adapter", ONCOLLIDE_FAULTY_ADAPTER, "--library", library, "--family",
+                                   "triangles: random large", "--out", library});
+        return league(std::move(more));
+    }
+    nlohmann::json result(const std::string& library) { return read_json(library + "/league.json")["results"][0]; }
+};
+
+TEST_F(League, CountsTheFaultsOfLibrariesAndSurvivesThem)
+{
+    for (const char* library : {"apart", "meets", "crashes", "hangs", "hungry", "fails", "talks"})
+        EXPECT_EQ(faulty(library, {"--cases", library == std::string("hangs") ? "3" : "12"}).code, 0) << library;
+    const auto apart = result("apart"), meets = result("meets"), crashes = result("crashes"), hangs = result("hangs"),
+               hungry = result("hungry"), talks = result("talks");
+    EXPECT_GT(apart["missed"], 0);
+    EXPECT_EQ(apart["invented"], 0);
+    EXPECT_EQ(apart["missed"].get<int>() + apart["right"].get<int>(), 12);
+    EXPECT_EQ(meets["invented"], apart["right"]);
+    EXPECT_EQ(crashes["crashed"], 3);
+    EXPECT_EQ(crashes["worst"][0]["seed"], 3);
+    EXPECT_EQ(hangs["hung"], 1) << "the third case";
+    EXPECT_EQ(hungry["crashed"], 12);
+    EXPECT_EQ(result("fails")["failed"], 12);
+    EXPECT_EQ(talks["right"], apart["right"]) << "its output does not disturb the answers";
+}
+
+TEST_F(League, GoesOnWhereItWasInterrupted)
+{
+    ASSERT_EQ(faulty("apart", {"--cases", "3000"}).code, 0);
+    const std::string steps = folder_.read("apart/league.steps"), csv = folder_.read("apart/league.csv");
+    EXPECT_EQ(std::ranges::count(steps, '\n'), 2);
+    folder_.write("apart/league.steps", steps.substr(0, steps.size() - 20)); // the last line is cut short
+    ASSERT_EQ(faulty("apart", {"--cases", "3000"}).code, 0);
+    const auto counts = [](const std::string& text) { return text.substr(0, text.rfind(',')); }; // without the time
+    EXPECT_EQ(counts(folder_.read("apart/league.csv")), counts(csv));
+    EXPECT_EQ(std::ranges::count(folder_.read("apart/league.steps"), '\n'), 2) << "one step was asked again";
+}
+
+TEST_F(League, IsRightAboutOncollideAndItsPageHoldsTheWorstCases)
+{
+    const Outcome outcome = league({"--cases", "12", "--out", "all"});
+    EXPECT_EQ(outcome.code, 0) << outcome.out;
+    const nlohmann::json all = read_json("all/league.json");
+    ASSERT_GE(all["libraries"].size(), 4u) << "oncollide in three ways, FCL";
+    EXPECT_EQ(all["libraries"][0]["name"], "oncollide");
+    for (const nlohmann::json& r : all["results"]) {
+        if (r["library"] == "oncollide") {
+            EXPECT_EQ(r["right"], 12) << r["family"];
+        }
+        for (const nlohmann::json& worst : r["worst"]) EXPECT_TRUE(worst["case"].contains("question"));
+    }
+    const std::string page = folder_.read("all/league.html");
+    EXPECT_NE(page.find("id=\"league\""), std::string::npos);
+    EXPECT_EQ(page.find("{{"), std::string::npos);
+    EXPECT_EQ(read_csv(folder_.read("all/league.csv")).size(), all["results"].size());
+}
+
+TEST_F(League, AsksAboutOneCaseAndWritesIt)
+{
+    const Outcome outcome = league({"--family", "rays: through edges", "--seed", "17", "--write", "case.obj"});
+    EXPECT_NE(outcome.out.find("oncollide          right"), std::string::npos) << outcome.out;
+    EXPECT_NE(folder_.read("case.obj").find("o ray"), std::string::npos);
+    EXPECT_EQ(
+        league({"--family", "rays: through edges", "--seed", "17", "--library", "oncollide", "--write", "case.json"})
+            .code,
+        0);
+    EXPECT_EQ(read_json("case.json")["question"], "ray");
+}
+
+TEST_F(League, RefusesInOneLine)
+{
+    const auto refused = [&](std::vector<std::string> arguments, int code, const std::string& text) {
+        const Outcome outcome = league(std::move(arguments));
+        EXPECT_EQ(outcome.code, code) << outcome.err;
+        EXPECT_NE(outcome.err.find(text), std::string::npos) << outcome.err;
+        EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+    };
+    folder_.write("none.so", "not a library");
+    refused({"--adapter", "absent.so"}, 66, "--adapter absent.so: ");
+    refused({"--adapter", "none.so"}, 66, "--adapter none.so: ");
+    refused({"--library", "flc"}, 64, "--library: unknown 'flc'");
+    refused({"--family", "rays"}, 64, "--family: unknown 'rays'");
+    refused({"--cases", "0"}, 64, "--cases");
+    refused({"--seed", "3"}, 64, "--seed: needs one --family");
+    refused({"--write", "x.obj"}, 64, "--write: needs --seed");
+    folder_.write("file", "");
+    refused({"--cases", "1", "--out", "file/x"}, 73, "--out file/x");
+}
+
+} // namespace
+} // namespace oncollide::test
