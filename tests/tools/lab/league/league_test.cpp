@@ -1,5 +1,6 @@
 // The league: its truths, its judge, and libraries that crash, hang or lie.
 #include <cmath>
+#include <fstream>
 #include <map>
 
 #include "league/families.hpp"
@@ -177,6 +178,19 @@ TEST_F(League, AsksAboutOneCaseAndWritesIt)
             .code,
         0);
     EXPECT_EQ(read_json("case.json")["question"], "ray");
+}
+
+/// The page of docs/ shows the example as it is, and what it is right about.
+TEST_F(League, TheExampleOfThePageIsRight)
+{
+    const auto text = [](const char* name) {
+        std::ifstream file(std::filesystem::path(ONCOLLIDE_SOURCE_DIR) / name);
+        return std::string(std::istreambuf_iterator<char>(file), {});
+    };
+    EXPECT_NE(text("docs/league.md").find(text("tools/lab/league/adapters/example.cpp")), std::string::npos);
+    const Outcome outcome =
+        league({"--library", "example", "--family", "distance: spheres and capsules", "--cases", "90"});
+    EXPECT_NE(outcome.out.find("example                   30    100.0000"), std::string::npos) << outcome.out;
 }
 
 TEST_F(League, RefusesInOneLine)
