@@ -5,13 +5,14 @@ import {basename, extname} from 'node:path';
 import {parseArgs} from 'node:util';
 
 import {Glb} from './glb.mjs';
-import {Fault, IfcModel} from './ifc_model.mjs';
+import {Fault, IfcModel, loadWebIfc} from './ifc_model.mjs';
 
 const USAGE = `Usage: oncollide-ifc MODEL.ifc -o MODEL.glb [--discipline NAME] [--segments N] [--y-up]
   -o, --out FILE       the GLB file to write
   --discipline NAME    of all elements of the file (default: the file's name without .ifc)
   --segments N         straight pieces of a full circle, 8 to 360 (default 24)
   --y-up               turn the model as viewers of glTF expect it; without it z is up, as in IFC
+  --version            the version of web-ifc
 Exit codes: 0 success, 64 usage, 65 not a whole IFC file or no geometry, 66 the file cannot be read or web-ifc is not
 installed, 70 a fault of web-ifc or of this program, 73 the GLB file cannot be written.`;
 
@@ -22,7 +23,8 @@ function options() {
             allowPositionals: true,
             options: {
                 out: {type: 'string', short: 'o'}, discipline: {type: 'string'}, segments: {type: 'string', default: '24'},
-                'y-up': {type: 'boolean'}, deflection: {type: 'string'}, help: {type: 'boolean', short: 'h'}
+                'y-up': {type: 'boolean'}, deflection: {type: 'string'}, help: {type: 'boolean', short: 'h'},
+                version: {type: 'boolean'}
             }
         });
     } catch (fault) {
@@ -30,6 +32,7 @@ function options() {
     }
     const {values, positionals} = parsed, segments = Number(values.segments);
     if (values.help) return null;
+    if (values.version) return {version: true};
     if (positionals.length !== 1 || !values.out) throw new Fault(64, 'expected MODEL.ifc -o MODEL.glb; see --help');
     if (!Number.isInteger(segments) || segments < 8 || segments > 360)
         throw new Fault(64, `--segments ${values.segments}: expected a whole number from 8 to 360`);
@@ -67,11 +70,13 @@ function write(file, parts) {
 
 const quoted = names => names.slice(0, 3).map(name => `'${name}'`).join(', ') + (names.length > 3 ? ', ...' : '');
 
+const version = () =>
+    `web-ifc ${JSON.parse(readFileSync(new URL('package.json', import.meta.url))).dependencies['web-ifc']}`;
+
 /** Returns what the user should know. */
 async function convert({file, out, discipline, segments, yUp, deflection}) {
     const model = await IfcModel.open(read(file), segments);
-    const version = JSON.parse(readFileSync(new URL('package.json', import.meta.url))).dependencies['web-ifc'];
-    const glb = new Glb({generator: `oncollide-ifc (web-ifc ${version})`});
+    const glb = new Glb({generator: `oncollide-ifc (${version()})`});
     const root = yUp ? glb.node({name: basename(file), matrix: [1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1]}) : undefined;
     const folders = new Map(), meshes = new Map();
     const below = names => names.reduce((above, name, depth) => {
@@ -112,10 +117,11 @@ async function main() {
     try {
         asked = options();
         if (!asked) console.log(USAGE);
+        else if (asked.version) loadWebIfc(), console.log(version());
         else for (const note of await convert(asked)) console.error(printable(`oncollide-ifc: warning: ${asked.file}: ${note}`));
         return 0;
     } catch (fault) {
-        const known = fault instanceof Fault, where = asked && fault.code !== 73 ? `${asked.file}: ` : '';
+        const known = fault instanceof Fault, where = asked?.file && fault.code !== 73 ? `${asked.file}: ` : '';
         console.error(printable(`oncollide-ifc: error: ${where}${known ? fault.message : `web-ifc failed: ${fault?.message ?? fault}`}`));
         return known ? fault.code : 70;
     }

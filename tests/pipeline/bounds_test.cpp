@@ -17,7 +17,7 @@ class EveryNearFamily : public testing::TestWithParam<NearFamily> {};
 
 TEST_P(EveryNearFamily, HasBoundsThatRationalArithmeticConfirms)
 {
-    const tools::Tally tally = tools::try_bounds(GetParam(), 11'200, 2);
+    const tools::Tally tally = tools::try_bounds(GetParam(), 4'000, 2);
     EXPECT_EQ(tally.faults(), 0u) << tally.first_fault;
     EXPECT_GT(tally.bounds, 10 * tally.cases);
 }

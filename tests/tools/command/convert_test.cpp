@@ -137,6 +137,21 @@ TEST_F(ConvertedFiles, AreFoundInTheFoldersOfPath)
     EXPECT_EQ(run_program((folder_ / "oncollide").string(), {"clash", "house.ifc"}, path).code, 1);
 }
 
+TEST_F(ConvertedFiles, AreUsableOrNotInTheDoctorsWords)
+{
+    const auto doctor = [&](const std::string& script) {
+        write_script("ifc", script);
+        const Outcome outcome = run({"doctor"}, with({{"ONCOLLIDE_IFC", (folder_ / "ifc").string()}}));
+        const std::size_t at = outcome.out.find("oncollide-ifc ");
+        return outcome.out.substr(at, outcome.out.find('\n', at) - at);
+    };
+    const std::string program = (folder_ / "ifc").string();
+    EXPECT_EQ(doctor("echo parser 1.2"), "oncollide-ifc IFC files, by " + program + " (parser 1.2)");
+    EXPECT_EQ(doctor("echo 'oncollide-ifc: error: IFC needs Node.js' >&2; exit 66"),
+              "oncollide-ifc IFC files, not usable by " + program + ": IFC needs Node.js");
+    EXPECT_EQ(doctor("exit 3"), "oncollide-ifc IFC files, not usable by " + program + ": it does not start");
+}
+
 TEST_F(ConvertedFiles, LeaveNoConverterBehindWhenTheCommandIsEnded)
 {
     Surroundings around;

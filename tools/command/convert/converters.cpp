@@ -146,6 +146,15 @@ std::string converted(const fs::path& file, const std::string& deflection)
     return bytes;
 }
 
+/// The version that a converter prints, or why it cannot convert: it may lack its interpreter or a package.
+std::string state_of(const std::string& program)
+{
+    const ProgramOutput made = output_of(program, {"--version"}, {.time = std::chrono::seconds(10)});
+    if (made.is_good()) return fmt::format("by {} ({})", program, made.output.substr(0, made.output.find('\n')));
+    const std::vector<std::string> reasons = lines_with(messages_of(made), "error: ");
+    return fmt::format("not usable by {}: {}", program, reasons.empty() ? "it does not start" : reasons.back());
+}
+
 } // namespace
 
 const Converter* converter_of(const fs::path& file)
@@ -187,7 +196,7 @@ std::vector<std::pair<std::string, std::string>> describe_converters()
             const std::string program = find_program(*converter);
             what = program.empty()
                        ? fmt::format("not installed: no {} files; it needs {}", converter->formats, converter->needs)
-                       : fmt::format("{} files, by {}", converter->formats, program);
+                       : printable(fmt::format("{} files, {}", converter->formats, state_of(program)));
         } catch (const Error& error) {
             what = error.what();
         }
