@@ -3,7 +3,8 @@
 
     build.py --command OUT/bin/oncollide --lab OUT/bin/oncollide-lab --out FOLDER    the site is FOLDER/site/index.html
 
-Needs MkDocs and its theme material; without matplotlib the plots are left out, without Doxygen the API (--complete: an error).
+Needs MkDocs and its theme material. Without matplotlib the plots are left out, without Doxygen the API; with --complete that is an error,
+and a league is run for its page.
 """
 import argparse
 import pathlib
@@ -113,6 +114,14 @@ def write_api(pages, out, complete):
     (pages / "api.md").write_text(text, encoding="utf-8")
 
 
+def write_league(pages, lab):
+    """The page of the league, of a run of some minutes, and a link to it."""
+    subprocess.run([lab, "league", "--cases", "500", "--quiet", "--out", pages / "league-run"], check=True, stdout=subprocess.DEVNULL)
+    (pages / "league-run" / "league.steps").unlink()
+    with open(pages / "league.md", "a", encoding="utf-8") as page:
+        page.write("\n## The page\n\n[The page of a run of 500 cases of each family](league-run/league.html), made with this site.\n")
+
+
 def check_links(site):
     """Every link and picture inside the site must lead somewhere, to its place in the page too, which MkDocs does not check."""
     found = [page for folder in ("", "notes/", "from/") for page in site.glob(f"{folder}*.html")]
@@ -137,7 +146,7 @@ def main():
     parser.add_argument("--command", required=True)
     parser.add_argument("--lab", required=True)
     parser.add_argument("--out", type=pathlib.Path, required=True)
-    parser.add_argument("--complete", action="store_true", help="plots and API must be there")
+    parser.add_argument("--complete", action="store_true", help="plots, API and a run of the league must be there")
     options = parser.parse_args()
     shutil.rmtree(options.out, ignore_errors=True)
     pages = options.out / "pages"
@@ -147,6 +156,8 @@ def main():
     write_reference(pages / "reference-lab.md", options.lab)
     write_plots(pages, options.complete)
     write_api(pages, options.out, options.complete)
+    if options.complete:
+        write_league(pages, options.lab)
     shutil.copy(SITE / "mkdocs.yml", options.out)
     subprocess.run([sys.executable, "-m", "mkdocs", "build", "--strict", "-f", options.out / "mkdocs.yml"], check=True)
     check_links(options.out / "site")

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "league/league.h"
+#include <oncollide/league.h>
 
 namespace oncollide::tools {
 

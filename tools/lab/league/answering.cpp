@@ -54,7 +54,7 @@ bool fits_float(const LeagueCase& asked)
     return least >= 0x1p-14 * most;
 }
 
-/// Asks, and writes the reply before the library's memory goes.
+/// Queries, and writes the reply before the library's memory goes.
 void ask(const league_library& library, const league_case& asked, std::uint64_t seed, int replies)
 {
     Record record{.seed = seed, .nanoseconds = 0, .answer = {}, .state = LEAGUE_UNSUPPORTED};

@@ -8,7 +8,7 @@
 
 namespace oncollide::tools {
 
-/// The answer of a library to the case of a seed, and how the attempt ended.
+/// The result of a library to the case of a seed, and how the attempt ended.
 struct LeagueReply {
     enum class State : std::int32_t { answered, unsupported, failed, crashed, hung };
 
@@ -25,12 +25,12 @@ struct LeagueEntry {
     const league_library* library;
 };
 
-/// Asks a library in this process, and writes the replies to standard output, for ask_in_child(). A call that takes
+/// Queries a library in this process, and writes the replies to standard output, for ask_in_child(). A call that takes
 /// longer than 5 s, or more than 2 GB, ends the process.
 void answer_in_child(const LeagueFamily& family, const league_library& library, std::uint64_t first,
                      std::uint64_t count);
 
-/// Asks a library about the cases first, first + 1, ... in processes of their own, one after the other: a crash ends
+/// Queries a library about the cases first, first + 1, ... in processes of their own, one after the other: a crash ends
 /// one and begins the next. After ten of them the rest counts as crashed or hung, too.
 std::vector<LeagueReply> ask_in_child(const LeagueFamily& family, const LeagueEntry& entry, std::uint64_t first,
                                       std::uint64_t count);

@@ -1,5 +1,6 @@
 // Many boxes, and which of them overlap.
 #include "league/families.hpp"
+#include "league/truths.hpp"
 #include "verify/cases/case_numbers.hpp"
 
 namespace oncollide::tools {
@@ -16,20 +17,6 @@ LeagueBody box_at(const Vector3d& middle, const Vector3d& half)
     return body;
 }
 
-LeagueTruth overlapping(const LeagueCase& asked)
-{
-    LeagueTruth truth;
-    const auto& bodies = asked.bodies;
-    for (std::uint32_t a = 0; a < bodies.size(); ++a)
-        for (std::uint32_t b = a + 1; b < bodies.size(); ++b) {
-            const auto half = [&](std::uint32_t k) { return std::get<Box>(std::get<Shape>(bodies[k].geometry)).half; };
-            const Vector3d apart =
-                (bodies[a].pose.translation() - bodies[b].pose.translation()).cwiseAbs() - half(a) - half(b);
-            if (apart.maxCoeff() <= 0) truth.pairs.emplace_back(a, b);
-        }
-    return truth;
-}
-
 LeagueFamily box_family(std::string name, std::string what, std::function<LeagueBody(CaseNumbers&, int)> box)
 {
     return {std::move(name),
@@ -43,7 +30,7 @@ LeagueFamily box_family(std::string name, std::string what, std::function<League
                 for (int k = 0; k < count; ++k) asked.bodies.push_back(box(draw, k));
                 return asked;
             },
-            overlapping};
+            truths::overlapping};
 }
 
 } // namespace

@@ -27,5 +27,9 @@ std::vector<LeagueFamily> mesh_league();     ///< two meshes: meeting, exactly
 std::vector<LeagueFamily> shape_league();    ///< two shapes, or a shape on ground: meeting, distance, depth
 std::vector<LeagueFamily> motion_league();   ///< casts of shapes, and rays against meshes
 std::vector<LeagueFamily> box_league();      ///< overlapping AABBs of many
+// Situations from public bug reports of other libraries, rebuilt.
+std::vector<LeagueFamily> report_mesh_league();   ///< two triangles or meshes: meeting, exactly
+std::vector<LeagueFamily> report_league();        ///< shapes at rest: meeting, distance, depth, pairs
+std::vector<LeagueFamily> report_motion_league(); ///< casts and rays
 
 } // namespace oncollide::tools

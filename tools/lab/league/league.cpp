@@ -77,6 +77,14 @@ struct Step {
     std::uint64_t first, count;
 };
 
+/// Size and time of a program or an adapter: results of another one do not count.
+std::string stamp_of(const std::string& file)
+{
+    std::error_code error;
+    const auto size = std::filesystem::file_size(file, error);
+    return fmt::format("{}@{}", size, std::filesystem::last_write_time(file, error).time_since_epoch().count());
+}
+
 /// The cells of finished steps, in a file beside the reports, from which a run that was interrupted goes on.
 class Finished {
 public:
@@ -87,9 +95,11 @@ public:
         std::ifstream in(file_);
         for (std::string line; std::getline(in, line);) {
             const auto json = nlohmann::json::parse(line, nullptr, false);
-            if (json.is_discarded() || !json.is_object() || json.value("run", "") != run_)
-                continue; // cut short, or of another run
-            cells_[json.value("step", "")] = json.at("cell");
+            try {
+                if (json.at("run") == run_) cells_[json.at("step")] = LeagueCell::from(json.at("cell"));
+            } catch (const nlohmann::json::exception&) {
+                continue; // the line was cut short, or is of another version
+            }
         }
         out_.open(file_, std::ios::app);
         if (!out_) throw Error(ErrorKind::cannot_write, fmt::format("{}: cannot be written", printable(file_)));
@@ -97,8 +107,7 @@ public:
     std::optional<LeagueCell> find(const std::string& step) const
     {
         const auto at = cells_.find(step);
-        if (at == cells_.end()) return {};
-        return LeagueCell::from(at->second);
+        return at == cells_.end() ? std::nullopt : std::optional(at->second);
     }
     void add(const std::string& step, const LeagueCell& cell)
     {
@@ -111,7 +120,7 @@ public:
 
 private:
     std::string file_, run_;
-    std::map<std::string, nlohmann::json> cells_;
+    std::map<std::string, LeagueCell> cells_;
     std::ofstream out_;
     std::mutex mutex_;
 };
@@ -133,7 +142,7 @@ public:
     }
 
 private:
-    /// Has one truth in a hundred confirmed by another method.
+    /// Another method confirms one truth in a hundred.
     void confirm(std::uint64_t seed, const LeagueCase& asked, const LeagueTruth& truth) const
     {
         if (seed % 100 || !family_.confirms || family_.confirms(asked, truth)) return;
@@ -155,7 +164,7 @@ std::vector<std::vector<LeagueCell>> run_league(const LeagueOptions& o, const st
         for (std::uint64_t first = 0; first < std::uint64_t(o.cases); first += at_once)
             steps.push_back({f, first, std::min(at_once, std::uint64_t(o.cases) - first)});
     std::vector<std::vector<LeagueCell>> cells(families.size(), std::vector<LeagueCell>(entries.size()));
-    Finished finished(o.out, std::string(version));
+    Finished finished(o.out, fmt::format("{} {}", version, stamp_of("/proc/self/exe")));
     std::mutex mutex;
     Progress progress("families", steps.size(), o.quiet);
     parallel_chunks(steps.size(), 1, threads_of(o.threads), [&](std::size_t begin, std::size_t end, int) {
@@ -164,8 +173,8 @@ std::vector<std::vector<LeagueCell>> run_league(const LeagueOptions& o, const st
             Truths truths(family, step);
             for (std::size_t e = 0; e < entries.size(); ++e) {
                 const league_library& library = *entries[e].library;
-                const std::string name = fmt::format("{} ({})/{}/{}+{}", library.name, library.settings, family.name,
-                                                     step.first, step.count);
+                const std::string name = fmt::format("{} {}/{}/{}+{}", library.name, stamp_of(entries[e].adapter),
+                                                     family.name, step.first, step.count);
                 std::optional<LeagueCell> cell = finished.find(name);
                 if (!cell) {
                     const std::vector<LeagueReply> replies = ask_in_child(family, entries[e], step.first, step.count);
@@ -186,7 +195,7 @@ std::vector<std::vector<LeagueCell>> run_league(const LeagueOptions& o, const st
     return cells;
 }
 
-/// Asks all libraries about one case, and prints what they say.
+/// Queries all libraries about one case, and prints their results.
 int show_case(const LeagueOptions& o, const LeagueFamily& family, const std::vector<LeagueEntry>& entries)
 {
     const LeagueCase asked = family.make(std::uint64_t(o.seed));
@@ -255,15 +264,15 @@ void add_league(Arguments app)
         .repeatable();
     sub.add_option("--out FOLDER", o->out,
                    "write league.html, league.json and league.csv; a run that was interrupted goes on from there");
-    sub.add_option("--seed N", o->seed, "ask the libraries about this case of one family, and print what they say");
+    sub.add_option("--seed N", o->seed, "query the libraries about this case of one family, and print their results");
     sub.add_option("--write FILE", o->write, "with --seed: write the case as .obj or .json");
     sub.add_option("--threads N", o->threads, "cases of this many families at once; 0: all cores (default 0)");
-    sub.add_flag("--answers", o->answers, "write the answers of one library in binary, for the command itself");
+    sub.add_flag("--answers", o->answers, "write the results of one library in binary, for the command itself");
     sub.add_flag("--quiet", o->quiet, "no progress");
     sub.footer(
         "A case is a family and a seed. The truth comes from rational arithmetic, integers or long double, which "
         "share\n"
-        "no code with any library. Each library answers in a process of its own: a crash, 5 s or 2 GB are results.\n"
+        "no code with any library. Each library results in a process of its own: a crash, 5 s or 2 GB are results.\n"
         "Libraries in single precision get cases rounded to float, and the truth about these.\n\n"
         "Examples:\n"
         "  oncollide-lab league --cases 200\n"

@@ -6,7 +6,7 @@
 
 #include <oncollide/scenes/geometry.hpp>
 
-#include "league/league.h"
+#include <oncollide/league.h>
 
 namespace oncollide::tools {
 
@@ -33,7 +33,7 @@ struct LeagueCase {
 /// The same, with all numbers rounded to float.
 LeagueCase rounded_to_float(LeagueCase asked);
 
-/// A case in the form of league.h. Keeps the case, and all that the form points to.
+/// A case in the form of league.h. Keeps the case, and the data that the form points to.
 class AskedCase {
 public:
     explicit AskedCase(LeagueCase asked);

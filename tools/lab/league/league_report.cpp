@@ -30,7 +30,7 @@ json json_of_table(const LeagueTable& table)
 {
     std::uint64_t cases = 0;
     json out{{"schema", "oncollide.league"},
-             {"version", 1},
+             {"schema_version", 1},
              {"program", fmt::format("oncollide {}", version)},
              {"date", fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr)))}};
     for (const LeagueEntry& entry : table.libraries) {

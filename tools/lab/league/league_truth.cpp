@@ -68,7 +68,7 @@ private:
         const std::string expected =
             truth_.upper > 0 ? fmt::format("{:.17g} m apart", double(truth_.upper)) : "they meet";
         const std::string said = given > 0 ? fmt::format("{:.17g} m apart", double(given)) : "they meet";
-        if (!(given <= truth_.upper + doubt_ + stated_)) // also if it is no number
+        if (!(given <= truth_.upper + doubt_ + stated_)) // also a NaN
             fault(truth_.meet == Meet::yes ? LeagueFault::missed : LeagueFault::distance, given - truth_.upper,
                   expected, said);
         if (given < truth_.lower - doubt_ - stated_)
@@ -137,7 +137,7 @@ private:
     const LeagueTruth& truth_;
     const league_answer& answer_;
     long double doubt_;  ///< metres
-    long double stated_; ///< by the answer: metres, or a share of the motion
+    long double stated_; ///< by the result: metres, or a share of the motion
     LeagueVerdict verdict_;
 };
 

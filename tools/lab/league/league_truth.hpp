@@ -8,11 +8,11 @@
 
 namespace oncollide::tools {
 
-/// The right answers to a case. Lengths in metres; times as fractions of the motion.
+/// The right results to a case. Lengths in metres; times as fractions of the motion.
 struct LeagueTruth {
-    enum class Meet { no, yes, open }; ///< open: rounding decides, both answers are right
+    enum class Meet { no, yes, open }; ///< open: rounding decides, both results are right
     Meet meet = Meet::open;
-    bool exact = false; ///< `meet` is right to the last bit, and so must answers be
+    bool exact = false; ///< `meet` is right to the last bit, and so must results be
     /// Bounds of the distance; of depth: of the least translation that parts the two; of casts and rays: of the time.
     long double lower = 0, upper = std::numeric_limits<long double>::infinity();
     long double gap = 0;   ///< meet is not exact: how far apart the two are, negative: how deep they are in each other
@@ -26,7 +26,7 @@ struct LeagueTruth {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs{}; ///< a < b, sorted
 };
 
-/// The faults of an answer, the gravest first.
+/// The faults of an result, the gravest first.
 enum class LeagueFault : std::uint8_t { none, missed, late, invented, early, distance, depth, normal, points };
 constexpr std::string_view fault_names[] = {"right",    "missed", "late",   "invented", "early",
                                             "distance", "depth",  "normal", "points"};
@@ -37,7 +37,7 @@ struct LeagueVerdict {
     std::string expected{}, given{};
 };
 
-/// Judges an answer.
+/// Judges a result.
 /// @param precision  promised by the library, as a share of the bodies' sizes
 /// @param rounding   of its numbers: 2^-53 or 2^-24; the coordinates have it, too
 LeagueVerdict judge(league_question question, const LeagueTruth& truth, const league_answer& answer, double precision,

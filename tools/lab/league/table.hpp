@@ -9,19 +9,19 @@
 
 namespace oncollide::tools {
 
-/// A wrong answer, for the page.
+/// A wrong result, for the page.
 struct WorstCase {
     std::uint64_t seed;
     std::string fault, expected, given;
     double error;
 };
 
-/// What a library did with the cases of a family.
+/// The results of a library for the cases of a family.
 struct LeagueCell {
-    std::uint64_t cases = 0, open = 0;                          ///< open: rounding decides, so every answer is right
-    std::array<std::uint64_t, std::size(fault_names)> faults{}; ///< by LeagueFault; [0]: right answers
+    std::uint64_t cases = 0, open = 0;                          ///< open: rounding decides, so every result is right
+    std::array<std::uint64_t, std::size(fault_names)> faults{}; ///< by LeagueFault; [0]: right results
     std::uint64_t unsupported = 0, failed = 0, crashed = 0, hung = 0;
-    double nanoseconds = 0;         ///< sum over all answers
+    double nanoseconds = 0;         ///< sum over all results
     std::vector<WorstCase> worst{}; ///< the gravest three
 
     std::uint64_t answered() const { return cases - unsupported - failed - crashed - hung; }

@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <unistd.h>
 
-#include "league/league.h"
+#include <oncollide/league.h>
 
 namespace {
 
@@ -24,7 +24,7 @@ void* prepare(const league_case*)
 template <Fault fault>
 int answer(void*, const league_case*, league_answer* answer)
 {
-    const int number = asked_before++ / 3; // each case is asked three times
+    const int number = asked_before++ / 3; // each case is queried three times
     answer->meet = fault == always_meets;
     if (fault == crashes && number % 4 == 3) std::raise(SIGSEGV);
     if (fault == hangs && number == 2)

@@ -19,7 +19,7 @@ LeagueFault fault_of(league_question question, const LeagueTruth& truth, const l
 }
 
 #pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wmissing-field-initializers" // answers have a few of all fields
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers" // results have a few of all fields
 TEST(LeagueJudge, NamesEveryFault)
 {
     LeagueTruth apart{.meet = Meet::no, .lower = 1, .upper = 1, .gap = 1, .size = 2},
@@ -63,7 +63,7 @@ TEST(LeagueJudge, NamesEveryFault)
 
 #pragma GCC diagnostic pop
 
-/// Another method confirms the truths of every family, also about cases that are rounded to float, and both answers of
+/// Another method confirms the truths of every family, also about cases that are rounded to float, and both results of
 /// yes or no occur.
 TEST(LeagueFamilies, HaveTruthsThatAnotherMethodConfirms)
 {
@@ -134,7 +134,7 @@ TEST_F(League, CountsTheFaultsOfLibrariesAndSurvivesThem)
     EXPECT_EQ(hangs["hung"], 1) << "the third case";
     EXPECT_EQ(hungry["crashed"], 12);
     EXPECT_EQ(result("fails")["failed"], 12);
-    EXPECT_EQ(talks["right"], apart["right"]) << "its output does not disturb the answers";
+    EXPECT_EQ(talks["right"], apart["right"]) << "its output does not disturb the results";
 }
 
 TEST_F(League, GoesOnWhereItWasInterrupted)
@@ -146,7 +146,7 @@ TEST_F(League, GoesOnWhereItWasInterrupted)
     ASSERT_EQ(faulty("apart", {"--cases", "3000"}).code, 0);
     const auto counts = [](const std::string& text) { return text.substr(0, text.rfind(',')); }; // without the time
     EXPECT_EQ(counts(folder_.read("apart/league.csv")), counts(csv));
-    EXPECT_EQ(std::ranges::count(folder_.read("apart/league.steps"), '\n'), 2) << "one step was asked again";
+    EXPECT_EQ(std::ranges::count(folder_.read("apart/league.steps"), '\n'), 2) << "one step was queried again";
 }
 
 TEST_F(League, IsRightAboutOncollideAndItsPageHoldsTheWorstCases)

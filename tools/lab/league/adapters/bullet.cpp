@@ -95,7 +95,7 @@ private:
     World world_;
 };
 
-/// Lets a mesh in GImpact's form meet another, or a plane. contactPairTest() asks for algorithms of closest points,
+/// Lets a mesh in GImpact's form meet another, or a plane. contactPairTest() queries for algorithms of closest points,
 /// which GImpact lacks.
 class MeshContact final : public Query {
 public:
@@ -241,7 +241,7 @@ class Boxes final : public Query {
 public:
     explicit Boxes(const league_case& asked)
     {
-        broad_.m_deferedcollide = true; // It finds all pairs at once, when it is asked for them.
+        broad_.m_deferedcollide = true; // It finds all pairs at once, when it is queried for them.
         for (std::size_t i = 0; i < asked.body_count; ++i) {
             const btVector3 middle = vector_of(asked.bodies[i].position), half = vector_of(asked.bodies[i].size);
             proxies_.push_back(broad_.createProxy(middle - half, middle + half, 0, reinterpret_cast<void*>(i),

@@ -142,7 +142,7 @@ private:
     std::vector<int> indices_;
     std::unique_ptr<btTriangleIndexVertexArray> arrays_;
     std::unique_ptr<btBoxShape> cell_;
-    std::unique_ptr<btCollisionShape> shape_; ///< declared last: destroyed before what it points to
+    std::unique_ptr<btCollisionShape> shape_; ///< declared last: destroyed before the data that it points to
 };
 
 } // namespace league::bullet

@@ -1,4 +1,4 @@
-// What several adapters share. Define LEAGUE_WITH_HULL_FACES before it for hull_of(), which needs Qhull
+// Helpers of several adapters. Define LEAGUE_WITH_HULL_FACES before it for hull_of(), which needs Qhull
 // (-lqhull_r).
 #pragma once
 #include <array>
@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "../league.h"
+#include <oncollide/league.h>
 
 #ifdef LEAGUE_WITH_HULL_FACES
 #include <algorithm>
@@ -74,7 +74,7 @@ inline Vector mean_vertex(const league_body& body)
     return mean;
 }
 
-/// Calls `work`, whose answer is a league_state; no exception gets out of it.
+/// Calls `work`, whose result is a league_state; no exception gets out of it.
 template <class Work>
 int without_exceptions(Work&& work)
 {

@@ -1,5 +1,5 @@
 // A toy library for docs/league.md: it knows spheres alone.
-#include "league.h"
+#include <oncollide/league.h>
 
 #include <cmath>
 

@@ -99,9 +99,9 @@ Geometry make_geometry(const league_body& body)
     }
 }
 
-/// The pairs in FCL's tables (narrowphase/detail/*_func_matrix-inl.h), but for half-spaces where it needs distances:
-/// GJK crashes on them, as they have no support function. A contact's depth is that of one triangle or cell, so only
-/// bodies that have neither are asked for it.
+/// The pairs in FCL's tables (narrowphase/detail/*_func_matrix-inl.h), without half-spaces where it needs distances:
+/// GJK crashes on them, as they have no support function. A contact has the depth of one triangle or cell, so only
+/// bodies without either are queried for it.
 int supports(int question, int kind_a, int kind_b)
 {
     const auto both = [&](auto holds) { return holds(kind_a) && holds(kind_b); };

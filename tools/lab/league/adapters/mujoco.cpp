@@ -1,5 +1,5 @@
 // MuJoCo: a model of two geoms that rest, compiled from XML, and its contacts. It takes hulls for collisions, so that a
-// mesh is asked only for rays.
+// mesh is queried only for rays.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -177,8 +177,8 @@ bool in(int kind, std::initializer_list<int> kinds)
     return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
 }
 
-/// Distances only where MuJoCo has a function for the two kinds. The others grow by the margin, and the contact is that
-/// of the grown bodies; and those of two boxes are not their nearest points.
+/// Distances only where MuJoCo has a function for the two kinds. The others grow by the margin, and so their
+/// contact is the contact of larger bodies; contacts of two boxes are not their nearest points.
 bool has_distance(int kind_a, int kind_b)
 {
     const auto half_space = [](int a, int b) {

@@ -132,7 +132,7 @@ private:
     std::vector<dTriIndex> indices_;
     std::vector<unsigned> polygons_;
     std::unique_ptr<dxTriMeshData, DestroyMesh> mesh_;
-    Geometry geometry_; ///< declared last: destroyed before what it points to
+    Geometry geometry_; ///< declared last: destroyed before the data that it points to
 };
 
 struct Query {
@@ -263,7 +263,7 @@ int supports(int question, int a, int b)
     switch (question) {
     case LEAGUE_MEET:
         return has_kind(a) && has_kind(b) && !planes;
-    case LEAGUE_DEPTH: // A mesh's contact is that of one triangle.
+    case LEAGUE_DEPTH: // A contact of a mesh is the contact of one triangle.
         return is_round_or_flat(a) && is_round_or_flat(b) && !planes;
     case LEAGUE_RAY:
         return has_kind(a);

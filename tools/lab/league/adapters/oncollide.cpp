@@ -7,7 +7,7 @@
 
 #include <oncollide/pipeline/world.hpp>
 
-#include "../league.h"
+#include <oncollide/league.h>
 
 namespace {
 

@@ -23,7 +23,7 @@ const libraries = new Map(league.libraries.map(library => [library.name, library
 const key = (library, family) => `${encodeURIComponent(library)}/${encodeURIComponent(family)}`;
 const results = new Map(league.results.map(result => [key(result.library, result.family), result]));
 const badOf = result => faults.reduce((sum, name) => sum + (result[name] ?? 0), 0);
-const judged = result => (result.cases ?? 0) - (result.unsupported ?? 0); // Of undecided cases every answer is right.
+const judged = result => (result.cases ?? 0) - (result.unsupported ?? 0); // Every result of an undecided case is right.
 const classOf = (result, library) => {
   if (!result || judged(result) <= 0 || result.crashed || result.hung) return result?.crashed || result?.hung ? "broken" : "none";
   if (result.missed) return "lost";
@@ -34,17 +34,17 @@ const classOf = (result, library) => {
 const sumOf = list => Object.fromEntries(["cases", ...Object.keys(names)].map(name => [name, list.reduce((sum, r) => sum + (r[name] ?? 0), 0)]));
 const ofLibrary = (name, question) => league.results.filter(result => result.library === name && judged(result) > 0
   && (!question || families.get(result.family)?.question === question));
-const verdicts = {right: "All answers are right", extra: "Some hits are extra; the library says that it may report them", lost: "The library lost collisions",
+const verdicts = {right: "All results are right", extra: "Some hits are extra; the library says that it may report them", lost: "The library lost collisions",
   broken: "The library crashed or hung", none: "The library does not support this"};
 const bare = ({name, group, question}) => [group, question].some(word => name.startsWith(`${word}: `)) ? name.slice(name.indexOf(": ") + 2) : name;
-const verdict = kind => verdicts[kind] ?? "Some answers are wrong";
+const verdict = kind => verdicts[kind] ?? "Some results are wrong";
 
 function showTotals() {
   const sum = sumOf(league.results), asked = judged(sum);
   const tile = (name, value, kind, title) => make("div", {class: kind, title}, make("dt", null, name), make("dd", null, value));
   find("totals").append(tile("libraries", number(libraries.size)), tile("families of cases", number(families.size)),
-    tile("answers judged", number(asked - sum.failed - sum.crashed - sum.hung)),
-    tile("wrong answers", percent(asked ? (badOf(sum) - sum.crashed - sum.hung) / asked : 0), null, number(badOf(sum))),
+    tile("results judged", number(asked - sum.failed - sum.crashed - sum.hung)),
+    tile("wrong results", percent(asked ? (badOf(sum) - sum.crashed - sum.hung) / asked : 0), null, number(badOf(sum))),
     tile("lost collisions", number(sum.missed), sum.missed ? "lost" : null), tile("crashes and hangs", number(sum.crashed + sum.hung), sum.crashed + sum.hung ? "broken" : null));
   find("foot").textContent = `${league.program}; the league played on ${league.date}.`;
 }
@@ -142,7 +142,7 @@ function drawChart() {
   const x0 = Math.min(...times, 9) - 0.25, x1 = Math.max(...times, -9) + 0.35, y0 = Math.floor(Math.min(...wrong, -2)), y1 = 0;
   const x = us => left + 14 + (Math.log10(us) - x0) / (x1 - x0) * (right - left - 28);
   const y = share => share > 0 ? zero - 14 - (Math.log10(share) - y0) / (y1 - y0) * (zero - 14 - top) : (zero + base) / 2;
-  const picture = draw("svg", {viewBox: `0 0 ${wide} ${high}`, height: high, role: "img", "aria-label": "Time a query and share of wrong answers of each library"});
+  const picture = draw("svg", {viewBox: `0 0 ${wide} ${high}`, height: high, role: "img", "aria-label": "Time a query and share of wrong results of each library"});
   const text = (words, more) => draw("text", more, words), line = (xa, ya, xb, yb, kind) => draw("line", {x1: xa, y1: ya, x2: xb, y2: yb, class: kind});
   picture.append(draw("rect", {x: left, y: zero, width: right - left, height: base - zero, class: "zero", rx: 4}));
   for (let e = y0; e <= y1; ++e)
@@ -165,7 +165,7 @@ function drawChart() {
     const told = `${dot.library.name}: ${micro(1000 * dot.us)} a query, ${percent(dot.share)} wrong, ${dot.list.length} families`;
     picture.append(draw("circle", {cx, cy, r: 7, class: dot.kind}, draw("title", null, told)), text(dot.library.name, {x: cx + spot[0] + 2, y: cy + spot[1] + 4, class: "label"}));
   }
-  find("chart").replaceChildren(dots.length ? picture : make("p", {class: "soft"}, "No library answers this question."));
+  find("chart").replaceChildren(dots.length ? picture : make("p", {class: "soft"}, "No library results this question."));
 }
 
 function showLibraries() {
@@ -214,7 +214,7 @@ const boxFaces = ([x, y, z], c = [0, 0, 0], skip = () => false) => [0, 1, 2].fla
   return skip(k, s) ? [] : [{points: s > 0 ? points : points.reverse(), sharp: true}];
 }));
 
-/// The hull's faces: each plane through three points with none beyond it. Of many points it takes those that are extreme in some direction.
+/// The hull's faces: each plane through three points with none beyond it. It takes the extreme points in some directions, if there are many.
 function hullFaces(points) {
   if (points.length > 56) points = [...new Set(Array.from({length: 90}, (_, k) => {
     const z = 1 - (2 * k + 1) / 90, t = 2.399963 * k, r = Math.sqrt(1 - z * z), way = [r * Math.cos(t), r * Math.sin(t), z];
@@ -370,7 +370,7 @@ class Stage {
     }
     this.overlay({pen, at, flat, path, hue, whole, tone, ratio});
   }
-  /// Draws over the bodies: those that have no faces, the end of a motion, and the arrow where bodies hide it.
+  /// Draws over the bodies: bodies without faces, the end of a motion, and the arrow where bodies hide it.
   overlay({pen, at, flat, path, hue, whole, tone, ratio}) {
     const disc = (p, r) => { pen.beginPath(), pen.arc(...p, r * ratio, 0, 7), pen.fill(); };
     const dash = (color, width) => { pen.setLineDash([5 * ratio, 4 * ratio]), pen.strokeStyle = color, pen.lineWidth = width * ratio; };
