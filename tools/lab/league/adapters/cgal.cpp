@@ -12,6 +12,7 @@
 #include <CGAL/Box_intersection_d/Box_with_info_d.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/intersection.h>
+#include <CGAL/Polygon_mesh_processing/orientation.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/boost/graph/helpers.h>
 #include <CGAL/box_intersection_d.h>
@@ -52,7 +53,8 @@ Triangles triangles_of(const league_body& body)
     return triangles;
 }
 
-/// Throws if the mesh is not closed, or if an edge has more than two triangles.
+/// Throws if the mesh is not closed, if an edge has more than two triangles, or if the parts of the mesh contradict
+/// each other about the inside: CGAL requires a volume.
 SurfaceMesh closed_mesh_of(const league_body& body)
 {
     const Triangles triangles = triangles_of(body);
@@ -68,6 +70,7 @@ SurfaceMesh closed_mesh_of(const league_body& body)
         if (mesh.is_isolated(v)) mesh.remove_vertex(v);
     mesh.collect_garbage();
     if (!CGAL::is_closed(mesh)) throw std::domain_error("not closed");
+    if (!CGAL::Polygon_mesh_processing::does_bound_a_volume(mesh)) throw std::domain_error("no volume");
     return mesh;
 }
 
