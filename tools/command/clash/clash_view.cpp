@@ -317,9 +317,10 @@ std::string write_clash_view(const std::string& file, const ClashReport& report,
     out.write("})();\n"), out.finish();
     output.commit();
     std::error_code error;
-    return fmt::format("{}: {}, {} parts, {} clashes{}", printable(file),
-                       megabytes(std::filesystem::file_size(file, error)), grouped(report.parts.parts.size()),
-                       grouped(page.header["clashes"].size()), page.left_out());
+    const std::size_t parts = report.parts.parts.size(), clashes = page.header["clashes"].size();
+    return fmt::format("{}: {}, {} part{}, {} clash{}{}", printable(file),
+                       megabytes(std::filesystem::file_size(file, error)), grouped(parts), parts == 1 ? "" : "s",
+                       grouped(clashes), clashes == 1 ? "" : "es", page.left_out());
 }
 
 } // namespace oncollide::tools

@@ -59,6 +59,10 @@ nlohmann::json json_of(const league_case& asked);
 /// The bodies as an OBJ file: an object each, at their poses; shapes as meshes around them. A ray is a line.
 std::string obj_of(const LeagueCase& asked);
 
+/// A C++ program that gives the case to the library of an adapter, the file that it is started with, and prints the
+/// result: for a debugger, and for reports to the library's authors.
+std::string program_of(const league_case& asked, const std::string& library);
+
 std::string_view name_of(league_question question); ///< "meet"
 std::string_view name_of(league_kind kind);         ///< "half-space"
 

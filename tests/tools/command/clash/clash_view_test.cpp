@@ -39,7 +39,7 @@ TEST_F(ClashViewInBrowser, AClashIsSeenFromNearWithItsCommonPartInRed)
     EXPECT_EQ(all.data("clash"), "");
     EXPECT_EQ(all.data("red"), "0");
     EXPECT_LT(in_scene(all.picture, is_colliding), 1000) << "a mark";
-    EXPECT_NE(all.document.find("3 parts, 1 clashes"), std::string::npos);
+    EXPECT_NE(all.document.find("3 parts, 1 clash<"), std::string::npos);
     const Seen near = look("v.html", "theme=light&clash=" + id(0)),
                alone = look("v.html", "theme=dark&isolate&clash=" + id(0));
     for (const Seen* seen : {&near, &alone}) {

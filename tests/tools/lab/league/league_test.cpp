@@ -178,6 +178,20 @@ TEST_F(League, AsksAboutOneCaseAndWritesIt)
             .code,
         0);
     EXPECT_EQ(read_json("case.json")["question"], "ray");
+    // The program gives the same case to the library's adapter.
+    const std::string include = std::string("-I") + ONCOLLIDE_SOURCE_DIR + "/tools/lab/league";
+    for (const char* family : {"distance: spheres and capsules", "distance: hulls", "boxes: touching"}) {
+        ASSERT_EQ(league({"--family", family, "--seed", "3", "--library", "oncollide", "--write", "case.cpp"}).code, 0);
+        const Outcome built = run_program(
+            "/usr/bin/c++", {"-std=c++20", include, (folder_ / "case.cpp").string(), "-o", (folder_ / "case").string()},
+            {.folder = folder_.path()});
+        ASSERT_EQ(built.code, 0) << built.err;
+        const std::string adapter =
+            (std::filesystem::path(ONCOLLIDE_LAB).parent_path() / "league/oncollide.so").string();
+        const Outcome ran = run_program((folder_ / "case").string(), {adapter}, {.folder = folder_.path()});
+        EXPECT_EQ(ran.code, 0) << ran.out;
+        EXPECT_NE(ran.out.find("distance "), std::string::npos) << ran.out;
+    }
 }
 
 /// The page of docs/ shows the example as it is, and what it is right about.
@@ -209,6 +223,7 @@ TEST_F(League, RefusesInOneLine)
     refused({"--cases", "0"}, 64, "--cases");
     refused({"--seed", "3"}, 64, "--seed: needs one --family");
     refused({"--write", "x.obj"}, 64, "--write: needs --seed");
+    refused({"--write", "x.txt", "--seed", "1", "--family", "boxes: long"}, 64, "--write x.txt: the name must end in");
     folder_.write("file", "");
     refused({"--cases", "1", "--out", "file/x"}, 73, "--out file/x");
 }

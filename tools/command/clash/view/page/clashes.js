@@ -58,7 +58,7 @@ function clearChoice() {
 }
 function toggleHidden(part) {
   state.hidden.has(part) ? state.hidden.delete(part) : state.hidden.add(part);
-  for (const thing of front.children) if (thing.geometry === parts[part].geometry) thing.visible = !state.hidden.has(part);
+  for (const thing of front.children) if (thing.number === part) thing.visible = !state.hidden.has(part);
   changed();
 }
 function showAll() {
@@ -203,7 +203,8 @@ function tick(now) {
 }
 
 $("title").textContent = header.title;
-$("subtitle").textContent = `${labels.length.toLocaleString("en")} parts, ${header.clashes.length.toLocaleString("en")} clashes` + header.notes.map((note) => ` · ${note}`).join("");
+const counted = (count, one, many) => `${count.toLocaleString("en")} ${count === 1 ? one : many}`;
+$("subtitle").textContent = `${counted(labels.length, "part", "parts")}, ${counted(header.clashes.length, "clash", "clashes")}` + header.notes.map((note) => ` · ${note}`).join("");
 fillChoices("kind", "kinds"), fillChoices("status", "statuses");
 resize(), readHash();
 if (flight) moveFlight(performance.now());

@@ -123,11 +123,11 @@ function showInFront(clash, part) {
   };
   const coloured = (number, name) => {
     const copy = new THREE.Mesh(parts[number].geometry, materials[name]), lineName = name === "soft" ? "accent" : name;
-    copy.position.copy(parts[number].position), copy.quaternion.copy(parts[number].quaternion), copy.updateMatrix(), (copy.matrixWorld = copy.matrix);
+    copy.position.copy(parts[number].position), copy.quaternion.copy(parts[number].quaternion), copy.updateMatrix(), (copy.matrixWorld = copy.matrix), (copy.number = number);
     front.add(copy);
     if (name === "red" || parts[number].geometry.index.count > 150000) return;
     const edges = new THREE.LineSegments(new THREE.EdgesGeometry(parts[number].geometry, 25), lineMaterials[lineName]);
-    edges.quaternion.copy(copy.quaternion), add(edges, copy.position);
+    edges.quaternion.copy(copy.quaternion), (edges.number = number), add(edges, copy.position);
   };
   if (part >= 0) coloured(part, "soft");
   if (clash < 0) return;
