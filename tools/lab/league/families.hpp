@@ -26,6 +26,7 @@ std::vector<LeagueFamily> triangle_league(); ///< two triangles: meeting, exactl
 std::vector<LeagueFamily> mesh_league();     ///< two meshes: meeting, exactly
 std::vector<LeagueFamily> shape_league();    ///< two shapes, or a shape on ground: meeting, distance, depth
 std::vector<LeagueFamily> motion_league();   ///< casts of shapes, and rays against meshes
+std::vector<LeagueFamily> self_league();     ///< a mesh against itself
 std::vector<LeagueFamily> box_league();      ///< overlapping AABBs of many
 // Situations from public bug reports of other libraries, rebuilt.
 std::vector<LeagueFamily> report_mesh_league();   ///< two triangles or meshes: meeting, exactly

@@ -13,8 +13,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::array<std::string_view, LEAGUE_QUESTION_COUNT> question_names{"meet", "distance", "depth",
-                                                                             "cast", "ray",      "pairs"};
+constexpr std::array<std::string_view, LEAGUE_QUESTION_COUNT> question_names{"meet", "distance", "depth", "cast",
+                                                                             "ray",  "pairs",    "self"};
 constexpr std::array<std::string_view, LEAGUE_KIND_COUNT> kind_names{
     "mesh", "hull", "sphere", "capsule", "box", "cylinder", "cone", "ellipsoid", "half-space", "terrain", "cells"};
 

@@ -24,6 +24,7 @@ public:
     {
         switch (question) {
         case LEAGUE_MEET:
+        case LEAGUE_SELF:
             judge_meeting();
             break;
         case LEAGUE_DISTANCE:

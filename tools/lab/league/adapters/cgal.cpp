@@ -13,6 +13,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/intersection.h>
 #include <CGAL/Polygon_mesh_processing/orientation.h>
+#include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/boost/graph/helpers.h>
 #include <CGAL/box_intersection_d.h>
@@ -53,9 +54,8 @@ Triangles triangles_of(const league_body& body)
     return triangles;
 }
 
-/// Throws if the mesh is not closed, if an edge has more than two triangles, or if the parts of the mesh contradict
-/// each other about the inside: CGAL requires a volume.
-SurfaceMesh closed_mesh_of(const league_body& body)
+/// Throws if an edge has more than two triangles, or two in one direction.
+SurfaceMesh linked_mesh_of(const league_body& body)
 {
     const Triangles triangles = triangles_of(body);
     SurfaceMesh mesh;
@@ -69,6 +69,13 @@ SurfaceMesh closed_mesh_of(const league_body& body)
     for (const SurfaceMesh::Vertex_index v : mesh.vertices())
         if (mesh.is_isolated(v)) mesh.remove_vertex(v);
     mesh.collect_garbage();
+    return mesh;
+}
+
+/// Throws if the mesh is not closed, or if its parts contradict each other about the inside: CGAL requires a volume.
+SurfaceMesh closed_mesh_of(const league_body& body)
+{
+    SurfaceMesh mesh = linked_mesh_of(body);
     if (!CGAL::is_closed(mesh)) throw std::domain_error("not closed");
     if (!CGAL::Polygon_mesh_processing::does_bound_a_volume(mesh)) throw std::domain_error("no volume");
     return mesh;
@@ -164,7 +171,19 @@ struct Boxes {
     }
 };
 
+/// A mesh against itself.
+struct SelfMesh {
+    SurfaceMesh mesh;
+
+    int answer(const league_case&, league_answer& answer) const
+    {
+        answer.meet = CGAL::Polygon_mesh_processing::does_self_intersect(mesh);
+        return LEAGUE_ANSWERED;
+    }
+};
+
 struct Prepared {
+    std::unique_ptr<SelfMesh> self;
     std::unique_ptr<Surfaces> surfaces;
     std::unique_ptr<Solids> solids;
     std::unique_ptr<Rays> rays;
@@ -172,7 +191,9 @@ struct Prepared {
 
     explicit Prepared(const league_case& asked)
     {
-        if (asked.question == LEAGUE_PAIRS)
+        if (asked.question == LEAGUE_SELF)
+            self = std::make_unique<SelfMesh>(SelfMesh{linked_mesh_of(asked.a)});
+        else if (asked.question == LEAGUE_PAIRS)
             boxes = std::make_unique<Boxes>(asked);
         else if (asked.question == LEAGUE_RAY)
             rays = std::make_unique<Rays>(asked);
@@ -189,6 +210,7 @@ int supports(int question, int kind_a, int kind_b)
     case LEAGUE_MEET:
         return league::has_triangles(kind_a) && league::has_triangles(kind_b);
     case LEAGUE_RAY:
+    case LEAGUE_SELF:
         return league::has_triangles(kind_a);
     default:
         return question == LEAGUE_PAIRS;
@@ -207,13 +229,14 @@ void* prepare(const league_case* asked)
 
 int answer(void* prepared, const league_case* asked, league_answer* answer)
 {
-    const auto& [surfaces, solids, rays, boxes] = *static_cast<const Prepared*>(prepared);
+    const auto& [self, surfaces, solids, rays, boxes] = *static_cast<const Prepared*>(prepared);
     *answer = {};
     return league::without_exceptions([&] {
-        return surfaces ? surfaces->answer(*asked, *answer)
-               : solids ? solids->answer(*asked, *answer)
-               : rays   ? rays->answer(*asked, *answer)
-                        : boxes->answer(*asked, *answer);
+        return self       ? self->answer(*asked, *answer)
+               : surfaces ? surfaces->answer(*asked, *answer)
+               : solids   ? solids->answer(*asked, *answer)
+               : rays     ? rays->answer(*asked, *answer)
+                          : boxes->answer(*asked, *answer);
     });
 }
 
@@ -229,6 +252,7 @@ constexpr league_library cgal{
     .settings = CGAL_VERSION_STR
     "; Exact_predicates_inexact_constructions_kernel; AABB_tree of a, do_intersect() for each triangle of b; solids: "
     "Polygon_mesh_processing::do_intersect() of bounded sides; rays: first_intersection(); box_self_intersection_d(); "
+    "does_self_intersect(); "
     "no triangles without area",
     .source = "CGAL/AABB_tree.h, Polygon_mesh_processing/intersection.h, box_intersection_d.h",
     .precision = 0,

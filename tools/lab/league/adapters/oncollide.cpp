@@ -155,6 +155,9 @@ try {
         out->meet = hit.verdict != Verdict::separate, out->time = hit.fraction_upper;
         return LEAGUE_ANSWERED;
     }
+    case LEAGUE_SELF:
+        out->meet = !world.models().self_contacts(prepared.models[0], 1).empty();
+        return LEAGUE_ANSWERED;
     case LEAGUE_PAIRS: {
         prepared.pairs.clear();
         for (const PairResult& pair : world.step().pairs)

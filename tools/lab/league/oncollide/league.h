@@ -49,6 +49,7 @@ enum league_question {
     LEAGUE_CAST,     /* b moves by `motion`, a rests: when do they first meet? -> meet, time from 0 to 1 */
     LEAGUE_RAY,      /* Where does the segment from `from` to `from + motion` first meet body a? -> meet, time from 0 to 1 */
     LEAGUE_PAIRS,    /* Which of `bodies` have AABBs with a common point? Bodies are boxes without rotation. -> pairs */
+    LEAGUE_SELF,     /* Have two triangles of mesh a a common point beyond the vertices and edges that they share? -> meet */
     LEAGUE_QUESTION_COUNT
 };
 
