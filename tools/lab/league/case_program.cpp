@@ -75,12 +75,12 @@ int main(int, char** words)
         void* const prepared = library.prepare(&asked);
         league_answer answer{{}};
         if (!prepared || library.answer(prepared, &asked, &answer) != LEAGUE_ANSWERED) return 1;
-        std::printf("meet %d, distance %.17g, depth %.17g, time %.17g, normal %.17g %.17g %.17g, %zu pairs\n", answer.meet,
+        printf("meet %d, distance %.17g, depth %.17g, time %.17g, normal %.17g %.17g %.17g, %zu pairs\n", answer.meet,
                     answer.distance, answer.depth, answer.time, answer.normal[0], answer.normal[1], answer.normal[2], answer.pair_count);
         library.release(prepared);
         return 0;
     }}
-    std::puts(dlerror());
+    puts(dlerror());
     return 2;
 }}
 )",
