@@ -232,14 +232,16 @@ private:
         return row;
     }
 
-    /// Clashes in the order of the report, the worst first, while there is room; nine tenths of it for common parts.
+    /// Clashes in the order of the report, the worst first, in at most half of the room; their common parts in the
+    /// rest.
     void add_clashes(std::size_t room)
     {
         const std::vector<std::size_t> open = r_.open_clashes();
-        std::size_t listed = 0;
-        for (std::size_t used = 0; listed < open.size(); ++listed) {
-            used += script_json(row_of(r_.found.list[open[listed]])).size() + 200;
-            if (used > room / 2) break;
+        std::size_t listed = 0, used = 0;
+        for (; listed < open.size(); ++listed) {
+            const std::size_t size = script_json(row_of(r_.found.list[open[listed]])).size() + 200;
+            if (used + size > room / 2) break;
+            used += size;
         }
         constexpr std::size_t batch = 64;
         std::vector<float> columns;
@@ -253,7 +255,7 @@ private:
                             });
             for (std::size_t k = 0; k < count; ++k) {
                 Shown& s = shown[k];
-                if (encoded_size(4 * columns.size() + s.bytes()) > room / 2)
+                if (encoded_size(4 * columns.size() + s.bytes()) > room - used)
                     s.triangles.clear(), s.lines.clear(), ++bare_;
                 json row = row_of(r_.found.list[open[begin + k]]);
                 row["view"] = {numbers_of(s.view.middle - origin_), s.view.radius, numbers_of(s.view.from)};

@@ -285,9 +285,8 @@ void add_league(Arguments app)
     sub.add_flag("--answers", o->answers, "write the results of one library in binary, for the command itself");
     sub.add_flag("--quiet", o->quiet, "no progress");
     sub.footer(
-        "A case is a family and a seed. The truth comes from rational arithmetic, integers or long double, which "
-        "share\n"
-        "no code with any library. Each library results in a process of its own: a crash, 5 s or 2 GB are results.\n"
+        "A case is a family and a seed. The truth comes from rational arithmetic, integers or long double, without\n"
+        "code of any library. Each library runs in a process of its own: a crash, 5 s or 2 GB are results.\n"
         "Libraries in single precision get cases rounded to float, and the truth about these.\n\n"
         "Examples:\n"
         "  oncollide-lab league --cases 200\n"

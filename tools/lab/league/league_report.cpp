@@ -108,14 +108,16 @@ std::string text_of(const LeagueTable& table)
         const std::uint64_t missed = of(LeagueFault::missed) + of(LeagueFault::late),
                             invented = of(LeagueFault::invented) + of(LeagueFault::early);
         text += fmt::format(
-            "{:<18}{:>10}{:>12.4f}{:>9}{:>9}{:>10}{:>9}{:>12.3g}  {}\n", table.libraries[e].library->name,
+            "{:<18}{:>10}{:>12.4f}{:>9}{:>9}{:>10}{:>10}{:>12.3g}  {}\n", table.libraries[e].library->name,
             grouped(c.answered()), c.answered() ? 100 * double(c.right()) / double(c.answered()) : 0, grouped(missed),
             grouped(invented), grouped(c.wrong() - missed - invented), grouped(c.failed + c.crashed + c.hung),
             c.answered() ? 1e-3 * c.nanoseconds / double(c.answered()) : 0, table.libraries[e].library->settings);
     }
+    std::size_t longest = 0; // name of a family
+    for (const LeagueFamily& family : table.families) longest = std::max(longest, family.name.size());
     text += "\nwrong answers\n";
     for (std::size_t f = 0; f < table.families.size(); ++f) {
-        text += fmt::format("{:<34}", table.families[f].name);
+        text += fmt::format("{:<{}}", table.families[f].name, longest);
         for (std::size_t e = 0; e < table.libraries.size(); ++e) {
             const LeagueCell& c = table.cells[f][e];
             text += fmt::format(" {:>8}", c.answered() + c.crashed + c.hung == 0 ? "-" : grouped(total(c)));

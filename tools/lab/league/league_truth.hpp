@@ -26,7 +26,7 @@ struct LeagueTruth {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs{}; ///< a < b, sorted
 };
 
-/// The faults of an result, the gravest first.
+/// The faults of a result, the gravest first.
 enum class LeagueFault : std::uint8_t { none, missed, late, invented, early, distance, depth, normal, points };
 constexpr std::string_view fault_names[] = {"right",    "missed", "late",   "invented", "early",
                                             "distance", "depth",  "normal", "points"};

@@ -1,39 +1,28 @@
 // OctoMap's rays through the cells of a map.
 #include <stdexcept>
 
-#include <Eigen/Geometry>
 #include <octomap/octomap.h>
 
 #include "common.hpp"
 
 namespace {
 
-using Eigen::Vector3d;
-
-octomap::point3d point_of(const Vector3d& p)
+octomap::point3d point_of(const league::Vector& p)
 {
-    return {float(p.x()), float(p.y()), float(p.z())};
-}
-
-Eigen::Isometry3d pose_of(const league_body& body)
-{
-    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    pose.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(body.rotation);
-    pose.translation() = Vector3d(body.position);
-    return pose;
+    return {float(p[0]), float(p[1]), float(p[2])};
 }
 
 struct Prepared {
     octomap::OcTree tree;
-    Eigen::Isometry3d into; ///< the map's frame
 
-    explicit Prepared(const league_case& asked) : tree(asked.a.size[0]), into(pose_of(asked.a).inverse())
+    explicit Prepared(const league_case& asked) : tree(asked.a.size[0])
     {
         for (std::size_t i = 0; i < asked.a.vertex_count; ++i) {
-            const Vector3d centre(asked.a.vertices + 3 * i);
+            const double* const at = asked.a.vertices + 3 * i;
+            const octomap::point3d centre = point_of({at[0], at[1], at[2]});
             octomap::OcTreeKey key;
-            if (!tree.coordToKeyChecked(point_of(centre), key)) throw std::out_of_range("beyond the octree");
-            if ((tree.keyToCoord(key) - point_of(centre)).norm() > 1e-4 * asked.a.size[0])
+            if (!tree.coordToKeyChecked(centre, key)) throw std::out_of_range("beyond the octree");
+            if ((tree.keyToCoord(key) - centre).norm() > 1e-4 * asked.a.size[0])
                 throw std::domain_error("off the grid");
             tree.updateNode(key, true, true);
         }
@@ -42,10 +31,14 @@ struct Prepared {
 
     int answer(const league_case& asked, league_answer& answer) const
     {
-        const Vector3d from = into * Vector3d(asked.from), motion = into.linear() * Vector3d(asked.motion);
-        const double length = motion.norm();
+        const auto relative = [&](int k) { return asked.from[k] - asked.a.position[k]; };
+        const league::Vector motion =
+            league::to_body_direction(asked.a, {asked.motion[0], asked.motion[1], asked.motion[2]});
+        const double length = league::length_of(motion);
         octomap::point3d centre, entry;
-        const octomap::point3d start = point_of(from), way = point_of(motion / length);
+        const octomap::point3d start = point_of(
+                                   league::to_body_direction(asked.a, {relative(0), relative(1), relative(2)})),
+                               way = point_of({motion[0] / length, motion[1] / length, motion[2] / length});
         answer.meet = tree.castRay(start, way, centre, true, length);
         if (!answer.meet) return LEAGUE_ANSWERED;
         octomap::OcTreeKey first, hit;

@@ -190,9 +190,9 @@ const league_library libraries[] = {
          return int(question != LEAGUE_DEPTH || !(a == LEAGUE_HALF_SPACE && b == LEAGUE_HALF_SPACE));
      },
      prepare_as<Way::exact>, answer, release},
-    {LEAGUE_VERSION, 64, "oncollide-within", "max_error of 1e-2 of the larger body; boxes", "docs/accuracy.md", 1e-2, 1,
+    {LEAGUE_VERSION, 64, "oncollide-within", "max_error of 1e-2 of the larger body; boxes", "docs/choosing.md", 1e-2, 1,
      [](int question, int, int) { return int(question == LEAGUE_MEET); }, prepare_as<Way::within>, answer, release},
-    {LEAGUE_VERSION, 64, "oncollide-spheres", "max_error of 1e-2 of the larger body; sphere-trees", "docs/accuracy.md",
+    {LEAGUE_VERSION, 64, "oncollide-spheres", "max_error of 1e-2 of the larger body; sphere-trees", "docs/choosing.md",
      1e-2, 1, [](int question, int, int) { return int(question == LEAGUE_MEET); }, prepare_as<Way::spheres>, answer,
      release}};
 
