@@ -350,16 +350,20 @@ LeastTranslation ExpandingPolytope::find(double cutoff, const Vector3d* first)
     for (int f = 0; f < faces_; ++f) least = std::min(least, d_[f] - error_[f]);
     if (least > 0 && found.upper > 0) found.lower = least; // else 0 is outside, where the planes bound nothing
     set_points(found, face);
+    const auto offer = [&](const ConvexDifference::Point& p) { found.offer(p.a, p.a + p.w, 0); };
     if (!ends) { // another face has the best normal
-        const ConvexDifference::Point p = cores_.support(-found.normal);
-        found.on_a = p.a, found.on_b = p.a + p.w, found.off = 0;
+        double most = -1;
+        for (int f = 0; f < faces_; ++f)
+            if (const double cosine = -found.normal.dot(normal(f)); cosine > most) most = cosine, face = f;
+        set_points(found, face), found.off = std::max(found.upper - d_[face], 0.0);
+        offer(cores_.support(-found.normal));
     }
     if (curved) {
         Vector3d n = found.normal;
         ConvexDifference::Point p = cores_.support(-n);
         if (const double depth = polish(n, p); depth + rounding_ < found.upper) {
             found.upper = depth + rounding_, found.normal = n;
-            found.on_a = p.a, found.on_b = p.a + p.w, found.off = 0; // points of the surfaces
+            offer(p);
         }
     }
     found.lower = std::min(found.lower, found.upper);

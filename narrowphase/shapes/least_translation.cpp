@@ -47,13 +47,14 @@ Ends nearest_of_segments(const ConvexDifference& cores)
 }
 
 /// Bounds and normal of cores that are apart, from their nearest points. False: they are too near for a certain
-/// direction; the bounds hold, if `upper` is below 0.
+/// direction; the points are of the cores, and the bounds hold, if `upper` is below 0.
 bool set_apart(const ConvexDifference& cores, const Ends& ends, double rounding, LeastTranslation& found)
 {
     Vector3d on_a = ends.on_a, v = ends.on_b - ends.on_a;
     double gap = v.norm();
     const bool certain = gap > least_gap * rounding;
     found.lower = -gap - rounding, found.upper = std::numeric_limits<double>::infinity();
+    found.on_a = on_a, found.on_b = ends.on_b, found.off = gap, found.has_points = true; // the gap may be none
     if (!(gap > rounding)) return false;
     // The gap along any direction is a lower bound of the distance.
     Vector3d n = v / gap;
@@ -101,22 +102,24 @@ bool by_distance(const ConvexDifference& cores, double rounding, double cutoff, 
     return find(&first);
 }
 
-/// Improves the normal of curved cores that overlap little. The shortest way between the cores, after B has moved out a
-/// little, has nearly this direction.
+/// Improves the normal and the points of curved cores that overlap little. The shortest way between the cores, after B
+/// has moved out a little, has nearly this direction.
 void improve_shallow(const ConvexDifference& cores, double rounding, LeastTranslation& found)
 {
     const double smaller = std::min(cores.a().extent, cores.b().extent);
     for (double way = 0x1p-4 * smaller; way > 0x1p-16 * smaller; way *= 0x1p-4) {
         RelativePose moved = cores.b_to_a();
-        moved.translation += (std::max(found.upper, 0.0) + way) * found.normal;
+        const Vector3d out = (std::max(found.upper, 0.0) + way) * found.normal;
+        moved.translation += out;
         const ConvexDifference parted(cores.a(), cores.b(), moved, cores.slack());
         LeastTranslation apart{};
         if (!by_distance(parted, rounding, std::numeric_limits<double>::infinity(), apart)) return;
         const ConvexDifference::Point p = cores.support(-apart.normal);
-        const double width = -apart.normal.dot(p.w) + rounding;
-        if (!(width < found.upper)) continue;
-        found.normal = apart.normal, found.upper = width, found.lower = std::min(found.lower, width);
-        found.on_a = p.a, found.on_b = p.a + p.w, found.off = 0;
+        if (const double width = -apart.normal.dot(p.w) + rounding; width < found.upper) {
+            found.normal = apart.normal, found.upper = width, found.lower = std::min(found.lower, width);
+            found.offer(p.a, p.a + p.w, 0);
+        }
+        found.offer(apart.on_a, apart.on_b - out, apart.off + rounding);
     }
 }
 
@@ -161,6 +164,8 @@ LeastTranslation of_cores(const ConvexDifference& cores, double rounding, double
                    : translation_by_polytope(cores, rounding, cutoff + cores.radius());
     if (!certain && !found.beyond && found.upper - found.lower > loose * std::abs(found.upper) + 16 * rounding)
         improve_shallow(cores, rounding, found);
+    if (!certain && apart.has_points && !apart.beyond) // points of both, where they overlap by a rounding
+        found.offer(apart.on_a, apart.on_b, std::max(found.upper, 0.0) + apart.off + rounding);
     // Apart by a plane: the distance may be larger than the gap at the plane.
     if (found.beyond || !(found.upper < 0 || found.lower < -hidden_gap * rounding)) return found;
     if (!swept) certain = by_distance(cores, rounding, cutoff, apart, &found.normal);
@@ -209,6 +214,24 @@ LeastTranslation least_translation(const ConvexDifference& cores, double cutoff,
     if (!found.beyond && (found.upper < 0 || found.lower < -hidden_gap * cores.rounding()))
         found.lower = -std::numeric_limits<double>::infinity();
     return found;
+}
+
+void improve_points(const ConvexDifference& cores, LeastTranslation& found)
+{
+    const double radius = cores.radius(), rounding = rounding_of(cores);
+    const double smaller = std::min(cores.a().extent + cores.a().radius, cores.b().extent + cores.b().radius);
+    if (found.upper <= radius) return; // the cores are apart, so these are their nearest points
+    found.upper -= radius;
+    double way = 0x1p-4 * smaller;
+    for (int k = 0; k < 4 && found.points_error() > 0x1p-20 * smaller + 16 * rounding; ++k, way *= 0x1p-6) {
+        RelativePose moved = cores.b_to_a();
+        const Vector3d out = (std::max(found.upper, 0.0) + way) * found.normal;
+        moved.translation += out;
+        const ConvexDistance apart =
+            convex_distance(ConvexDifference(cores.a(), cores.b(), moved, cores.slack()), {}, &found.normal);
+        found.offer(apart.on_a, apart.on_b - out, apart.upper - apart.lower + rounding);
+    }
+    found.upper += radius;
 }
 
 LeastTranslation deepest_translation(const ConvexDifference& cores)

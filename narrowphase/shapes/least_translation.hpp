@@ -29,6 +29,16 @@ struct LeastTranslation {
     double off = 0;       ///< the points are at most this far inside the cores' surfaces, metres
     bool of_axes = false; ///< all separating axes were tried, and the normal is one of them
     bool beyond = false;  ///< they are certainly farther apart than `cutoff`; only `upper` is set
+
+    /// Takes two points of overlapping cores, unless the points so far are nearer to one line along the normal: the
+    /// support point of an edge or a flat face may be any of its corners.
+    void offer(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double inside)
+    {
+        if (has_points && inside + (b - a + upper * normal).norm() > points_error()) return;
+        on_a = a, on_b = b, off = inside, has_points = true;
+    }
+    /// How far the points are from being `upper` apart along the normal, metres; 0 without points.
+    double points_error() const { return has_points ? off + (on_b - on_a + upper * normal).norm() : 0; }
 };
 
 /// The bounds are as close as rounding allows, 2^-46 of sizes and distance, for cores that are points, segments, boxes
@@ -50,6 +60,10 @@ LeastTranslation least_translation(const ConvexDifference& cores, double cutoff,
 
 /// The same for cores that overlap, one of them with a volume, always with points.
 LeastTranslation deepest_translation(const ConvexDifference& cores);
+
+/// Replaces the points of solids that overlap if they are far from one line along the normal: by the nearest points
+/// after b has moved out. Cost: a few distances, or none.
+void improve_points(const ConvexDifference& cores, LeastTranslation& found);
 
 /// The angle of a direction to the shortest way between two bodies at most: the gap along the direction is at least
 /// `along`, and the way is at most `way` long.

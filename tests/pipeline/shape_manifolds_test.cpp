@@ -3,13 +3,17 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/pipeline/world.hpp>
+#include <oncollide/samples/generators.hpp>
 
 #include "truth/convex_truth.hpp"
+#include "verify/cases/placed_body.hpp"
 #include "verify/oracle/shape_truth.hpp"
 #include "verify/oracle/solid_gap.hpp"
 #include "verify/trials/shape_manifold_trial.hpp"
@@ -168,6 +172,36 @@ RightManifold capsule_near_sphere()
     right.manifold.points.push_back(point({1, 0, 0}, {1.25, 0, 0}, -0.25, along));
     right.manifold.regions.push_back(region(RegionKind::near, along, -0.25, 1));
     return right;
+}
+
+/// A rim's polygon of eight points leaves out a sliver of the round face. Contacts there are as exact as others, on a
+/// shape, a mesh and the cells of a map.
+TEST(ShapeManifolds, HavePointsWhereOnlyTheSliverOfARimIsOverAFace)
+{
+    const Isometry3d turned(Eigen::AngleAxisd(std::numbers::pi / 8, Vector3d::UnitZ()));
+    const GeometryData grounds[] = {Shape(Box{{1, 1, 1}}), make_box_mesh({1, 1, 1}),
+                                    make_occupancy_map("map", 2, std::vector<MapCell>{{0, 0, 0, 1}})};
+    for (const GeometryData& ground : grounds)
+        for (const Shape& shape : {Shape(Cylinder{1, 1}), Shape(Cone{1, 1})})
+            for (const double depth : {1e-3, 1e-9, 0.0}) {
+                World world({.mode = Mode::solid});
+                const bool map = std::holds_alternative<OccupancyMap>(ground);
+                const Isometry3d pose_a = map ? moved(-1, -1, -1) : moved(0, 0, 0),
+                                 pose_b = moved(1.95, 0, 1.5 - depth) * turned;
+                const BodyId a = world.bodies().add({.model = tools::add_model(world, ground), .pose = pose_a}),
+                             b = world.bodies().add({.model = tools::add_model(world, shape), .pose = pose_b});
+                const Manifold found = world.pairs().manifold(a, b);
+                SCOPED_TRACE(fmt::format("ground {}, shape {}, depth {}", ground.index(), shape.index(), depth));
+                ASSERT_FALSE(found.points.empty());
+                const SolidTruth solid(shape, pose_b, Vector3d::Zero());
+                for (const ManifoldPoint& p : found.points) {
+                    EXPECT_LT(p.depth_error, 1e-6);
+                    EXPECT_NEAR(p.depth, depth, 1e-6);
+                    EXPECT_NEAR(double(solid.from_surface(p.point_b.cast<long double>())), 0, 1e-6);
+                    EXPECT_NEAR(p.point_a.z(), 1, 1e-6);
+                    EXPECT_LE(p.point_a.x(), 1 + 1e-6);
+                }
+            }
 }
 
 TEST(ShapeManifolds, TheJudgeRejectsFalseClaimsOfSolidsThatMeet)

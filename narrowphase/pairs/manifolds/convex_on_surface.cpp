@@ -25,6 +25,8 @@ constexpr double one_direction = 1 - 5e-7;
 constexpr double doubt = 0x1p-40;
 /// Share of the shape's size. Points less apart are one: neighbouring triangles have the same point.
 constexpr double one_point_share = 0x1p-12;
+/// Share of the size: points that may be farther from the surfaces count only without others.
+constexpr double loose_share = 0x1p-20;
 /// Share of a triangle's size: points nearer to an edge lie on it.
 constexpr double on_edge = 0x1p-20;
 /// Cosine. A direction that is less against a face's normal counts as along the face.
@@ -302,6 +304,7 @@ void ConvexOnSurface::add_region(const Setup& s, Group& group) const
         const Vector3d q = s.shape.lowest(n);
         group.points.add(q + (group.height - n.dot(q)) * n, q, s.size, face_feature(0), face_feature(0));
     }
+    points.drop_loose(s.error + loose_share * s.size + 16 * job.rounding);
     points.drop_shallow(-s.margin - 8 * job.rounding);
     ManifoldRegion region{};
     region.kind = group.inside               ? RegionKind::enclosed

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include <Eigen/Geometry>
 
@@ -37,6 +39,45 @@ Vector3d surface_point(const Convex& c, const Vector3d& axis, const Vector3d& at
     return at + c.radius * across_axis(out, axis);
 }
 
+/// A flat round face, of which a ContactFace has eight corners.
+struct Rim {
+    Vector3d centre;
+    double radius;
+};
+
+std::optional<Rim> rim_of(const ContactFace& face)
+{
+    if (!face.flat() || !face.rounded) return {};
+    const Vector3d &p = face.corner[0], &q = face.corner[face.count / 2];
+    return Rim{(p + q) / 2, (p - q).norm() / 2};
+}
+
+/// The point of a face, which is flat, on the line along a direction through p.
+Vector3d lifted(const Vector3d& p, const ContactFace& face, const Vector3d& along)
+{
+    return p + face.normal.dot(face.corner[0] - p) / face.normal.dot(along) * along;
+}
+
+/// The point of a flat face that is nearest to p, seen along a direction, if p is not over the polygon of its corners.
+Vector3d nearest_of(const ContactFace& face, const Vector3d& p, const Vector3d& along)
+{
+    const auto across = [&](const Vector3d& v) { return Vector3d(v - along.dot(v) * along); };
+    if (const std::optional<Rim> rim = rim_of(face)) {
+        const Vector3d to = lifted(p, face, along) - rim->centre;
+        const double far = to.norm();
+        return rim->centre + std::min(1.0, rim->radius / far) * to;
+    }
+    Vector3d best = face.corner[0];
+    double least = std::numeric_limits<double>::infinity();
+    for (std::uint32_t k = 0; k < face.count; ++k) {
+        const Vector3d from = face.corner[k], way = face.corner[k + 1 < face.count ? k + 1 : 0] - from;
+        const Vector3d seen = across(way), to = across(p - from);
+        const double length2 = seen.squaredNorm(), t = length2 > 0 ? std::clamp(seen.dot(to) / length2, 0.0, 1.0) : 0;
+        if (const double here = (to - t * seen).squaredNorm(); here < least) least = here, best = from + t * way;
+    }
+    return best;
+}
+
 /// A face of a rounded core on the surface: a segment becomes a line of the cylinder around it.
 /// @param out  from the solid to the other body, unit
 void to_surface(ContactFace& face, const Convex& solid, const Vector3d& out)
@@ -54,8 +95,11 @@ Vector3d surface_at(const Convex& c, const Vector3d& axis, double height, const 
 {
     const double half = 0.5 * (c.high.z() - c.low.z()), near = half * (1 - 0x1p-30) - 16 * rounding;
     if (c.radius == 0 || c.low == c.high) return at + c.radius * out;
-    if (near <= 0) // rounding hides where on the segment the point is
-        return at + (std::copysign(half, axis.dot(out)) - height) * axis + c.radius * out;
+    // Where the direction leads along the segment, the ball at its end is the surface, not the cylinder around it.
+    const double along = axis.dot(out), end = std::copysign(half, along);
+    const double to_ball = c.radius * (1 - std::sqrt(std::max(1 - along * along, 0.0)));
+    if (near <= 0 || std::abs(end - height) < to_ball) // or rounding hides where on the segment the point is
+        return at + (end - height) * axis + c.radius * out;
     return surface_point(c, axis, at, out, height >= near ? 1 : height <= -near ? -1 : 0);
 }
 
@@ -93,7 +137,19 @@ void ContactPoints::add_over(const ContactFace& flat, const ContactFace& face, c
         for (std::uint32_t i = 0; i < clipped_.count; ++i)
             take(clipped_.corner[i].at, clipped_.corner[i].of_face, clipped_.corner[i].of_flat);
     };
-    if (solid.radius == 0) return take_all(face);
+    if (solid.radius == 0) {
+        const std::uint32_t before = points.count();
+        take_all(face);
+        if (points.count() > before || !flat.flat() || !face.flat() || std::abs(face.normal.dot(normal)) < 0.5) return;
+        // A rim reaches beyond its corners' polygon: up to the point of the other face that is nearest to its centre.
+        const std::optional<Rim> of_face = rim_of(face), of_flat = rim_of(flat);
+        if (!of_face && !of_flat) return;
+        const Rim& rim = of_face ? *of_face : *of_flat;
+        const Vector3d there = nearest_of(of_face ? flat : face, rim.centre, normal),
+                       here = lifted(there, of_face ? face : flat, normal);
+        if ((here - rim.centre).norm() <= rim.radius + rounding) take(of_face ? here : there, face.face, flat.face);
+        return;
+    }
     surface_ = face;
     to_surface(surface_, solid, out);
     take_all(surface_);

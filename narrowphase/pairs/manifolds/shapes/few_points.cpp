@@ -37,6 +37,13 @@ void FewPoints::drop_shallow(double least)
         all_.begin());
 }
 
+void FewPoints::drop_loose(double off)
+{
+    const auto loose = [off](const Candidate& c) { return c.off > off; };
+    const auto end = std::remove_if(all_.begin(), all_.begin() + count_, loose);
+    if (end != all_.begin()) count_ = static_cast<std::uint32_t>(end - all_.begin());
+}
+
 void FewPoints::choose(const Vector3d& normal, double place, std::uint32_t most)
 {
     if (count_ < 2) return;

@@ -27,6 +27,8 @@ public:
 
     /// Drops points of less depth, but not the deepest.
     void drop_shallow(double least);
+    /// Drops points that may be farther than `off` (metres) from the surfaces, if others are not.
+    void drop_loose(double off);
     /// Keeps at most this many: the deepest, the farthest from it, the corner of the largest triangle, then always the
     /// point that adds the most area. Points at one place count as one. @param place  metres: points less
     /// apart are at one place

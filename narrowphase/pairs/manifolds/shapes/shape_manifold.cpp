@@ -153,6 +153,7 @@ void ShapeRegion::add_deepest()
         found_ = deepest_translation(cores_);
         points_.normal = found_.normal, points_.points.clear();
     }
+    if (!plane_) improve_points(cores_, found_);
     const Vector3d& n = found_.normal;
     const Vector3d axis_b = placed_.b_to_a.rotation.col(2);
     const Vector3d on_b =
