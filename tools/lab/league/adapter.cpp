@@ -31,8 +31,6 @@ std::vector<const league_library*> open_adapter(const std::filesystem::path& fil
                             printable(file.string()), number, LEAGUE_VERSION));
         libraries.push_back(library);
     }
-    if (libraries.empty())
-        throw Error(ErrorKind::bad_data, fmt::format("--adapter {}: no libraries", printable(file.string())));
     return libraries;
 }
 

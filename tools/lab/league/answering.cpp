@@ -23,7 +23,7 @@ constexpr unsigned most_seconds = 5; ///< of one case
 constexpr rlim_t most_bytes = rlim_t{2} << 30;
 constexpr int most_ends = 10; ///< of processes, in one row of cases
 
-/// A reply in the pipe; its pairs follow.
+/// A reply in the pipe; its pairs and contacts follow.
 struct Record {
     std::uint64_t seed;
     double nanoseconds;
@@ -59,9 +59,8 @@ void ask(const league_library& library, const league_case& asked, std::uint64_t 
 {
     Record record{.seed = seed, .nanoseconds = 0, .answer = {}, .state = LEAGUE_UNSUPPORTED};
     const bool pairs = asked.question == LEAGUE_PAIRS;
-    const int b = asked.question < LEAGUE_RAY ? asked.b.kind : asked.a.kind;
-    if (!library.supports(asked.question, pairs ? int(LEAGUE_BOX) : asked.a.kind, pairs ? int(LEAGUE_BOX) : b))
-        return write_all(replies, &record, sizeof record);
+    const auto [a, b] = kinds_of(asked);
+    if (!library.supports(asked.question, a, b)) return write_all(replies, &record, sizeof record);
     void* const prepared = library.prepare(&asked);
     if (prepared) record.nanoseconds = 1e300;
     for (int call = 0; prepared && call < (pairs ? 1 : 3); ++call) {
@@ -69,14 +68,22 @@ void ask(const league_library& library, const league_case& asked, std::uint64_t 
         const auto start = std::chrono::steady_clock::now();
         record.state = library.answer(prepared, &asked, &record.answer);
         const std::chrono::duration<double, std::nano> time = std::chrono::steady_clock::now() - start;
-        record.nanoseconds = std::min(record.nanoseconds, time.count());
+        record.nanoseconds =
+            std::min(record.nanoseconds, record.answer.seconds > 0 ? 1e9 * record.answer.seconds : time.count());
     }
     write_all(replies, &record, sizeof record);
     write_all(replies, record.answer.pairs, 8 * record.answer.pair_count);
+    write_all(replies, record.answer.contacts, sizeof(league_contact) * record.answer.contact_count);
     if (prepared) library.release(prepared);
 }
 
 } // namespace
+
+std::pair<int, int> kinds_of(const league_case& asked)
+{
+    if (asked.question == LEAGUE_PAIRS) return {LEAGUE_BOX, LEAGUE_BOX};
+    return {asked.a.kind, asked.question < LEAGUE_RAY ? asked.b.kind : asked.a.kind};
+}
 
 void answer_in_child(const LeagueFamily& family, const league_library& library, std::uint64_t first,
                      std::uint64_t count)
@@ -117,21 +124,27 @@ std::vector<LeagueReply> ask_in_child(const LeagueFamily& family, const LeagueEn
         while (at + sizeof(Record) <= output.output.size()) {
             Record record;
             std::memcpy(&record, output.output.data() + at, sizeof record), at += sizeof record;
-            LeagueReply reply{record.seed, LeagueReply::State(record.state), record.nanoseconds, record.answer, {}};
-            const std::size_t bytes = 8 * reply.answer.pair_count;
-            if (at + bytes > output.output.size()) break;
-            reply.pairs.resize(2 * reply.answer.pair_count);
-            std::memcpy(reply.pairs.data(), output.output.data() + at, bytes), at += bytes;
+            LeagueReply reply{record.seed, LeagueReply::State(record.state), record.nanoseconds, record.answer, {}, {}};
+            const auto take = [&]<class Item>(std::vector<Item>& items, std::size_t count) {
+                if (count > (output.output.size() - at) / sizeof(Item)) return false;
+                items.resize(count);
+                std::memcpy(items.data(), output.output.data() + at, count * sizeof(Item));
+                at += count * sizeof(Item);
+                return true;
+            };
+            if (!take(reply.pairs, 2 * reply.answer.pair_count) || !take(reply.contacts, reply.answer.contact_count))
+                break;
             replies.push_back(std::move(reply));
         }
         if (replies.size() >= count) break;
         const bool hung = output.end != ProgramOutput::End::killed ? output.end != ProgramOutput::End::exited
                                                                    : output.code == SIGALRM;
         last = hung ? LeagueReply::State::hung : LeagueReply::State::crashed;
-        replies.push_back({first + replies.size(), last, 0, {}, {}});
+        replies.push_back({first + replies.size(), last, 0, {}, {}, {}});
     }
-    while (replies.size() < count) replies.push_back({first + replies.size(), last, 0, {}, {}});
-    for (LeagueReply& reply : replies) reply.answer.pairs = reply.pairs.data();
+    while (replies.size() < count) replies.push_back({first + replies.size(), last, 0, {}, {}, {}});
+    for (LeagueReply& reply : replies)
+        reply.answer.pairs = reply.pairs.data(), reply.answer.contacts = reply.contacts.data();
     return replies;
 }
 

@@ -2,9 +2,10 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "league/families.hpp"
+#include "league/families/families.hpp"
 
 namespace oncollide::tools {
 
@@ -17,6 +18,7 @@ struct LeagueReply {
     double nanoseconds = 0; ///< the least of three calls; of pairs: of the first
     league_answer answer{};
     std::vector<std::uint32_t> pairs{};
+    std::vector<league_contact> contacts{};
 };
 
 /// A library and the file that it comes from.
@@ -24,6 +26,9 @@ struct LeagueEntry {
     std::string adapter;
     const league_library* library;
 };
+
+/// The kinds of a case for league_library::supports(): of a ray the body's, of pairs boxes.
+std::pair<int, int> kinds_of(const league_case& asked);
 
 /// Queries a library in this process, and writes the replies to standard output, for ask_in_child(). A call that takes
 /// longer than 5 s, or more than 2 GB, ends the process.

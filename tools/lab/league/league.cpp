@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -58,8 +59,12 @@ std::vector<LeagueEntry> entries_of(const LeagueOptions& o)
             ErrorKind::no_input,
             "league: no adapters; they belong in a folder league beside oncollide-lab, or give --adapter FILE.so");
     std::vector<LeagueEntry> entries;
-    for (const std::string& file : files)
-        for (const league_library* library : open_adapter(file)) entries.push_back({file, library});
+    for (const std::string& file : files) {
+        const std::vector<const league_library*> libraries = open_adapter(file);
+        if (libraries.empty() && !o.adapters.empty()) // known adapters may lack another program
+            throw Error(ErrorKind::bad_data, fmt::format("--adapter {}: no libraries", printable(file)));
+        for (const league_library* library : libraries) entries.push_back({file, library});
+    }
     keep_named("--library", entries, o.libraries,
                [](const LeagueEntry& entry) { return std::string_view(entry.library->name); });
     std::ranges::stable_sort(entries, [](const LeagueEntry& p, const LeagueEntry& q) { // oncollide first
@@ -128,7 +133,17 @@ private:
 /// The truths of some cases, found when a library first needs them: for doubles, and for floats.
 class Truths {
 public:
-    Truths(const LeagueFamily& family, const Step& step) : family_(family), step_(step) {}
+    Truths(const LeagueFamily& family, const Step& step) : family_(family), step_(step)
+    {
+        for (std::uint64_t k = 0; k < step.count; ++k)
+            kinds_.insert(kinds_of(AskedCase(family.make(step.first + k)).view()));
+    }
+    /// False: no case needs a process of the library.
+    bool any_supported(const league_library& library) const
+    {
+        return std::ranges::any_of(
+            kinds_, [&](const auto& kinds) { return library.supports(family_.question, kinds.first, kinds.second); });
+    }
     const std::vector<LeagueTruth>& of(int bits)
     {
         std::vector<LeagueTruth>& truths = bits == 32 ? floats_ : doubles_;
@@ -152,6 +167,7 @@ private:
 
     const LeagueFamily& family_;
     Step step_;
+    std::set<std::pair<int, int>> kinds_;
     std::vector<LeagueTruth> doubles_, floats_;
 };
 
@@ -177,12 +193,11 @@ std::vector<std::vector<LeagueCell>> run_league(const LeagueOptions& o, const st
                                                      family.name, step.first, step.count);
                 std::optional<LeagueCell> cell = finished.find(name);
                 if (!cell) {
-                    const std::vector<LeagueReply> replies = ask_in_child(family, entries[e], step.first, step.count);
-                    const bool none = std::ranges::all_of(replies, [](const LeagueReply& reply) {
-                        return reply.state == LeagueReply::State::unsupported;
-                    });
-                    cell = judge_replies(family, library, none ? std::vector<LeagueTruth>{} : truths.of(library.bits),
-                                         replies);
+                    if (truths.any_supported(library))
+                        cell = judge_replies(family, library, truths.of(library.bits),
+                                             ask_in_child(family, entries[e], step.first, step.count));
+                    else
+                        cell = LeagueCell{.cases = step.count, .unsupported = step.count};
                     finished.add(name, *cell);
                 }
                 const std::lock_guard lock(mutex);

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <map>
 
-#include "league/families.hpp"
+#include "league/families/families.hpp"
 #include "tools/command_fixture.hpp"
 #include "tools/csv_rows.hpp"
 
@@ -54,6 +54,26 @@ TEST(LeagueJudge, NamesEveryFault)
     EXPECT_EQ(fault_of(LEAGUE_RAY, hit, {.meet = 1, .time = 0.2}), LeagueFault::early);
     EXPECT_EQ(fault_of(LEAGUE_RAY, hit, {.meet = 0}), LeagueFault::missed);
     EXPECT_EQ(fault_of(LEAGUE_RAY, pass, {.meet = 1, .time = 0.2}), LeagueFault::invented);
+    // A graze: a later time is right as long as they are hardly deeper in each other.
+    LeagueTruth graze{.meet = Meet::yes, .lower = 0.25, .upper = 0.25, .gap = -1, .way = 10, .size = 2};
+    graze.deepest = [](long double, long double to) { return to < 0.5L ? 1e-7L : 1.0L; };
+    EXPECT_EQ(fault_of(LEAGUE_TURN, graze, {.meet = 1, .time = 0.4}), LeagueFault::none);
+    EXPECT_EQ(fault_of(LEAGUE_TURN, graze, {.meet = 1, .time = 0.6}), LeagueFault::late);
+    EXPECT_EQ(fault_of(LEAGUE_TURN, graze, {.meet = 1, .time = std::nan("")}), LeagueFault::late);
+    LeagueTruth rest{.meet = Meet::yes, .lower = 0.1, .upper = 0.1, .gap = -0.1, .size = 2};
+    rest.tilt = [](const Eigen::Vector3d& along) { return std::acos(std::min(along.z(), 1.0)); };
+    rest.off_surface = [](const Eigen::Vector3d& p, int of) { return std::abs(p.z() + 0.1 * of); };
+    rest.off_middle = [](std::span<const Eigen::Vector3d> all) { return all.size() < 3 ? 0.5L : 0.0L; };
+    const auto contacts = [&](std::vector<league_contact> of) {
+        return fault_of(LEAGUE_CONTACTS, rest, {.meet = 1, .contact_count = of.size(), .contacts = of.data()});
+    };
+    const league_contact good{{0, 0, -0.05}, {0, 0, 1}, 0.1};
+    EXPECT_EQ(contacts({good, good, good}), LeagueFault::none);
+    EXPECT_EQ(contacts({good, good}), LeagueFault::support);
+    EXPECT_EQ(contacts({good, good, {{0, 0, 0.3}, {0, 0, 1}, 0.1}}), LeagueFault::points);
+    EXPECT_EQ(contacts({good, good, {{0, 0, -0.05}, {0, 0, 1}, 0.2}}), LeagueFault::depth);
+    EXPECT_EQ(contacts({good, good, {{0, 0, -0.05}, {0, 1, 0}, 0.10000001}}), LeagueFault::normal);
+    EXPECT_EQ(contacts({}), LeagueFault::missed);
     const LeagueTruth pairs{.pairs = {{0, 1}, {1, 2}}};
     const std::uint32_t all[] = {1, 0, 2, 1}, fewer[] = {0, 1}, more[] = {0, 1, 1, 2, 0, 2};
     EXPECT_EQ(fault_of(LEAGUE_PAIRS, pairs, {.pair_count = 2, .pairs = all}), LeagueFault::none);

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
+#include <BulletCollision/CollisionDispatch/btInternalEdgeUtility.h>
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpaPenetrationDepthSolver.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkPairDetector.h>
@@ -21,6 +22,7 @@ int supports(int question, int a, int b)
     const bool planes = a == LEAGUE_HALF_SPACE && b == LEAGUE_HALF_SPACE;
     switch (question) {
     case LEAGUE_MEET:
+    case LEAGUE_CONTACTS:
         return known && !planes;
     case LEAGUE_DISTANCE:
         return league::is_convex(a) && league::is_convex(b);
@@ -29,6 +31,8 @@ int supports(int question, int a, int b)
                (a == LEAGUE_HALF_SPACE && league::is_convex(b));
     case LEAGUE_CAST:
         return known && (league::is_convex(a) || league::is_convex(b));
+    case LEAGUE_TURN:
+        return known && league::is_convex(b);
     case LEAGUE_RAY:
         return a >= 0 && a < LEAGUE_KIND_COUNT;
     default:
@@ -45,13 +49,8 @@ struct World {
     World() { btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher); }
 };
 
-struct Query {
-    virtual ~Query() = default;
-    virtual int answer(league_answer& answer) = 0;
-};
-
 /// Finds the deepest contact of two bodies.
-class Contact final : public Query {
+class Contact final : public league::Query {
 public:
     explicit Contact(const league_case& asked)
         : a_(asked.a, false), b_(asked.b, false), depth_(asked.question == LEAGUE_DEPTH)
@@ -60,7 +59,7 @@ public:
         object_b_.setCollisionShape(b_.get()), object_b_.setWorldTransform(pose_of(asked.b));
     }
 
-    int answer(league_answer& answer) override
+    int answer(const league_case&, league_answer& answer) override
     {
         Deepest deepest(&object_a_);
         world_.world.contactPairTest(&object_a_, &object_b_, deepest);
@@ -95,42 +94,73 @@ private:
     World world_;
 };
 
-/// Lets a mesh in GImpact's form meet another, or a plane. contactPairTest() queries for algorithms of closest points,
-/// which GImpact lacks.
-class MeshContact final : public Query {
+/// A step of a world of two bodies, and the contacts in its manifolds. A mesh that meets another or a plane needs
+/// GImpact's form. It has no algorithms of closest points, which contactPairTest() queries for.
+class Step final : public league::Query {
 public:
-    explicit MeshContact(const league_case& asked) : a_(asked.a, true), b_(asked.b, true)
+    Step(const league_case& asked, bool deforming)
+        : a_(asked.a, deforming), b_(asked.b, deforming), list_(asked.question == LEAGUE_CONTACTS)
     {
+        if (list_) find_many();
         object_a_.setCollisionShape(a_.get()), object_a_.setWorldTransform(pose_of(asked.a));
         object_b_.setCollisionShape(b_.get()), object_b_.setWorldTransform(pose_of(asked.b));
         world_.world.addCollisionObject(&object_a_), world_.world.addCollisionObject(&object_b_);
     }
-    ~MeshContact() override
-    {
-        world_.world.removeCollisionObject(&object_a_), world_.world.removeCollisionObject(&object_b_);
-    }
-    MeshContact(const MeshContact&) = delete;
-    MeshContact& operator=(const MeshContact&) = delete;
+    ~Step() override { world_.world.removeCollisionObject(&object_a_), world_.world.removeCollisionObject(&object_b_); }
 
-    int answer(league_answer& answer) override
+    int answer(const league_case&, league_answer& answer) override
     {
+        // Each call is the first step: the manifolds of an earlier one go.
+        if (list_)
+            world_.broad.getOverlappingPairCache()->cleanProxyFromPairs(object_a_.getBroadphaseHandle(),
+                                                                        &world_.dispatcher);
         world_.world.performDiscreteCollisionDetection();
+        contacts_.clear();
         for (int i = 0; i < world_.dispatcher.getNumManifolds(); ++i) {
             const btPersistentManifold& manifold = *world_.dispatcher.getManifoldByIndexInternal(i);
-            for (int k = 0; k < manifold.getNumContacts(); ++k)
-                if (manifold.getContactPoint(k).getDistance() <= 0) answer.meet = 1;
+            for (int k = 0; k < manifold.getNumContacts(); ++k) {
+                const btManifoldPoint& point = manifold.getContactPoint(k);
+                if (point.getDistance() <= 0) answer.meet = 1;
+                if (!list_) continue;
+                league_contact& contact = contacts_.emplace_back();
+                copy((point.getPositionWorldOnA() + point.getPositionWorldOnB()) / 2, contact.position);
+                copy(manifold.getBody0() == &object_a_ ? -point.m_normalWorldOnB : point.m_normalWorldOnB,
+                     contact.normal);
+                contact.depth = double(-point.getDistance());
+            }
         }
+        answer.contacts = contacts_.data(), answer.contact_count = contacts_.size();
         return LEAGUE_ANSWERED;
     }
 
 private:
+    /// Several points from one step, and the normals of a mesh's faces at their inner edges: these are options.
+    void find_many()
+    {
+        world_.configuration.setConvexConvexMultipointIterations();
+        world_.configuration.setPlaneConvexMultipointIterations();
+        a_.prepare_contacts(), b_.prepare_contacts();
+        for (btCollisionObject* object : {&object_a_, &object_b_})
+            object->setCollisionFlags(object->getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);
+        gContactAddedCallback = [](btManifoldPoint& point, const btCollisionObjectWrapper* first, int part_of_first,
+                                   int index_of_first, const btCollisionObjectWrapper* second, int part_of_second,
+                                   int index_of_second) {
+            // It does nothing if its first object is no triangle.
+            btAdjustInternalEdgeContacts(point, first, second, part_of_first, index_of_first);
+            btAdjustInternalEdgeContacts(point, second, first, part_of_second, index_of_second);
+            return true;
+        };
+    }
+
     Shape a_, b_;
+    bool list_;
     btCollisionObject object_a_, object_b_;
     World world_;
+    std::vector<league_contact> contacts_;
 };
 
 /// Finds the nearest or the deepest points of two convex bodies.
-class Points final : public Query {
+class Points final : public league::Query {
 public:
     explicit Points(const league_case& asked)
         : a_(asked.a, false), b_(asked.b, false), depth_(asked.question == LEAGUE_DEPTH)
@@ -138,7 +168,7 @@ public:
         input_.m_transformA = pose_of(asked.a), input_.m_transformB = pose_of(asked.b);
     }
 
-    int answer(league_answer& answer) override
+    int answer(const league_case&, league_answer& answer) override
     {
         btVoronoiSimplexSolver simplex;
         btGjkEpaPenetrationDepthSolver epa;
@@ -187,7 +217,7 @@ private:
 };
 
 /// Moves a convex body: b, or a the other way if b is not convex.
-class Cast final : public Query {
+class Cast final : public league::Query {
 public:
     explicit Cast(const league_case& asked)
         : Cast(asked, league::is_convex(asked.b.kind) ? asked.a : asked.b,
@@ -195,7 +225,7 @@ public:
     {
     }
 
-    int answer(league_answer& answer) override
+    int answer(const league_case&, league_answer& answer) override
     {
         btCollisionWorld::ClosestConvexResultCallback found(from_.getOrigin(), to_.getOrigin());
         target_.world().convexSweepTest(mover_.convex(), from_, to_, found);
@@ -216,14 +246,55 @@ private:
     btTransform from_, to_;
 };
 
-class Ray final : public Query {
+/// Moves and turns a convex body b. btTransformUtil::integrateTransform() turns by ANGULAR_MOTION_THRESHOLD, an eighth
+/// of a turn, at most.
+class Turn final : public league::Query {
+public:
+    explicit Turn(const league_case& asked) : target_(asked.a), mover_(asked.b, false) {}
+
+    int answer(const league_case& asked, league_answer& answer) override
+    {
+        const int pieces = 1 + int(league::length_of({asked.turn[0], asked.turn[1], asked.turn[2]}) / 0.75);
+        for (int k = 0; k < pieces && !answer.meet; ++k) {
+            const btTransform from = pose_of(league::b_at(asked, double(k) / pieces)),
+                              to = pose_of(league::b_at(asked, double(k + 1) / pieces));
+            btCollisionWorld::ClosestConvexResultCallback found(from.getOrigin(), to.getOrigin());
+            target_.world().convexSweepTest(mover_.convex(), from, to, found);
+            if (!found.hasHit()) continue;
+            answer.meet = 1;
+            answer.time = (k + double(found.m_closestHitFraction)) / pieces;
+            answer.error = error_of(asked, answer.time, found);
+        }
+        return LEAGUE_ANSWERED;
+    }
+
+private:
+    /// btContinuousConvexCollision stops at a gap of 0.001 for bodies of all sizes. This is the time in which b closes
+    /// it, if it keeps its speed at the point of the hit.
+    double error_of(const league_case& asked, double time,
+                    const btCollisionWorld::ClosestConvexResultCallback& found) const
+    {
+        const btVector3 motion = vector_of(asked.motion), turn = vector_of(asked.turn),
+                        origin = vector_of(asked.b.position) + btScalar(time) * motion,
+                        speed = motion + turn.cross(found.m_hitPointWorld - origin);
+        const btScalar closing = -speed.dot(found.m_hitNormalWorld),
+                       most = motion.length() + turn.length() * mover_.get()->getAngularMotionDisc();
+        const btScalar gap = btScalar(0.001);
+        return double(gap / btMax(closing, most / 100)); // A slow end says little about the time.
+    }
+
+    Target target_;
+    Shape mover_;
+};
+
+class Ray final : public league::Query {
 public:
     explicit Ray(const league_case& asked)
         : target_(asked.a), from_(vector_of(asked.from)), to_(from_ + vector_of(asked.motion))
     {
     }
 
-    int answer(league_answer& answer) override
+    int answer(const league_case&, league_answer& answer) override
     {
         btCollisionWorld::ClosestRayResultCallback found(from_, to_);
         target_.world().rayTest(from_, to_, found);
@@ -237,7 +308,7 @@ private:
     btVector3 from_, to_;
 };
 
-class Boxes final : public Query {
+class Boxes final : public league::Query {
 public:
     explicit Boxes(const league_case& asked)
     {
@@ -253,10 +324,8 @@ public:
     {
         for (btBroadphaseProxy* proxy : proxies_) broad_.destroyProxy(proxy, nullptr);
     }
-    Boxes(const Boxes&) = delete;
-    Boxes& operator=(const Boxes&) = delete;
 
-    int answer(league_answer& answer) override
+    int answer(const league_case&, league_answer& answer) override
     {
         broad_.calculateOverlappingPairs(nullptr);
         const btBroadphasePairArray& found = broad_.getOverlappingPairCache()->getOverlappingPairArray();
@@ -275,16 +344,19 @@ private:
     std::vector<std::uint32_t> pairs_;
 };
 
-std::unique_ptr<Query> make_query(const league_case& asked)
+std::unique_ptr<league::Query> prepare(const league_case& asked)
 {
+    if (league::needs_inside(asked)) return nullptr;
     const int a = asked.a.kind, b = asked.b.kind;
     const bool has_plane = a == LEAGUE_HALF_SPACE || b == LEAGUE_HALF_SPACE;
     const bool has_mesh = league::has_triangles(a) || league::has_triangles(b);
     const bool has_meshes = league::has_triangles(a) && league::has_triangles(b);
     switch (asked.question) {
     case LEAGUE_MEET:
-        if (has_meshes || (has_mesh && has_plane)) return std::make_unique<MeshContact>(asked);
+        if (has_meshes || (has_mesh && has_plane)) return std::make_unique<Step>(asked, true);
         return std::make_unique<Contact>(asked);
+    case LEAGUE_CONTACTS:
+        return std::make_unique<Step>(asked, has_meshes || (has_mesh && has_plane));
     case LEAGUE_DISTANCE:
         return std::make_unique<Points>(asked);
     case LEAGUE_DEPTH:
@@ -292,6 +364,8 @@ std::unique_ptr<Query> make_query(const league_case& asked)
         return std::make_unique<Points>(asked);
     case LEAGUE_CAST:
         return std::make_unique<Cast>(asked);
+    case LEAGUE_TURN:
+        return std::make_unique<Turn>(asked);
     case LEAGUE_RAY:
         return std::make_unique<Ray>(asked);
     default:
@@ -299,51 +373,27 @@ std::unique_ptr<Query> make_query(const league_case& asked)
     }
 }
 
-struct Prepared {
-    std::unique_ptr<Query> query;
-    explicit Prepared(const league_case& asked) : query(make_query(asked)) {}
-};
-
-void* prepare(const league_case* asked)
-{
-    if (!supports(asked->question, asked->a.kind, asked->b.kind)) return nullptr;
-    const bool pairs = asked->question == LEAGUE_PAIRS, ray = asked->question == LEAGUE_RAY;
-    if (!pairs && (league::is_solid_mesh(asked->a) || (!ray && league::is_solid_mesh(asked->b)))) return nullptr;
-    return league::prepared_or_null<Prepared>(*asked);
-}
-
-int answer(void* prepared, const league_case*, league_answer* answer)
-{
-    *answer = {};
-    return league::without_exceptions([&] { return static_cast<Prepared*>(prepared)->query->answer(*answer); });
-}
-
-void release(void* prepared)
-{
-    delete static_cast<Prepared*>(prepared);
-}
-
-constexpr league_library library{
-    .version = LEAGUE_VERSION,
-    .bits = 8 * sizeof(btScalar),
+constexpr league_library libraries[] = {league::library_of<prepare>({
     .name = "bullet",
     .settings = "3.24, single precision; margins 0; contactPairTest(), btGjkPairDetector with "
-                "btGjkEpaPenetrationDepthSolver, convexSweepTest(), rayTest(), btDbvtBroadphase; meshes: "
-                "btBvhTriangleMeshShape, with another or a plane btGImpactMeshShape and "
+                "btGjkEpaPenetrationDepthSolver, convexSweepTest() (turns: in pieces of .75 rad, to a gap of 0.001), "
+                "rayTest(), btDbvtBroadphase; "
+                "contacts: one performDiscreteCollisionDetection() with multipoint iterations, polyhedral features and "
+                "btAdjustInternalEdgeContacts(); meshes: btBvhTriangleMeshShape, with another or a plane "
+                "btGImpactMeshShape and "
                 "performDiscreteCollisionDetection(); cells: btCompoundShape of boxes",
     .source = "BulletCollision/CollisionDispatch/btCollisionWorld.h, "
-              "NarrowPhaseCollision/btDiscreteCollisionDetectorInterface.h",
-    .precision = 1e-4, // MAX_CONVEX_CAST_EPSILON; EPA_ACCURACY
-    .conservative = 0,
+              "btDefaultCollisionConfiguration.h, btInternalEdgeUtility.h, "
+              "NarrowPhaseCollision/btDiscreteCollisionDetectorInterface.h, "
+              "CollisionShapes/btPolyhedralConvexShape.h",
     .supports = supports,
-    .prepare = prepare,
-    .answer = answer,
-    .release = release,
-};
+    .bits = 8 * sizeof(btScalar),
+    .precision = 1e-4, // MAX_CONVEX_CAST_EPSILON; EPA_ACCURACY
+})};
 
 } // namespace
 
 const league_library* league_open(int number)
 {
-    return number == 0 ? &library : nullptr;
+    return league::library_at(libraries, number);
 }

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include <BulletCollision/CollisionDispatch/btInternalEdgeUtility.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <btBulletCollisionCommon.h>
 
@@ -101,6 +102,16 @@ public:
     }
 
     btCollisionShape* get() const { return shape_.get(); }
+    /// Finds the faces of boxes and hulls, which contacts are clipped to, and the inner edges of a mesh.
+    void prepare_contacts()
+    {
+        for (btCollisionShape* shape : {shape_.get(), static_cast<btCollisionShape*>(cell_.get())})
+            if (shape && shape->isPolyhedral())
+                static_cast<btPolyhedralConvexShape*>(shape)->initializePolyhedralFeatures();
+        if (shape_->getShapeType() == TRIANGLE_MESH_SHAPE_PROXYTYPE)
+            btGenerateInternalEdgeInfo(static_cast<btBvhTriangleMeshShape*>(shape_.get()), &edges_);
+    }
+
     const btConvexShape* convex() const { return static_cast<const btConvexShape*>(shape_.get()); }
 
 private:
@@ -142,6 +153,7 @@ private:
     std::vector<int> indices_;
     std::unique_ptr<btTriangleIndexVertexArray> arrays_;
     std::unique_ptr<btBoxShape> cell_;
+    btTriangleInfoMap edges_;
     std::unique_ptr<btCollisionShape> shape_; ///< declared last: destroyed before the data that it points to
 };
 

@@ -72,7 +72,11 @@ void centre(const void* shape, ccd_vec3_t* point)
     *point = static_cast<const Shape*>(shape)->centre;
 }
 
-struct Pair {
+using Intersect = int(const void*, const void*, const ccd_t*);
+using Penetration = int(const void*, const void*, const ccd_t*, ccd_real_t*, ccd_vec3_t*, ccd_vec3_t*);
+
+template <Intersect& intersect, Penetration& penetration>
+struct Pair final : league::Query {
     Shape a, b;
     ccd_t ccd;
 
@@ -84,6 +88,23 @@ struct Pair {
         ccd.max_iterations = 100;
         ccd.epa_tolerance = 1e-10; // With its default, 1e-4, depths of round bodies are wrong by up to 1e-2.
     }
+
+    int answer(const league_case& asked, league_answer& answer) override
+    {
+        if (asked.question == LEAGUE_MEET) {
+            answer.meet = intersect(&a, &b, &ccd) != 0;
+            return LEAGUE_ANSWERED;
+        }
+        ccd_vec3_t direction, place;
+        const int result = penetration(&a, &b, &ccd, &answer.depth, &direction, &place);
+        if (result == -2) return LEAGUE_FAILED;
+        answer.meet = result == 0;
+        if (answer.meet)
+            std::copy_n(direction.v, 3, answer.normal);
+        else
+            answer.depth = 0;
+        return LEAGUE_ANSWERED;
+    }
 };
 
 int supports(int question, int kind_a, int kind_b)
@@ -92,72 +113,26 @@ int supports(int question, int kind_a, int kind_b)
            league::is_convex(kind_b);
 }
 
-void* prepare(const league_case* asked)
-{
-    if (!supports(asked->question, asked->a.kind, asked->b.kind)) return nullptr;
-    return league::prepared_or_null<Pair>(*asked);
-}
-
-using Intersect = int(const void*, const void*, const ccd_t*);
-using Penetration = int(const void*, const void*, const ccd_t*, ccd_real_t*, ccd_vec3_t*, ccd_vec3_t*);
-
-template <Intersect& intersect, Penetration& penetration>
-int answer(void* prepared, const league_case* asked, league_answer* answer)
-{
-    const Pair& pair = *static_cast<const Pair*>(prepared);
-    *answer = {};
-    if (asked->question == LEAGUE_MEET) {
-        answer->meet = intersect(&pair.a, &pair.b, &pair.ccd) != 0;
-        return LEAGUE_ANSWERED;
-    }
-    ccd_vec3_t direction, place;
-    const int result = penetration(&pair.a, &pair.b, &pair.ccd, &answer->depth, &direction, &place);
-    if (result == -2) return LEAGUE_FAILED;
-    answer->meet = result == 0;
-    if (answer->meet)
-        std::copy_n(direction.v, 3, answer->normal);
-    else
-        answer->depth = 0;
-    return LEAGUE_ANSWERED;
-}
-
-void release(void* prepared)
-{
-    delete static_cast<Pair*>(prepared);
-}
-
-constexpr league_library gjk{
-    .version = LEAGUE_VERSION,
-    .bits = 64,
-    .name = "ccd",
-    .settings = "2.1; ccdGJKIntersect(), ccdGJKPenetration() (EPA); at most 100 iterations, epa_tolerance 1e-10",
-    .source = "ccd/ccd.h, README.md of libccd",
-    .precision = 1e-4,
-    .conservative = 0,
-    .supports = supports,
-    .prepare = prepare,
-    .answer = answer<ccdGJKIntersect, ccdGJKPenetration>,
-    .release = release,
-};
-
-constexpr league_library mpr{
-    .version = LEAGUE_VERSION,
-    .bits = 64,
-    .name = "ccd-mpr",
-    .settings = "2.1; ccdMPRIntersect(), ccdMPRPenetration(); at most 100 iterations, default mpr_tolerance 1e-4",
-    .source = "ccd/ccd.h, README.md of libccd",
-    .precision = 1e-4, // mpr_tolerance
-    .conservative = 0,
-    .supports = supports,
-    .prepare = prepare,
-    .answer = answer<ccdMPRIntersect, ccdMPRPenetration>,
-    .release = release,
+constexpr league_library libraries[] = {
+    league::library_of<league::make<Pair<ccdGJKIntersect, ccdGJKPenetration>>>({
+        .name = "ccd",
+        .settings = "2.1; ccdGJKIntersect(), ccdGJKPenetration() (EPA); at most 100 iterations, epa_tolerance 1e-10",
+        .source = "ccd/ccd.h, README.md of libccd",
+        .supports = supports,
+        .precision = 1e-4,
+    }),
+    league::library_of<league::make<Pair<ccdMPRIntersect, ccdMPRPenetration>>>({
+        .name = "ccd-mpr",
+        .settings = "2.1; ccdMPRIntersect(), ccdMPRPenetration(); at most 100 iterations, default mpr_tolerance 1e-4",
+        .source = "ccd/ccd.h, README.md of libccd",
+        .supports = supports,
+        .precision = 1e-4, // mpr_tolerance
+    }),
 };
 
 } // namespace
 
 const league_library* league_open(int number)
 {
-    constexpr const league_library* all[] = {&gjk, &mpr};
-    return number >= 0 && number < int(std::size(all)) ? all[number] : nullptr;
+    return league::library_at(libraries, number);
 }

@@ -82,7 +82,7 @@ SurfaceMesh closed_mesh_of(const league_body& body)
 }
 
 /// Searches a tree of the first mesh for each triangle of the second.
-struct Surfaces {
+struct Surfaces final : league::Query {
     Triangles a, b;
     Tree tree;
 
@@ -92,7 +92,7 @@ struct Surfaces {
         tree.build();
     }
 
-    int answer(const league_case&, league_answer& answer)
+    int answer(const league_case&, league_answer& answer) override
     {
         for (const Kernel::Triangle_3& triangle : b)
             if (tree.do_intersect(triangle)) {
@@ -103,12 +103,12 @@ struct Surfaces {
     }
 };
 
-struct Solids {
+struct Solids final : league::Query {
     SurfaceMesh a, b;
 
     explicit Solids(const league_case& asked) : a(closed_mesh_of(asked.a)), b(closed_mesh_of(asked.b)) {}
 
-    int answer(const league_case&, league_answer& answer)
+    int answer(const league_case&, league_answer& answer) override
     {
         namespace processing = CGAL::Polygon_mesh_processing;
         answer.meet = processing::do_intersect(a, b, CGAL::parameters::do_overlap_test_of_bounded_sides(true),
@@ -117,14 +117,14 @@ struct Solids {
     }
 };
 
-struct Rays {
+struct Rays final : league::Query {
     Triangles a;
     Tree tree;
 
     explicit Rays(const league_case& asked) : a(triangles_of(asked.a)), tree(a.cbegin(), a.cend()) { tree.build(); }
 
     /// Whether the segment meets a triangle is exact; the place is rounded.
-    int answer(const league_case& asked, league_answer& answer)
+    int answer(const league_case& asked, league_answer& answer) override
     {
         const Point from(asked.from[0], asked.from[1], asked.from[2]);
         const Kernel::Vector_3 motion(asked.motion[0], asked.motion[1], asked.motion[2]);
@@ -144,7 +144,7 @@ struct Rays {
     }
 };
 
-struct Boxes {
+struct Boxes final : league::Query {
     std::vector<Box> boxes; ///< CGAL reorders them.
     std::vector<std::uint32_t> pairs;
 
@@ -159,7 +159,7 @@ struct Boxes {
         }
     }
 
-    int answer(const league_case&, league_answer& answer)
+    int answer(const league_case&, league_answer& answer) override
     {
         pairs.clear();
         CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) {
@@ -172,35 +172,15 @@ struct Boxes {
 };
 
 /// A mesh against itself.
-struct SelfMesh {
+struct SelfMesh final : league::Query {
     SurfaceMesh mesh;
 
-    int answer(const league_case&, league_answer& answer) const
+    explicit SelfMesh(const league_case& asked) : mesh(linked_mesh_of(asked.a)) {}
+
+    int answer(const league_case&, league_answer& answer) override
     {
         answer.meet = CGAL::Polygon_mesh_processing::does_self_intersect(mesh);
         return LEAGUE_ANSWERED;
-    }
-};
-
-struct Prepared {
-    std::unique_ptr<SelfMesh> self;
-    std::unique_ptr<Surfaces> surfaces;
-    std::unique_ptr<Solids> solids;
-    std::unique_ptr<Rays> rays;
-    std::unique_ptr<Boxes> boxes;
-
-    explicit Prepared(const league_case& asked)
-    {
-        if (asked.question == LEAGUE_SELF)
-            self = std::make_unique<SelfMesh>(SelfMesh{linked_mesh_of(asked.a)});
-        else if (asked.question == LEAGUE_PAIRS)
-            boxes = std::make_unique<Boxes>(asked);
-        else if (asked.question == LEAGUE_RAY)
-            rays = std::make_unique<Rays>(asked);
-        else if (league::is_solid_mesh(asked.a))
-            solids = std::make_unique<Solids>(asked);
-        else
-            surfaces = std::make_unique<Surfaces>(asked);
     }
 };
 
@@ -218,54 +198,35 @@ int supports(int question, int kind_a, int kind_b)
 }
 
 /// Two solids, or two surfaces; rays only against surfaces.
-void* prepare(const league_case* asked)
+std::unique_ptr<league::Query> prepare(const league_case& asked)
 {
-    if (!supports(asked->question, asked->a.kind, asked->b.kind)) return nullptr;
-    const bool solid_a = league::is_solid_mesh(asked->a);
-    if (asked->question == LEAGUE_RAY && solid_a) return nullptr;
-    if (asked->question == LEAGUE_MEET && solid_a != league::is_solid_mesh(asked->b)) return nullptr;
-    return league::prepared_or_null<Prepared>(*asked);
+    const bool solid_a = league::is_solid_mesh(asked.a);
+    switch (asked.question) {
+    case LEAGUE_MEET:
+        if (solid_a != league::is_solid_mesh(asked.b)) return nullptr;
+        return solid_a ? league::make<Solids>(asked) : league::make<Surfaces>(asked);
+    case LEAGUE_RAY:
+        return solid_a ? nullptr : league::make<Rays>(asked);
+    case LEAGUE_SELF:
+        return league::make<SelfMesh>(asked);
+    default:
+        return league::make<Boxes>(asked);
+    }
 }
 
-int answer(void* prepared, const league_case* asked, league_answer* answer)
-{
-    const auto& [self, surfaces, solids, rays, boxes] = *static_cast<const Prepared*>(prepared);
-    *answer = {};
-    return league::without_exceptions([&] {
-        return self       ? self->answer(*asked, *answer)
-               : surfaces ? surfaces->answer(*asked, *answer)
-               : solids   ? solids->answer(*asked, *answer)
-               : rays     ? rays->answer(*asked, *answer)
-                          : boxes->answer(*asked, *answer);
-    });
-}
-
-void release(void* prepared)
-{
-    delete static_cast<Prepared*>(prepared);
-}
-
-constexpr league_library cgal{
-    .version = LEAGUE_VERSION,
-    .bits = 64,
+constexpr league_library libraries[] = {league::library_of<prepare>({
     .name = "cgal",
     .settings = CGAL_VERSION_STR
     "; Exact_predicates_inexact_constructions_kernel; AABB_tree of a, do_intersect() for each triangle of b; solids: "
     "Polygon_mesh_processing::do_intersect() of bounded sides; rays: first_intersection(); box_self_intersection_d(); "
-    "does_self_intersect(); "
-    "no triangles without area",
+    "does_self_intersect(); no triangles without area",
     .source = "CGAL/AABB_tree.h, Polygon_mesh_processing/intersection.h, box_intersection_d.h",
-    .precision = 0,
-    .conservative = 0,
     .supports = supports,
-    .prepare = prepare,
-    .answer = answer,
-    .release = release,
-};
+})};
 
 } // namespace
 
 const league_library* league_open(int number)
 {
-    return number == 0 ? &cgal : nullptr;
+    return league::library_at(libraries, number);
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <oncollide/league.h>
@@ -12,7 +13,6 @@
 #ifdef LEAGUE_WITH_HULL_FACES
 #include <algorithm>
 #include <cstdio>
-#include <memory>
 #include <stdexcept>
 #include <utility>
 
@@ -74,26 +74,95 @@ inline Vector mean_vertex(const league_body& body)
     return mean;
 }
 
-/// Calls `work`, whose result is a league_state; no exception gets out of it.
-template <class Work>
-int without_exceptions(Work&& work)
+/// The pose of b at a time from 0 to 1 of its motion and turn.
+inline league_body b_at(const league_case& asked, double time)
 {
-    try {
-        return work();
-    } catch (...) {
-        return LEAGUE_FAILED;
-    }
+    league_body moved = asked.b;
+    for (int k = 0; k < 3; ++k) moved.position[k] += time * asked.motion[k];
+    const double angle = length_of({asked.turn[0], asked.turn[1], asked.turn[2]});
+    if (!(angle > 0)) return moved;
+    const double x = asked.turn[0] / angle, y = asked.turn[1] / angle, z = asked.turn[2] / angle;
+    const double c = std::cos(time * angle), s = std::sin(time * angle), d = 1 - c;
+    const double turn[9] = {c + d * x * x,     d * x * y - s * z, d * x * z + s * y, d * x * y + s * z, c + d * y * y,
+                            d * y * z - s * x, d * x * z - s * y, d * y * z + s * x, c + d * z * z};
+    for (std::size_t row = 0; row < 3; ++row)
+        for (std::size_t column = 0; column < 3; ++column) {
+            double& to = moved.rotation[3 * row + column];
+            to = 0;
+            for (std::size_t k = 0; k < 3; ++k) to += turn[3 * row + k] * asked.b.rotation[3 * k + column];
+        }
+    return moved;
 }
 
-/// Makes a `Prepared`, or NULL if it throws.
-template <class Prepared>
-void* prepared_or_null(const league_case& asked)
+/// The case needs the inside of a mesh. Contacts press on its surface, and a body that comes from outside meets that
+/// first.
+inline bool needs_inside(const league_case& asked)
 {
-    try {
-        return new Prepared(asked);
-    } catch (...) {
-        return nullptr;
-    }
+    const bool has_b = asked.question < LEAGUE_RAY;
+    if (asked.question == LEAGUE_CONTACTS || asked.question == LEAGUE_TURN) return false;
+    return asked.question != LEAGUE_PAIRS && (is_solid_mesh(asked.a) || (has_b && is_solid_mesh(asked.b)));
+}
+
+/// A case, with the trees and models that a library builds for it.
+struct Query {
+    Query() = default;
+    Query(const Query&) = delete;
+    Query& operator=(const Query&) = delete;
+    virtual ~Query() = default;
+    /// Fills `answer`, which is all zeros before, and returns a league_state. Throws if the library fails.
+    virtual int answer(const league_case& asked, league_answer& answer) = 0;
+};
+
+/// Prepares a case. Its result is null, or it throws, if the library does not have such a case.
+using Prepare = std::unique_ptr<Query>(const league_case&);
+
+template <class Made>
+std::unique_ptr<Query> make(const league_case& asked)
+{
+    return std::make_unique<Made>(asked);
+}
+
+/// A library in its own words; league.h explains each.
+struct About {
+    const char *name, *settings, *source;
+    int (*supports)(int question, int kind_a, int kind_b);
+    int bits = 64;
+    double precision = 0;
+    bool conservative = false;
+};
+
+template <Prepare& prepare>
+constexpr league_library library_of(const About& about)
+{
+    league_library library{};
+    library.version = LEAGUE_VERSION, library.bits = about.bits;
+    library.name = about.name, library.settings = about.settings, library.source = about.source;
+    library.precision = about.precision, library.conservative = about.conservative;
+    library.supports = about.supports;
+    library.prepare = [](const league_case* asked) -> void* {
+        try {
+            return prepare(*asked).release();
+        } catch (...) {
+            return nullptr;
+        }
+    };
+    library.answer = [](void* query, const league_case* asked, league_answer* answer) -> int {
+        try {
+            *answer = {};
+            return static_cast<Query*>(query)->answer(*asked, *answer);
+        } catch (...) {
+            return LEAGUE_FAILED;
+        }
+    };
+    library.release = [](void* query) { delete static_cast<Query*>(query); };
+    return library;
+}
+
+/// The result of league_open().
+template <std::size_t count>
+const league_library* library_at(const league_library (&libraries)[count], int number)
+{
+    return number >= 0 && std::size_t(number) < count ? &libraries[number] : nullptr;
 }
 
 #ifdef LEAGUE_WITH_HULL_FACES

@@ -17,7 +17,7 @@
 namespace {
 
 /// A device of one thread and a scene.
-struct Scene {
+struct Scene : league::Query {
     RTCDevice device = rtcNewDevice("threads=1");
     RTCScene scene = nullptr;
 
@@ -26,13 +26,11 @@ struct Scene {
         if (!device) throw std::runtime_error("no device");
         scene = rtcNewScene(device);
     }
-    ~Scene()
+    ~Scene() override
     {
         if (scene) rtcReleaseScene(scene);
         if (device) rtcReleaseDevice(device);
     }
-    Scene(const Scene&) = delete;
-    Scene& operator=(const Scene&) = delete;
 
     /// The scene owns it after this.
     void take(RTCGeometry geometry) const
@@ -45,7 +43,7 @@ struct Scene {
     }
 };
 
-struct Rays : Scene {
+struct Rays final : Scene {
     Rays(const league_case& asked, RTCSceneFlags flags)
     {
         const league_body& body = asked.a;
@@ -69,7 +67,7 @@ struct Rays : Scene {
         take(geometry);
     }
 
-    int answer(const league_case& asked, league_answer& answer) const
+    int answer(const league_case& asked, league_answer& answer) override
     {
         const auto number = [](double x) { return static_cast<float>(x); };
         RTCRayHit traced{};
@@ -95,7 +93,7 @@ float float_below(double x)
 
 /// In a dynamic scene of low quality each leaf has one box, and Embree reports the pairs of boxes that overlap. In
 /// others it reports all pairs of two leaves that overlap.
-struct Boxes : Scene {
+struct Boxes final : Scene {
     std::vector<RTCBounds> bounds;
     std::mutex one_at_a_time;
     std::vector<std::uint32_t> pairs;
@@ -136,7 +134,7 @@ struct Boxes : Scene {
                 boxes.pairs.push_back(a), boxes.pairs.push_back(b);
     }
 
-    int answer(const league_case&, league_answer& answer)
+    int answer(const league_case&, league_answer& answer) override
     {
         pairs.clear();
         rtcCollide(scene, scene, keep, this);
@@ -146,11 +144,6 @@ struct Boxes : Scene {
     }
 };
 
-struct Prepared {
-    std::unique_ptr<Rays> rays;
-    std::unique_ptr<Boxes> boxes;
-};
-
 int supports(int question, int kind_a, int)
 {
     return question == LEAGUE_PAIRS || (question == LEAGUE_RAY && league::has_triangles(kind_a));
@@ -158,62 +151,31 @@ int supports(int question, int kind_a, int)
 
 /// Rays only against surfaces: a hit from inside is not Embree's matter.
 template <RTCSceneFlags flags>
-void* prepare(const league_case* asked)
+std::unique_ptr<league::Query> prepare(const league_case& asked)
 {
-    if (!supports(asked->question, asked->a.kind, asked->b.kind)) return nullptr;
-    if (asked->question == LEAGUE_RAY && league::is_solid_mesh(asked->a)) return nullptr;
-    try {
-        auto prepared = std::make_unique<Prepared>();
-        if (asked->question == LEAGUE_RAY)
-            prepared->rays = std::make_unique<Rays>(*asked, flags);
-        else
-            prepared->boxes = std::make_unique<Boxes>(*asked);
-        return prepared.release();
-    } catch (...) {
-        return nullptr;
-    }
+    if (league::needs_inside(asked)) return nullptr;
+    if (asked.question == LEAGUE_RAY) return std::make_unique<Rays>(asked, flags);
+    return std::make_unique<Boxes>(asked);
 }
 
-int answer(void* prepared, const league_case* asked, league_answer* answer)
+template <RTCSceneFlags flags>
+constexpr league_library embree(const char* name, const char* settings)
 {
-    const auto& [rays, boxes] = *static_cast<const Prepared*>(prepared);
-    *answer = {};
-    return league::without_exceptions(
-        [&] { return rays ? rays->answer(*asked, *answer) : boxes->answer(*asked, *answer); });
+    return league::library_of<prepare<flags>>(
+        {.name = name, .settings = settings, .source = "embree3/rtcore_scene.h", .supports = supports, .bits = 32});
 }
 
-void release(void* prepared)
-{
-    delete static_cast<Prepared*>(prepared);
-}
+#define LEAGUE_EMBREE_USE(flags)                                                                                       \
+    RTC_VERSION_STRING "; single precision; rtcIntersect1, " #flags "; rtcCollide of a dynamic scene"
 
-constexpr league_library embree(const char* name, const char* settings, decltype(league_library::prepare) prepare)
-{
-    return {.version = LEAGUE_VERSION,
-            .bits = 32,
-            .name = name,
-            .settings = settings,
-            .source = "embree3/rtcore_scene.h",
-            .precision = 0,
-            .conservative = 0,
-            .supports = supports,
-            .prepare = prepare,
-            .answer = answer,
-            .release = release};
-}
-
-constexpr league_library robust =
-    embree("embree-robust",
-           RTC_VERSION_STRING "; single precision; rtcIntersect1, RTC_SCENE_FLAG_ROBUST; rtcCollide of a dynamic scene",
-           prepare<RTC_SCENE_FLAG_ROBUST>);
-constexpr league_library fast =
-    embree("embree",
-           RTC_VERSION_STRING "; single precision; rtcIntersect1, RTC_SCENE_FLAG_NONE; rtcCollide of a dynamic scene",
-           prepare<RTC_SCENE_FLAG_NONE>);
+constexpr league_library libraries[] = {
+    embree<RTC_SCENE_FLAG_ROBUST>("embree-robust", LEAGUE_EMBREE_USE(RTC_SCENE_FLAG_ROBUST)),
+    embree<RTC_SCENE_FLAG_NONE>("embree", LEAGUE_EMBREE_USE(RTC_SCENE_FLAG_NONE)),
+};
 
 } // namespace
 
 const league_library* league_open(int number)
 {
-    return number == 0 ? &robust : number == 1 ? &fast : nullptr;
+    return league::library_at(libraries, number);
 }

@@ -13,7 +13,6 @@
 namespace {
 
 using Geometry = std::shared_ptr<fcl::CollisionGeometryd>;
-using Tree = fcl::BVHModel<fcl::OBBRSSd>;
 
 fcl::Transform3d pose_of(const league_body& body)
 {
@@ -23,6 +22,7 @@ fcl::Transform3d pose_of(const league_body& body)
     return pose;
 }
 
+template <class Volume>
 Geometry make_tree(const league_body& body)
 {
     std::vector<fcl::Vector3d> vertices;
@@ -32,7 +32,7 @@ Geometry make_tree(const league_body& body)
         const std::uint32_t* t = body.triangles + 3 * i;
         triangles.emplace_back(t[0], t[1], t[2]);
     }
-    auto tree = std::make_shared<Tree>();
+    auto tree = std::make_shared<fcl::BVHModel<Volume>>();
     if (tree->beginModel(int(triangles.size()), int(vertices.size())) != fcl::BVH_OK ||
         tree->addSubModel(vertices, triangles) != fcl::BVH_OK || tree->endModel() != fcl::BVH_OK)
         throw std::runtime_error("FCL made no tree");
@@ -69,13 +69,13 @@ Geometry make_octree(const league_body& body)
     return std::make_shared<fcl::OcTreed>(std::move(tree));
 }
 
-Geometry make_geometry(const league_body& body)
+Geometry make_geometry(const league_body& body, bool moves = false)
 {
     const double* size = body.size;
     switch (body.kind) {
     case LEAGUE_MESH:
     case LEAGUE_TERRAIN:
-        return make_tree(body);
+        return moves ? make_tree<fcl::RSSd>(body) : make_tree<fcl::OBBRSSd>(body);
     case LEAGUE_HULL:
         return make_hull(body);
     case LEAGUE_SPHERE:
@@ -101,18 +101,20 @@ Geometry make_geometry(const league_body& body)
 
 /// The pairs in FCL's tables (narrowphase/detail/*_func_matrix-inl.h), without half-spaces where it needs distances:
 /// GJK crashes on them, as they have no support function. A contact has the depth of one triangle or cell, so only
-/// bodies without either are queried for it.
+/// bodies without either are queried for the depth of the whole.
 int supports(int question, int kind_a, int kind_b)
 {
     const auto both = [&](auto holds) { return holds(kind_a) && holds(kind_b); };
     switch (question) {
     case LEAGUE_MEET:
+    case LEAGUE_CONTACTS:
         return both([](int kind) { return kind >= 0 && kind < LEAGUE_KIND_COUNT; });
     case LEAGUE_DISTANCE:
         return both([](int kind) { return kind >= 0 && kind < LEAGUE_KIND_COUNT && kind != LEAGUE_HALF_SPACE; });
     case LEAGUE_DEPTH:
         return both([](int kind) { return league::is_convex(kind) || kind == LEAGUE_HALF_SPACE; });
     case LEAGUE_CAST:
+    case LEAGUE_TURN:
         return both([](int kind) {
             return league::has_triangles(kind) || (league::is_convex(kind) && kind != LEAGUE_ELLIPSOID);
         });
@@ -121,20 +123,28 @@ int supports(int question, int kind_a, int kind_b)
     }
 }
 
-struct Pair {
+template <fcl::GJKSolverType solver>
+struct Pair final : league::Query {
     Geometry a, b;
     fcl::Transform3d pose_a, pose_b, end_b;
     bool are_shapes;
+    std::vector<league_contact> contacts;
 
     explicit Pair(const league_case& asked)
-        : a(make_geometry(asked.a)), b(make_geometry(asked.b)), pose_a(pose_of(asked.a)), pose_b(pose_of(asked.b)),
+        : a(make_geometry(asked.a, moves(asked))), b(make_geometry(asked.b, moves(asked))), pose_a(pose_of(asked.a)),
+          pose_b(pose_of(asked.b)),
           end_b(Eigen::Translation3d(Eigen::Map<const Eigen::Vector3d>(asked.motion)) * pose_b),
           are_shapes(league::is_convex(asked.a.kind) && league::is_convex(asked.b.kind))
     {
         a->computeLocalAABB(), b->computeLocalAABB();
     }
 
-    int meet(fcl::GJKSolverType solver, league_answer& answer) const
+    static bool moves(const league_case& asked)
+    {
+        return asked.question == LEAGUE_CAST || asked.question == LEAGUE_TURN;
+    }
+
+    int meet(league_answer& answer) const
     {
         fcl::CollisionRequestd request(1, false);
         request.gjk_solver_type = solver;
@@ -143,7 +153,7 @@ struct Pair {
         return LEAGUE_ANSWERED;
     }
 
-    int distance(fcl::GJKSolverType solver, league_answer& answer) const
+    int distance(league_answer& answer) const
     {
         fcl::DistanceRequestd request(true);
         request.gjk_solver_type = solver;
@@ -159,22 +169,47 @@ struct Pair {
         return LEAGUE_ANSWERED;
     }
 
-    int depth(fcl::GJKSolverType solver, league_answer& answer) const
+    void find_contacts()
     {
         fcl::CollisionRequestd request(100, true);
         request.gjk_solver_type = solver;
         fcl::CollisionResultd result;
         fcl::collide(a.get(), pose_a, b.get(), pose_b, request, result);
+        contacts.clear();
         for (std::size_t k = 0; k < result.numContacts(); ++k) {
-            const fcl::Contactd& contact = result.getContact(k);
-            if (answer.meet && contact.penetration_depth <= answer.depth) continue;
-            answer.meet = 1, answer.depth = contact.penetration_depth;
-            std::copy_n(contact.normal.data(), 3, answer.normal);
+            const fcl::Contactd& found = result.getContact(k);
+            // It points from o1 to o2, and collide() may have exchanged the two.
+            const fcl::Vector3d along = found.o1 == a.get() ? found.normal : fcl::Vector3d(-found.normal);
+            league_contact& contact = contacts.emplace_back();
+            std::copy_n(found.pos.data(), 3, contact.position);
+            std::copy_n(along.data(), 3, contact.normal);
+            contact.depth = found.penetration_depth;
         }
+    }
+
+    int depth(league_answer& answer)
+    {
+        find_contacts();
+        const auto deepest = std::max_element(contacts.begin(), contacts.end(),
+                                              [](const auto& p, const auto& q) { return p.depth < q.depth; });
+        if (deepest == contacts.end()) return LEAGUE_ANSWERED;
+        answer.meet = 1, answer.depth = deepest->depth;
+        std::copy_n(deepest->normal, 3, answer.normal);
         return LEAGUE_ANSWERED;
     }
 
-    int cast(fcl::GJKSolverType solver, league_answer& answer) const
+    int list_contacts(league_answer& answer)
+    {
+        find_contacts();
+        answer.meet = !contacts.empty();
+        answer.contacts = contacts.data(), answer.contact_count = contacts.size();
+        return LEAGUE_ANSWERED;
+    }
+
+    /// TBVMotionBoundVisitor knows only RSS: with all other trees, the bound of a shape that moves toward a mesh is 0.
+    /// FCL itself loses contacts of them even so, as conservativeAdvancementMeshShapeOriented() leaves the bounding
+    /// volume of the shape where it was at the beginning. With the shape first, FCL calls itself without end.
+    int cast(league_answer& answer) const
     {
         fcl::ContinuousCollisionRequestd request;
         request.gjk_solver_type = solver;
@@ -187,9 +222,52 @@ struct Pair {
         answer.error = request.toc_err;
         return LEAGUE_ANSWERED;
     }
+
+    /// InterpMotion moves a point of b on a line and turns b around it by the shorter way, both at a constant rate. Its
+    /// constructor of two poses alone leaves that point uninitialised.
+    int turn(const league_case& asked, league_answer& answer) const
+    {
+        fcl::ContinuousCollisionRequestd request;
+        request.gjk_solver_type = solver;
+        request.ccd_motion_type = fcl::CCDM_LINEAR;
+        request.ccd_solver_type = fcl::CCDC_CONSERVATIVE_ADVANCEMENT;
+        const fcl::TranslationMotion<double> rest(pose_a, pose_a);
+        const int pieces = 1 + int(league::length_of({asked.turn[0], asked.turn[1], asked.turn[2]}) / 3);
+        answer.error = request.toc_err / pieces;
+        for (int k = 0; k < pieces; ++k) {
+            const fcl::Transform3d from = pose_of(league::b_at(asked, double(k) / pieces)),
+                                   to = pose_of(league::b_at(asked, double(k + 1) / pieces));
+            const fcl::InterpMotion<double> motion(from.linear(), from.translation(), to.linear(), to.translation(),
+                                                   fcl::Vector3d::Zero());
+            fcl::ContinuousCollisionResultd result;
+            fcl::continuousCollide(a.get(), &rest, b.get(), &motion, request, result);
+            if (!result.is_collide) continue;
+            answer.meet = 1, answer.time = (k + result.time_of_contact) / pieces;
+            break;
+        }
+        return LEAGUE_ANSWERED;
+    }
+
+    int answer(const league_case& asked, league_answer& answer) override
+    {
+        switch (asked.question) {
+        case LEAGUE_MEET:
+            return meet(answer);
+        case LEAGUE_DISTANCE:
+            return distance(answer);
+        case LEAGUE_DEPTH:
+            return depth(answer);
+        case LEAGUE_CONTACTS:
+            return list_contacts(answer);
+        case LEAGUE_TURN:
+            return turn(asked, answer);
+        default:
+            return cast(answer);
+        }
+    }
 };
 
-struct Boxes {
+struct Boxes final : league::Query {
     std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects;
     fcl::DynamicAABBTreeCollisionManagerd manager;
     std::vector<std::uint32_t> pairs;
@@ -217,7 +295,7 @@ struct Boxes {
         return false; // It goes on.
     }
 
-    int find(league_answer& answer)
+    int answer(const league_case&, league_answer& answer) override
     {
         pairs.clear();
         if (!manager.empty()) manager.collide(&pairs, take);
@@ -227,92 +305,42 @@ struct Boxes {
     }
 };
 
-struct Prepared {
-    std::unique_ptr<Pair> pair;
-    std::unique_ptr<Boxes> boxes;
-
-    explicit Prepared(const league_case& asked)
-    {
-        if (asked.question == LEAGUE_PAIRS)
-            boxes = std::make_unique<Boxes>(asked);
-        else
-            pair = std::make_unique<Pair>(asked);
-    }
-};
-
-void* prepare(const league_case* asked)
-{
-    if (!supports(asked->question, asked->a.kind, asked->b.kind)) return nullptr;
-    if (asked->question != LEAGUE_PAIRS && (league::is_solid_mesh(asked->a) || league::is_solid_mesh(asked->b)))
-        return nullptr;
-    return league::prepared_or_null<Prepared>(*asked);
-}
-
 template <fcl::GJKSolverType solver>
-int answer(void* prepared, const league_case* asked, league_answer* answer)
+std::unique_ptr<league::Query> prepare(const league_case& asked)
 {
-    const auto& [pair, boxes] = *static_cast<const Prepared*>(prepared);
-    *answer = {};
-    return league::without_exceptions([&] {
-        switch (asked->question) {
-        case LEAGUE_MEET:
-            return pair->meet(solver, *answer);
-        case LEAGUE_DISTANCE:
-            return pair->distance(solver, *answer);
-        case LEAGUE_DEPTH:
-            return pair->depth(solver, *answer);
-        case LEAGUE_CAST:
-            return pair->cast(solver, *answer);
-        default:
-            return boxes->find(*answer);
-        }
-    });
-}
-
-void release(void* prepared)
-{
-    delete static_cast<Prepared*>(prepared);
+    if (league::needs_inside(asked)) return nullptr;
+    if (asked.question == LEAGUE_PAIRS) return std::make_unique<Boxes>(asked);
+    return std::make_unique<Pair<solver>>(asked);
 }
 
 #define LEAGUE_FCL_USE                                                                                                 \
-    "0.7.0; BVHModel<OBBRSS>, Convex, OcTree; collide(), distance(), deepest of 100 contacts, continuousCollide() by " \
-    "conservative advancement, DynamicAABBTreeCollisionManager; "
+    "0.7.0; BVHModel<OBBRSS> (motions: RSS), Convex, OcTree; collide(), distance(), at most 100 contacts (depth: "     \
+    "the deepest), continuousCollide() by conservative advancement (turns: InterpMotion, in pieces of less than a "    \
+    "half turn), DynamicAABBTreeCollisionManager; "
 
 constexpr const char* source = "fcl/narrowphase/collision_request.h, distance_request.h, contact.h, "
-                               "continuous_collision_request.h";
+                               "continuous_collision.h, continuous_collision_request.h, math/motion/interp_motion.h";
 
-constexpr league_library with_libccd{
-    .version = LEAGUE_VERSION,
-    .bits = 64,
-    .name = "fcl",
-    .settings = LEAGUE_FCL_USE "GST_LIBCCD, the default",
-    .source = source,
-    .precision = 1e-6, // gjk_tolerance, distance_tolerance
-    .conservative = 0,
-    .supports = supports,
-    .prepare = prepare,
-    .answer = answer<fcl::GST_LIBCCD>,
-    .release = release,
-};
-
-constexpr league_library with_indep{
-    .version = LEAGUE_VERSION,
-    .bits = 64,
-    .name = "fcl-indep",
-    .settings = LEAGUE_FCL_USE "GST_INDEP",
-    .source = source,
-    .precision = 1e-6,
-    .conservative = 0,
-    .supports = supports,
-    .prepare = prepare,
-    .answer = answer<fcl::GST_INDEP>,
-    .release = release,
+constexpr league_library libraries[] = {
+    league::library_of<prepare<fcl::GST_LIBCCD>>({
+        .name = "fcl",
+        .settings = LEAGUE_FCL_USE "GST_LIBCCD, the default",
+        .source = source,
+        .supports = supports,
+        .precision = 1e-6, // gjk_tolerance, distance_tolerance
+    }),
+    league::library_of<prepare<fcl::GST_INDEP>>({
+        .name = "fcl-indep",
+        .settings = LEAGUE_FCL_USE "GST_INDEP",
+        .source = source,
+        .supports = supports,
+        .precision = 1e-6,
+    }),
 };
 
 } // namespace
 
 const league_library* league_open(int number)
 {
-    constexpr const league_library* all[] = {&with_libccd, &with_indep};
-    return number >= 0 && number < int(std::size(all)) ? all[number] : nullptr;
+    return league::library_at(libraries, number);
 }

@@ -10,6 +10,7 @@
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <mujoco/mujoco.h>
 
@@ -96,12 +97,13 @@ double margin_of(const league_body& a, const league_body& b)
     throw std::runtime_error(message);
 }
 
-struct Prepared {
+struct Scene final : league::Query {
     std::unique_ptr<mjModel, void (*)(mjModel*)> model{nullptr, mj_deleteModel};
     std::unique_ptr<mjData, void (*)(mjData*)> data{nullptr, mj_deleteData};
     int geom_a = -1;
+    std::vector<league_contact> contacts;
 
-    explicit Prepared(const league_case& asked)
+    explicit Scene(const league_case& asked)
     {
         mju_user_error = give_up; // The default ends the process.
         mju_user_warning = [](const char*) {};
@@ -145,21 +147,35 @@ struct Prepared {
         if (!model) throw std::runtime_error(error);
     }
 
-    /// The contact of least distance; MuJoCo's normal points from its first geom, which may be b.
-    void find_contact(league_answer& answer, double& least) const
+    /// MuJoCo's normal points from its first geom, which may be b. Its position is in the middle of the two surfaces.
+    void find_contacts()
     {
         mj_collision(model.get(), data.get());
-        const mjContact* best = nullptr;
-        for (int k = 0; k < data->ncon; ++k)
-            if (const mjContact& c = data->contact[k]; !best || c.dist < best->dist) best = &c;
-        if (!best) return;
-        least = best->dist;
+        contacts.clear();
+        for (int k = 0; k < data->ncon; ++k) {
+            const mjContact& found = data->contact[k];
+            league_contact& contact = contacts.emplace_back();
+            for (int axis = 0; axis < 3; ++axis) {
+                contact.position[axis] = found.pos[axis];
+                contact.normal[axis] = found.geom1 == geom_a ? found.frame[axis] : -found.frame[axis];
+            }
+            contact.depth = -found.dist;
+        }
+    }
+
+    /// The contact of least distance.
+    void find_contact(league_answer& answer, double& least)
+    {
+        find_contacts();
+        const auto best = std::max_element(contacts.begin(), contacts.end(),
+                                           [](const auto& p, const auto& q) { return p.depth < q.depth; });
+        if (best == contacts.end()) return;
+        least = -best->depth;
         answer.meet = least <= 0;
-        const double sign = best->geom1 == geom_a ? 1 : -1;
         for (int k = 0; k < 3; ++k) {
-            answer.normal[k] = sign * best->frame[k];
-            answer.point_a[k] = best->pos[k] - answer.normal[k] * least / 2;
-            answer.point_b[k] = best->pos[k] + answer.normal[k] * least / 2;
+            answer.normal[k] = best->normal[k];
+            answer.point_a[k] = best->position[k] - best->normal[k] * least / 2;
+            answer.point_b[k] = best->position[k] + best->normal[k] * least / 2;
         }
     }
 
@@ -168,6 +184,26 @@ struct Prepared {
         int geom = -1;
         answer.time = mj_ray(model.get(), data.get(), asked.from, asked.motion, nullptr, 1, -1, &geom);
         answer.meet = geom >= 0 && answer.time >= 0 && answer.time <= 1;
+        return LEAGUE_ANSWERED;
+    }
+
+    int answer(const league_case& asked, league_answer& answer) override
+    {
+        if (asked.question == LEAGUE_RAY) return ray(asked, answer);
+        if (asked.question == LEAGUE_CONTACTS) {
+            find_contacts();
+            answer.meet = !contacts.empty();
+            answer.contacts = contacts.data(), answer.contact_count = contacts.size();
+            return LEAGUE_ANSWERED;
+        }
+        double least = HUGE_VAL;
+        find_contact(answer, least);
+        if (asked.question == LEAGUE_DISTANCE) {
+            if (least == HUGE_VAL) return LEAGUE_FAILED;
+            answer.distance = std::max(0.0, least);
+            answer.has_points = !answer.meet;
+        }
+        if (asked.question == LEAGUE_DEPTH && answer.meet) answer.depth = -least;
         return LEAGUE_ANSWERED;
     }
 };
@@ -196,6 +232,7 @@ int supports(int question, int kind_a, int kind_b)
     switch (question) {
     case LEAGUE_MEET:
     case LEAGUE_DEPTH:
+    case LEAGUE_CONTACTS:
         return known(kind_a) && known(kind_b) && !(kind_a == LEAGUE_HALF_SPACE && kind_b == LEAGUE_HALF_SPACE);
     case LEAGUE_DISTANCE:
         return has_distance(kind_a, kind_b);
@@ -206,54 +243,24 @@ int supports(int question, int kind_a, int kind_b)
     }
 }
 
-void* prepare(const league_case* asked)
+std::unique_ptr<league::Query> prepare(const league_case& asked)
 {
-    if (!supports(asked->question, asked->a.kind, asked->b.kind)) return nullptr;
-    if (asked->question == LEAGUE_RAY && league::is_solid_mesh(asked->a)) return nullptr;
-    return league::prepared_or_null<Prepared>(*asked);
+    return league::needs_inside(asked) ? nullptr : std::make_unique<Scene>(asked);
 }
 
-int answer(void* prepared, const league_case* asked, league_answer* answer)
-{
-    const auto& scene = *static_cast<const Prepared*>(prepared);
-    *answer = {};
-    return league::without_exceptions([&]() -> int {
-        if (asked->question == LEAGUE_RAY) return scene.ray(*asked, *answer);
-        double least = HUGE_VAL;
-        scene.find_contact(*answer, least);
-        if (asked->question == LEAGUE_DISTANCE) {
-            if (least == HUGE_VAL) return LEAGUE_FAILED;
-            answer->distance = std::max(0.0, least);
-            answer->has_points = !answer->meet;
-        }
-        if (asked->question == LEAGUE_DEPTH && answer->meet) answer->depth = -least;
-        return LEAGUE_ANSWERED;
-    });
-}
-
-void release(void* prepared)
-{
-    delete static_cast<Prepared*>(prepared);
-}
-
-constexpr league_library mujoco{
-    .version = LEAGUE_VERSION,
-    .bits = 64,
+constexpr league_library libraries[] = {league::library_of<prepare>({
     .name = "mujoco",
-    .settings = "2.2.2; mj_collision() of two geoms as a pair, contacts with dist <= 0, the deepest; distances by the "
-                "pair's margin; mj_ray(); vertices of meshes are single precision",
+    .settings =
+        "2.2.2; mj_collision() of two geoms as a pair, contacts with dist <= 0 (depth: the deepest); distances by the "
+        "pair's margin; mj_ray(); vertices of meshes are single precision",
     .source = "mujoco/mjdata.h (mjContact), mujoco/mujoco.h (mj_ray)",
-    .precision = 1e-6, // mpr_tolerance
-    .conservative = 0,
     .supports = supports,
-    .prepare = prepare,
-    .answer = answer,
-    .release = release,
-};
+    .precision = 1e-6, // mpr_tolerance
+})};
 
 } // namespace
 
 const league_library* league_open(int number)
 {
-    return number == 0 ? &mujoco : nullptr;
+    return league::library_at(libraries, number);
 }

@@ -12,10 +12,10 @@ octomap::point3d point_of(const league::Vector& p)
     return {float(p[0]), float(p[1]), float(p[2])};
 }
 
-struct Prepared {
+struct Ray final : league::Query {
     octomap::OcTree tree;
 
-    explicit Prepared(const league_case& asked) : tree(asked.a.size[0])
+    explicit Ray(const league_case& asked) : tree(asked.a.size[0])
     {
         for (std::size_t i = 0; i < asked.a.vertex_count; ++i) {
             const double* const at = asked.a.vertices + 3 * i;
@@ -29,7 +29,7 @@ struct Prepared {
         tree.updateInnerOccupancy();
     }
 
-    int answer(const league_case& asked, league_answer& answer) const
+    int answer(const league_case& asked, league_answer& answer) override
     {
         const auto relative = [&](int k) { return asked.from[k] - asked.a.position[k]; };
         const league::Vector motion =
@@ -55,39 +55,19 @@ int supports(int question, int kind, int)
     return question == LEAGUE_RAY && kind == LEAGUE_CELLS;
 }
 
-void* prepare(const league_case* asked)
-{
-    return league::prepared_or_null<Prepared>(*asked);
-}
-
-int answer(void* prepared, const league_case* asked, league_answer* answer)
-{
-    return league::without_exceptions([&] { return static_cast<const Prepared*>(prepared)->answer(*asked, *answer); });
-}
-
-void release(void* prepared)
-{
-    delete static_cast<Prepared*>(prepared);
-}
-
-constexpr league_library library{
-    .version = LEAGUE_VERSION,
-    .bits = 32,
+constexpr league_library libraries[] = {league::library_of<league::make<Ray>>({
     .name = "octomap",
     .settings =
         "OcTree::castRay() through unknown cells, getRayIntersection(); single precision; its cells are half-open",
     .source = "octomap/OccupancyOcTreeBase.h",
-    .precision = 1e-5,
-    .conservative = 0,
     .supports = supports,
-    .prepare = prepare,
-    .answer = answer,
-    .release = release,
-};
+    .bits = 32,
+    .precision = 1e-5,
+})};
 
 } // namespace
 
 const league_library* league_open(int number)
 {
-    return number == 0 ? &library : nullptr;
+    return league::library_at(libraries, number);
 }

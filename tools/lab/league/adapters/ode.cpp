@@ -1,4 +1,5 @@
 // ODE's dCollide() and its spaces.
+#include <algorithm>
 #include <array>
 #include <cstdarg>
 #include <memory>
@@ -135,16 +136,11 @@ private:
     Geometry geometry_; ///< declared last: destroyed before the data that it points to
 };
 
-struct Query {
-    virtual ~Query() = default;
-    virtual int answer(league_answer& answer) = 0;
-};
-
-class Meet final : public Query {
+class Meet final : public league::Query {
 public:
     explicit Meet(const league_case& asked) : a_(asked.a), b_(asked.b) {}
 
-    int answer(league_answer& answer) override
+    int answer(const league_case&, league_answer& answer) override
     {
         dContactGeom contact;
         answer.meet = dCollide(a_.get(), b_.get(), int(1u | CONTACTS_UNIMPORTANT), &contact, sizeof contact) > 0;
@@ -155,28 +151,42 @@ private:
     Body a_, b_;
 };
 
-class Depth final : public Query {
+class Contacts final : public league::Query {
 public:
-    explicit Depth(const league_case& asked) : a_(asked.a), b_(asked.b) {}
+    explicit Contacts(const league_case& asked) : a_(asked.a), b_(asked.b) {}
 
-    int answer(league_answer& answer) override
+    int answer(const league_case& asked, league_answer& answer) override
     {
-        std::array<dContactGeom, 64> contacts;
-        const int count = dCollide(a_.get(), b_.get(), int(contacts.size()), contacts.data(), sizeof contacts[0]);
+        const int count = dCollide(a_.get(), b_.get(), int(found_.size()), found_.data(), sizeof found_[0]);
         for (int i = 0; i < count; ++i) {
-            const dContactGeom& contact = contacts[std::size_t(i)];
-            if (answer.meet && contact.depth <= answer.depth) continue;
-            answer.meet = 1, answer.depth = contact.depth;
-            for (int k = 0; k < 3; ++k) answer.normal[k] = -contact.normal[k]; // It points into a.
+            const dContactGeom& found = found_[std::size_t(i)];
+            league_contact& contact = contacts_[std::size_t(i)];
+            for (int k = 0; k < 3; ++k) {
+                contact.position[k] = found.pos[k];
+                contact.normal[k] = -found.normal[k]; // It points into a.
+            }
+            contact.depth = found.depth;
+        }
+        answer.meet = count > 0;
+        if (asked.question == LEAGUE_CONTACTS) {
+            answer.contacts = contacts_.data(), answer.contact_count = std::size_t(count);
+        } else if (answer.meet) {
+            const league_contact& deepest =
+                *std::max_element(contacts_.begin(), contacts_.begin() + count,
+                                  [](const auto& p, const auto& q) { return p.depth < q.depth; });
+            answer.depth = deepest.depth;
+            std::copy_n(deepest.normal, 3, answer.normal);
         }
         return LEAGUE_ANSWERED;
     }
 
 private:
     Body a_, b_;
+    std::array<dContactGeom, 64> found_{};
+    std::array<league_contact, 64> contacts_{};
 };
 
-class Ray final : public Query {
+class Ray final : public league::Query {
 public:
     explicit Ray(const league_case& asked)
         : a_(asked.a), length_(league::length_of({asked.motion[0], asked.motion[1], asked.motion[2]})),
@@ -189,7 +199,7 @@ public:
         dGeomRaySetBackfaceCull(ray_.get(), 0);
     }
 
-    int answer(league_answer& answer) override
+    int answer(const league_case&, league_answer& answer) override
     {
         dContactGeom contact;
         answer.meet = dCollide(ray_.get(), a_.get(), 1, &contact, sizeof contact) > 0;
@@ -215,7 +225,7 @@ dSpaceID make_sweep_space()
 
 using MakeSpace = dSpaceID();
 
-class Boxes final : public Query {
+class Boxes final : public league::Query {
 public:
     Boxes(const league_case& asked, MakeSpace& make) : space_(make())
     {
@@ -229,10 +239,8 @@ public:
         dSpaceClean(space_);
     }
     ~Boxes() override { dSpaceDestroy(space_); } // It destroys its boxes.
-    Boxes(const Boxes&) = delete;
-    Boxes& operator=(const Boxes&) = delete;
 
-    int answer(league_answer& answer) override
+    int answer(const league_case&, league_answer& answer) override
     {
         pairs_.clear();
         dSpaceCollide(space_, &pairs_, [](void* pairs, dGeomID a, dGeomID b) {
@@ -262,6 +270,7 @@ int supports(int question, int a, int b)
     const bool planes = a == LEAGUE_HALF_SPACE && b == LEAGUE_HALF_SPACE;
     switch (question) {
     case LEAGUE_MEET:
+    case LEAGUE_CONTACTS:
         return has_kind(a) && has_kind(b) && !planes;
     case LEAGUE_DEPTH: // A contact of a mesh is the contact of one triangle.
         return is_round_or_flat(a) && is_round_or_flat(b) && !planes;
@@ -272,18 +281,17 @@ int supports(int question, int a, int b)
     }
 }
 
-int supports_pairs(int question, int, int)
+template <MakeSpace& make_space>
+std::unique_ptr<league::Query> prepare(const league_case& asked)
 {
-    return question == LEAGUE_PAIRS;
-}
-
-std::unique_ptr<Query> make_query(const league_case& asked, MakeSpace& make_space)
-{
+    if (league::needs_inside(asked)) return nullptr;
+    start_ode();
     switch (asked.question) {
     case LEAGUE_MEET:
         return std::make_unique<Meet>(asked);
     case LEAGUE_DEPTH:
-        return std::make_unique<Depth>(asked);
+    case LEAGUE_CONTACTS:
+        return std::make_unique<Contacts>(asked);
     case LEAGUE_RAY:
         return std::make_unique<Ray>(asked);
     default:
@@ -291,68 +299,28 @@ std::unique_ptr<Query> make_query(const league_case& asked, MakeSpace& make_spac
     }
 }
 
-template <MakeSpace& make_space>
-struct Prepared {
-    std::unique_ptr<Query> query;
-    explicit Prepared(const league_case& asked) : query((start_ode(), make_query(asked, make_space))) {}
-};
-
-template <auto& is_supported, MakeSpace& make_space>
-void* prepare(const league_case* asked)
-{
-    if (!is_supported(asked->question, asked->a.kind, asked->b.kind)) return nullptr;
-    const bool pairs = asked->question == LEAGUE_PAIRS, ray = asked->question == LEAGUE_RAY;
-    if (!pairs && (league::is_solid_mesh(asked->a) || (!ray && league::is_solid_mesh(asked->b)))) return nullptr;
-    return league::prepared_or_null<Prepared<make_space>>(*asked);
-}
-
-template <MakeSpace& make_space>
-int answer(void* prepared, const league_case*, league_answer* answer)
-{
-    *answer = {};
-    return league::without_exceptions(
-        [&] { return static_cast<Prepared<make_space>*>(prepared)->query->answer(*answer); });
-}
-
-template <MakeSpace& make_space>
-void release(void* prepared)
-{
-    delete static_cast<Prepared<make_space>*>(prepared);
-}
-
-constexpr league_library library{
-    .version = LEAGUE_VERSION,
-    .bits = 64,
-    .name = "ode",
-    .settings = "0.16.2, double precision; dCollide(), the deepest of 64 contacts, dGeomRay with its closest hit, "
-                "dHashSpace; dGeomTriMesh (inside: floats), dConvex",
-    .source = "ode/collision.h, ode/contact.h, ode/collision_space.h",
-    .precision = 1e-5,
-    .conservative = 0,
-    .supports = supports,
-    .prepare = prepare<supports, make_hash_space>,
-    .answer = answer<make_hash_space>,
-    .release = release<make_hash_space>,
-};
-
-constexpr league_library sweep{
-    .version = LEAGUE_VERSION,
-    .bits = 64,
-    .name = "ode-sap",
-    .settings = "0.16.2, double precision; dSweepAndPruneSpace, axes in the order x, y, z",
-    .source = "ode/collision_space.h",
-    .precision = 1e-5,
-    .conservative = 0,
-    .supports = supports_pairs,
-    .prepare = prepare<supports_pairs, make_sweep_space>,
-    .answer = answer<make_sweep_space>,
-    .release = release<make_sweep_space>,
+constexpr league_library libraries[] = {
+    league::library_of<prepare<make_hash_space>>({
+        .name = "ode",
+        .settings = "0.16.2, double precision; dCollide(), at most 64 contacts (depth: the deepest), dGeomRay with its "
+                    "closest hit, "
+                    "dHashSpace; dGeomTriMesh (inside: floats), dConvex",
+        .source = "ode/collision.h, ode/contact.h, ode/collision_space.h",
+        .supports = supports,
+        .precision = 1e-5,
+    }),
+    league::library_of<prepare<make_sweep_space>>({
+        .name = "ode-sap",
+        .settings = "0.16.2, double precision; dSweepAndPruneSpace, axes in the order x, y, z",
+        .source = "ode/collision_space.h",
+        .supports = [](int question, int, int) { return int(question == LEAGUE_PAIRS); },
+        .precision = 1e-5,
+    }),
 };
 
 } // namespace
 
 const league_library* league_open(int number)
 {
-    constexpr const league_library* all[] = {&library, &sweep};
-    return number >= 0 && number < int(std::size(all)) ? all[number] : nullptr;
+    return league::library_at(libraries, number);
 }

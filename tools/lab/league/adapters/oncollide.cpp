@@ -1,20 +1,22 @@
-// oncollide itself: exact, within an error, and by sphere-trees.
+// oncollide itself: exact, within an error, and by sphere-trees of the CPU and of OpenGL.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
-#include <optional>
+#include <vector>
 
-#include <oncollide/pipeline/world.hpp>
+#include <oncollide/pipeline/world/world_access.hpp>
 
-#include <oncollide/league.h>
+#include "common.hpp"
+#include "shared_backend.hpp"
 
 namespace {
 
 using namespace oncollide;
 using Eigen::Vector3d;
 
-enum class Way { exact, within, spheres };
+enum class Way { exact, within, spheres, gpu };
 
 std::vector<Vector3d> points_of(const league_body& body)
 {
@@ -68,13 +70,22 @@ Eigen::Isometry3d pose_of(const league_body& body)
     return pose;
 }
 
-struct Prepared {
-    std::optional<World> world;
-    std::vector<ModelId> models;
-    std::vector<BodyId> bodies;
-    std::map<BodyId, std::uint32_t> number;
-    std::vector<std::uint32_t> pairs;
-};
+/// The motion of b. A piece of it turns by less than a half turn.
+RigidMotion motion_of(const league_case& asked)
+{
+    const Eigen::Isometry3d from = pose_of(asked.b);
+    const Vector3d turn(asked.turn);
+    const int pieces = 1 + int(turn.norm() / 2);
+    std::vector<RigidMotion::Key> keys;
+    for (int k = 0; k <= pieces; ++k) {
+        const double time = double(k) / pieces;
+        Eigen::Isometry3d pose = from;
+        pose.translation() += time * Vector3d(asked.motion);
+        if (!turn.isZero()) pose.linear() = Eigen::AngleAxisd(time * turn.norm(), turn.normalized()) * from.linear();
+        keys.push_back({time, pose});
+    }
+    return RigidMotion(keys);
+}
 
 void set(double (&out)[3], const Vector3d& v)
 {
@@ -92,113 +103,168 @@ Settings settings_of(Way way, const league_case& asked)
     for (const league_body* body : {&asked.a, &asked.b})
         if (body->kind != LEAGUE_HALF_SPACE) size = std::max(size, bounds_of(geometry_of(*body)).diagonal());
     settings.max_error = 1e-2 * size;
-    settings.bounding_volume = way == Way::spheres ? BoundingVolume::sphere : BoundingVolume::obb;
+    settings.bounding_volume = way == Way::within ? BoundingVolume::obb : BoundingVolume::sphere;
+    settings.backend = BackendKind::cpu;
     return settings;
 }
 
-void* prepare(Way way, const league_case* asked)
+/// An exception other than Error ends the process: it is a fault of oncollide.
+class Case final : public league::Query {
+public:
+    Case(Way way, const league_case& asked)
+        : world_(WorldAccess::make(settings_of(way, asked),
+                                   way == Way::gpu ? std::make_unique<league::SharedBackend>() : nullptr))
+    {
+        if (asked.question != LEAGUE_PAIRS) add(asked.a);
+        if (asked.question < LEAGUE_RAY) add(asked.b);
+        for (std::size_t k = 0; k < asked.body_count; ++k) add(asked.bodies[k]);
+    }
+
+    int answer(const league_case& asked, league_answer& answer) noexcept override
+    try {
+        switch (asked.question) {
+        case LEAGUE_MEET:
+            answer.meet = world_.pairs().decide(bodies_[0], bodies_[1]).verdict != Verdict::separate;
+            return LEAGUE_ANSWERED;
+        case LEAGUE_DISTANCE: {
+            const Distance found = world_.pairs().distance(bodies_[0], bodies_[1]);
+            answer.distance = found.upper, answer.error = found.upper - found.lower, answer.has_points = true;
+            set(answer.point_a, found.point_a), set(answer.point_b, found.point_b);
+            return LEAGUE_ANSWERED;
+        }
+        case LEAGUE_DEPTH: {
+            const Penetration found = world_.pairs().penetration(bodies_[0], bodies_[1]);
+            answer.meet = found.parting_upper > 0, answer.depth = found.parting_upper;
+            answer.error = found.parting_upper - found.parting_lower;
+            set(answer.normal, found.parting_along);
+            return std::isfinite(found.parting_upper) ? LEAGUE_ANSWERED : LEAGUE_UNSUPPORTED;
+        }
+        case LEAGUE_CONTACTS:
+            find_contacts(answer);
+            return LEAGUE_ANSWERED;
+        case LEAGUE_CAST:
+        case LEAGUE_TURN: {
+            const double far = 0x1p-48 * Vector3d(asked.b.position).cwiseAbs().maxCoeff();
+            const SweepResult found =
+                world_.pairs().sweep({models_[0], pose_of(asked.a)}, {models_[1], motion_of(asked)},
+                                     {.time_tolerance = 1e-9, .gap_tolerance = 1e-9 + far}); // rounding hides such gaps
+            answer.meet = found.verdict != Verdict::separate;
+            answer.time = std::isfinite(found.contact_by) ? found.contact_by : found.clear_until;
+            answer.error = answer.time - found.clear_until;
+            return found.verdict == Verdict::undecided ? LEAGUE_FAILED : LEAGUE_ANSWERED;
+        }
+        case LEAGUE_RAY: {
+            const Vector3d from(asked.from);
+            const CastHit hit = world_.space().cast(Segment{from, from + Vector3d(asked.motion)});
+            answer.meet = hit.verdict != Verdict::separate, answer.time = hit.fraction_upper;
+            return LEAGUE_ANSWERED;
+        }
+        case LEAGUE_SELF:
+            answer.meet = !world_.models().self_contacts(models_[0], 1).empty();
+            return LEAGUE_ANSWERED;
+        case LEAGUE_PAIRS: {
+            pairs_.clear();
+            for (const PairResult& pair : world_.step().pairs)
+                if (pair.verdict != Verdict::separate)
+                    for (const BodyId body : {pair.a, pair.b}) pairs_.push_back(number_.at(body));
+            answer.pairs = pairs_.data(), answer.pair_count = pairs_.size() / 2;
+            return LEAGUE_ANSWERED;
+        }
+        default:
+            return LEAGUE_UNSUPPORTED;
+        }
+    } catch (const Error&) {
+        return LEAGUE_FAILED;
+    }
+
+private:
+    void find_contacts(league_answer& answer)
+    {
+        contacts_.clear();
+        double deepest = -std::numeric_limits<double>::infinity();
+        for (const ManifoldPoint& p : world_.pairs().manifold(bodies_[0], bodies_[1]).points) {
+            league_contact& contact = contacts_.emplace_back();
+            set(contact.position, (p.point_a + p.point_b) / 2), set(contact.normal, p.normal), contact.depth = p.depth;
+            if (p.depth > deepest) deepest = p.depth, answer.error = p.depth_error;
+        }
+        answer.meet = !contacts_.empty();
+        answer.contacts = contacts_.data(), answer.contact_count = contacts_.size();
+    }
+
+    void add(const league_body& body)
+    {
+        models_.push_back(world_.models().add(std::make_shared<const Geometry>(Geometry{{}, geometry_of(body), {}})));
+        bodies_.push_back(world_.bodies().add({.model = models_.back(), .pose = pose_of(body)}));
+        number_[bodies_.back()] = std::uint32_t(number_.size());
+    }
+
+    World world_;
+    std::vector<ModelId> models_;
+    std::vector<BodyId> bodies_;
+    std::map<BodyId, std::uint32_t> number_;
+    std::vector<std::uint32_t> pairs_;
+    std::vector<league_contact> contacts_;
+};
+
+template <Way way>
+std::unique_ptr<league::Query> prepare(const league_case& asked) noexcept
 try {
-    auto prepared = std::make_unique<Prepared>();
-    World& world = prepared->world.emplace(settings_of(way, *asked));
-    const auto add = [&](const league_body& body) {
-        const ModelId model = world.models().add(std::make_shared<const Geometry>(Geometry{{}, geometry_of(body), {}}));
-        prepared->models.push_back(model);
-        prepared->bodies.push_back(world.bodies().add({.model = model, .pose = pose_of(body)}));
-        prepared->number[prepared->bodies.back()] = std::uint32_t(prepared->number.size());
-    };
-    if (asked->question != LEAGUE_PAIRS) add(asked->a);
-    if (asked->question < LEAGUE_RAY) add(asked->b);
-    for (std::size_t k = 0; k < asked->body_count; ++k) add(asked->bodies[k]);
-    return prepared.release();
+    return std::make_unique<Case>(way, asked);
 } catch (const Error&) {
     return nullptr;
 }
 
-int answer(void* prepared_data, const league_case* asked, league_answer* out)
-try {
-    auto& prepared = *static_cast<Prepared*>(prepared_data);
-    World& world = *prepared.world;
-    const auto& bodies = prepared.bodies;
-    switch (asked->question) {
-    case LEAGUE_MEET:
-        out->meet = world.pairs().decide(bodies[0], bodies[1]).verdict != Verdict::separate;
-        return LEAGUE_ANSWERED;
-    case LEAGUE_DISTANCE: {
-        const Distance found = world.pairs().distance(bodies[0], bodies[1]);
-        out->distance = found.upper, out->error = found.upper - found.lower, out->has_points = true;
-        set(out->point_a, found.point_a), set(out->point_b, found.point_b);
-        return LEAGUE_ANSWERED;
-    }
-    case LEAGUE_DEPTH: {
-        const Penetration found = world.pairs().penetration(bodies[0], bodies[1]);
-        out->meet = found.parting_upper > 0, out->depth = found.parting_upper;
-        out->error = found.parting_upper - found.parting_lower;
-        set(out->normal, found.parting_along);
-        return std::isfinite(found.parting_upper) ? LEAGUE_ANSWERED : LEAGUE_UNSUPPORTED;
-    }
-    case LEAGUE_CAST: {
-        const Eigen::Isometry3d from = pose_of(asked->b);
-        const double rounding = 0x1p-48 * from.translation().cwiseAbs().maxCoeff(); // no gap below it is known
-        Eigen::Isometry3d to = from;
-        to.translation() += Vector3d(asked->motion);
-        const SweepResult found =
-            world.pairs().sweep({prepared.models[0], pose_of(asked->a)}, {prepared.models[1], RigidMotion(from, to)},
-                                {.time_tolerance = 1e-9, .gap_tolerance = 1e-9 + rounding});
-        out->meet = found.verdict != Verdict::separate;
-        out->time = std::isfinite(found.contact_by) ? found.contact_by : found.clear_until;
-        out->error = out->time - found.clear_until;
-        return found.verdict == Verdict::undecided ? LEAGUE_FAILED : LEAGUE_ANSWERED;
-    }
-    case LEAGUE_RAY: {
-        const Vector3d from(asked->from);
-        const CastHit hit = world.space().cast(Segment{from, from + Vector3d(asked->motion)});
-        out->meet = hit.verdict != Verdict::separate, out->time = hit.fraction_upper;
-        return LEAGUE_ANSWERED;
-    }
-    case LEAGUE_SELF:
-        out->meet = !world.models().self_contacts(prepared.models[0], 1).empty();
-        return LEAGUE_ANSWERED;
-    case LEAGUE_PAIRS: {
-        prepared.pairs.clear();
-        for (const PairResult& pair : world.step().pairs)
-            if (pair.verdict != Verdict::separate)
-                for (const BodyId body : {pair.a, pair.b}) prepared.pairs.push_back(prepared.number.at(body));
-        out->pairs = prepared.pairs.data(), out->pair_count = prepared.pairs.size() / 2;
-        return LEAGUE_ANSWERED;
-    }
-    default:
-        return LEAGUE_UNSUPPORTED;
-    }
-} catch (const Error&) {
-    return LEAGUE_FAILED;
-}
-
-void release(void* prepared)
+/// The GPU finds the cells of meshes alone.
+template <Way way>
+int supports_meet(int question, int kind_a, int kind_b)
 {
-    delete static_cast<Prepared*>(prepared);
+    const bool has_mesh = league::has_triangles(kind_a) || league::has_triangles(kind_b);
+    return question == LEAGUE_MEET && (way != Way::gpu || has_mesh);
 }
 
 template <Way way>
-void* prepare_as(const league_case* asked)
+constexpr league_library bounded(const char* name, const char* settings)
 {
-    return prepare(way, asked);
+    return league::library_of<prepare<way>>({.name = name,
+                                             .settings = settings,
+                                             .source = "docs/choosing.md",
+                                             .supports = supports_meet<way>,
+                                             .precision = 1e-2,
+                                             .conservative = true});
 }
 
-const league_library libraries[] = {
-    {LEAGUE_VERSION, 64, "oncollide", "exact results, the defaults", "docs/results.md", 0, 0,
-     [](int question, int a, int b) {
-         return int(question != LEAGUE_DEPTH || !(a == LEAGUE_HALF_SPACE && b == LEAGUE_HALF_SPACE));
-     },
-     prepare_as<Way::exact>, answer, release},
-    {LEAGUE_VERSION, 64, "oncollide-within", "max_error of 1e-2 of the larger body; boxes", "docs/choosing.md", 1e-2, 1,
-     [](int question, int, int) { return int(question == LEAGUE_MEET); }, prepare_as<Way::within>, answer, release},
-    {LEAGUE_VERSION, 64, "oncollide-spheres", "max_error of 1e-2 of the larger body; sphere-trees", "docs/choosing.md",
-     1e-2, 1, [](int question, int, int) { return int(question == LEAGUE_MEET); }, prepare_as<Way::spheres>, answer,
-     release}};
+constexpr league_library libraries[] = {
+    league::library_of<prepare<Way::exact>>({
+        .name = "oncollide",
+        .settings = "exact results, the defaults",
+        .source = "docs/results.md",
+        .supports =
+            [](int question, int a, int b) {
+                return int(question != LEAGUE_DEPTH || !(a == LEAGUE_HALF_SPACE && b == LEAGUE_HALF_SPACE));
+            },
+    }),
+    bounded<Way::within>("oncollide-within", "max_error of 1e-2 of the larger body; boxes"),
+    bounded<Way::spheres>("oncollide-spheres", "max_error of 1e-2 of the larger body; sphere-trees"),
+    bounded<Way::gpu>("oncollide-gl", "max_error of 1e-2 of the larger body; sphere-trees by gl-compute"),
+};
+
+/// An OpenGL context can be made.
+bool has_gpu()
+{
+    static const bool found = [] {
+        try {
+            return describe_gpu(-1), true;
+        } catch (const Error&) {
+            return false;
+        }
+    }();
+    return found;
+}
 
 } // namespace
 
-extern "C" const league_library* league_open(int number)
+const league_library* league_open(int number)
 {
-    return number >= 0 && number < int(std::size(libraries)) ? &libraries[number] : nullptr;
+    const league_library* const library = league::library_at(libraries, number);
+    return number == int(std::size(libraries)) - 1 && !has_gpu() ? nullptr : library;
 }

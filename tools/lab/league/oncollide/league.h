@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-#define LEAGUE_VERSION 1
+#define LEAGUE_VERSION 2
 
 enum league_kind {
     LEAGUE_MESH,      /* triangles */
@@ -46,7 +46,9 @@ enum league_question {
     LEAGUE_MEET,     /* Do the two bodies have a point in common? -> meet */
     LEAGUE_DISTANCE, /* How far apart are they? -> distance (0 if they meet), points */
     LEAGUE_DEPTH,    /* They meet: which least translation of b parts them? -> depth, normal (unit; b moves by depth * normal) */
+    LEAGUE_CONTACTS, /* Which contacts keep the two apart in a simulation? -> meet, contacts; none if they do not meet */
     LEAGUE_CAST,     /* b moves by `motion`, a rests: when do they first meet? -> meet, time from 0 to 1 */
+    LEAGUE_TURN,     /* The same, and b turns by `turn` about its own origin meanwhile, both at a constant rate */
     LEAGUE_RAY,      /* Where does the segment from `from` to `from + motion` first meet body a? -> meet, time from 0 to 1 */
     LEAGUE_PAIRS,    /* Which of `bodies` have AABBs with a common point? Bodies are boxes without rotation. -> pairs */
     LEAGUE_SELF,     /* Have two triangles of mesh a a common point beyond the vertices and edges that they share? -> meet */
@@ -58,9 +60,17 @@ typedef struct league_case {
     int32_t question;
     league_body a, b;
     double from[3], motion[3];
+    double turn[3]; /* the axis in the world, as long as the angle in radians, which may be more than a half turn */
     size_t body_count;
     const league_body *bodies;
 } league_case;
+
+/* A point where the two bodies press on each other. */
+typedef struct league_contact {
+    double position[3]; /* in the world, between the two surfaces */
+    double normal[3];   /* unit; b moves along it to part from a */
+    double depth;       /* by this much; negative: they are apart here */
+} league_contact;
 
 typedef struct league_answer {
     int32_t meet; /* 1 or 0 */
@@ -71,6 +81,10 @@ typedef struct league_answer {
     double point_a[3], point_b[3]; /* the nearest points, if has_points; in the world */
     size_t pair_count;
     const uint32_t *pairs; /* two bodies each; valid until the next call */
+    size_t contact_count;
+    const league_contact *contacts; /* valid until the next call */
+    double seconds; /* the time that the library took, if the adapter measures it, as for one in another language; 0: the
+                     * league measures it */
 } league_answer;
 
 enum league_state {

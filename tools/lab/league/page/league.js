@@ -14,8 +14,8 @@ const micro = ns => ns > 0 ? `${(us => us < 10 ? us.toPrecision(2) : Math.round(
 
 // The data, and the names of its counts in the order of the panel.
 const league = JSON.parse(find("league").textContent);
-const faults = ["missed", "invented", "distance", "points", "normal", "depth", "late", "early", "failed", "crashed", "hung"];
-const names = {right: "right", missed: "lost collision", invented: "invented collision", distance: "wrong distance", points: "wrong nearest points",
+const faults = ["missed", "invented", "distance", "points", "normal", "depth", "support", "late", "early", "failed", "crashed", "hung"];
+const names = {right: "right", missed: "lost collision", invented: "invented collision", distance: "wrong distance", points: "wrong points", support: "contacts on one side",
   normal: "wrong normal", depth: "wrong depth", late: "hit too late", early: "hit too early", failed: "library reports failure", crashed: "crashed",
   hung: "hung", unsupported: "unsupported", undecided: "rounding decides"};
 const kindOf = {right: "right", missed: "lost", crashed: "broken", hung: "broken", unsupported: "none", undecided: "none"};
@@ -185,6 +185,12 @@ function showLibraries() {
 const add = (p, q, s = 1) => [p[0] + s * q[0], p[1] + s * q[1], p[2] + s * q[2]], dot = (p, q) => p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
 const cross = (p, q) => [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
 const unit = p => (length => length > 0 ? p.map(x => x / length) : [0, 0, 1])(Math.hypot(...p)), middle = (p, q) => p.map((x, k) => (x + q[k]) / 2);
+// A point that turns about another by a share of a rotation vector.
+const turned = (p, about, turn, share) => {
+  const angle = Math.hypot(...turn), axis = unit(turn), arm = add(p, about, -1), along = dot(axis, arm) * (1 - Math.cos(share * angle));
+  if (!(angle > 0)) return p;
+  return [0, 1, 2].map(k => about[k] + Math.cos(share * angle) * arm[k] + Math.sin(share * angle) * cross(axis, arm)[k] + along * axis[k]);
+};
 const normalOf = face => unit(cross(add(face[1], face[0], -1), add(face[2], face[0], -1)));
 const kindName = kind => String(kind ?? "").toLowerCase().replace(/[^a-z]/g, "");
 const boundsOf = points => [0, 1, 2].reduce((box, k) => { for (const p of points) box[0][k] = Math.min(box[0][k], p[k]), box[1][k] = Math.max(box[1][k], p[k]); return box; },
@@ -275,11 +281,13 @@ class Stage {
     this.bodies = list.filter(has).slice(0, 400).map((body, k) => Object.assign(bodyFaces(body), {name: many ? `${number(many)} bodies` : "ab"[k], color: color(k), many}));
     const cloud = part => part.faces.length ? part.faces.flatMap(face => face.points) : part.points;
     this.arrow = question === "ray" && asked.from ? [asked.from, add(asked.from, asked.motion)] : null;
-    if (question === "cast" && this.bodies[1] && asked.motion) {
+    if (["cast", "turn"].includes(question) && this.bodies[1] && asked.motion) {
       const [low, high] = boundsOf(cloud(this.bodies[1]).length ? cloud(this.bodies[1]) : [this.bodies[1].body.position]), start = middle(low, high);
-      this.arrow = [start, add(start, asked.motion)];
-      const end = this.bodies[1].faces.map(face => ({...face, points: face.points.map(p => add(p, asked.motion))}));
-      this.bodies.push({...this.bodies[1], faces: end, points: [], ghost: true});
+      this.arrow = dot(asked.motion, asked.motion) ? [start, add(start, asked.motion)] : null;
+      for (const time of asked.turn ? [0.25, 0.5, 0.75, 1] : [1]) {
+        const place = p => add(asked.turn ? turned(p, this.bodies[1].body.position, asked.turn, time) : p, asked.motion, time);
+        this.bodies.push({...this.bodies[1], faces: this.bodies[1].faces.map(face => ({...face, points: face.points.map(place)})), points: [], ghost: true});
+      }
     }
     const boxes = this.bodies.filter(part => cloud(part).length).map(part => boundsOf(cloud(part)));
     if (this.arrow || !boxes.length) boxes.push(this.arrow ? boundsOf(this.arrow) : [[-1, -1, -1], [1, 1, 1]]);

@@ -5,8 +5,8 @@
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
 #include <oncollide/samples/generators.hpp>
 
-#include "league/report_families.hpp"
-#include "league/truths.hpp"
+#include "league/families/report_families.hpp"
+#include "league/truths/truths.hpp"
 #include "verify/cases/body_case.hpp"
 
 namespace oncollide::tools {

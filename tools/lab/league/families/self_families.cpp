@@ -5,7 +5,7 @@
 
 #include <oncollide/samples/generators.hpp>
 
-#include "league/families.hpp"
+#include "league/families/families.hpp"
 #include "truth/exact_oracle.hpp"
 #include "truth/exact_point.hpp"
 #include "verify/cases/case_numbers.hpp"

@@ -1,8 +1,8 @@
 // Two triangles, and two meshes.
 #include <memory>
 
-#include "league/families.hpp"
-#include "league/truths.hpp"
+#include "league/families/families.hpp"
+#include "league/truths/truths.hpp"
 #include "truth/truth.hpp"
 #include "verify/cases/body_case.hpp"
 #include "verify/cases/near_families.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-#include "league/league_truth.hpp"
+#include "league/judge/league_truth.hpp"
 
 // The truths of the families, and other methods that confirm them. All take cases of the question in their comments.
 namespace oncollide::tools::truths {
@@ -29,8 +29,13 @@ bool gap_confirmed(const LeagueCase& asked, const LeagueTruth& truth);
 /// Depth of two shapes, judged where the least translation is known exactly.
 LeagueTruth shapes_deep(const LeagueCase& asked);
 
-/// The first contact of a shape, mesh, terrain or map with the shape b, which moves straight. The gap of a convex part
-/// is a convex function of time: its least value by golden sections, the first root before it by bisection.
+/// Contacts: depth, positions, and where the case has a footprint, the normal and the support.
+LeagueTruth contacts(const LeagueCase& asked);
+/// Another GJK finds the bodies apart or not, and tests the footprint's depth along its normal.
+bool contacts_confirmed(const LeagueCase& asked, const LeagueTruth& truth);
+
+/// The first contact of a shape, mesh, terrain or map with the shape b, which moves straight, or turns, too. The gap of
+/// a convex part is a convex function of time on straight motions; on others, by conservative advancement.
 LeagueTruth first_contact(const LeagueCase& asked);
 /// Another GJK finds them apart before the contact, and not far apart at it.
 bool contact_confirmed(const LeagueCase& asked, const LeagueTruth& truth);

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "league/league_truth.hpp"
+#include "league/judge/league_truth.hpp"
 
 namespace oncollide::tools {
 
@@ -24,8 +24,10 @@ std::vector<LeagueFamily> league_families();
 // The parts of league_families().
 std::vector<LeagueFamily> triangle_league(); ///< two triangles: meeting, exactly; distances, in rational arithmetic
 std::vector<LeagueFamily> mesh_league();     ///< two meshes: meeting, exactly
-std::vector<LeagueFamily> shape_league();    ///< two shapes, or a shape on ground: meeting, distance, depth
+std::vector<LeagueFamily> shape_league();    ///< two shapes, or a shape on ground: meeting, distance, depth, contacts
+std::vector<LeagueFamily> contact_league();  ///< bodies that lie on each other
 std::vector<LeagueFamily> motion_league();   ///< casts of shapes, and rays against meshes
+std::vector<LeagueFamily> turn_league();     ///< casts of shapes that turn
 std::vector<LeagueFamily> self_league();     ///< a mesh against itself
 std::vector<LeagueFamily> box_league();      ///< overlapping AABBs of many
 // Situations from public bug reports of other libraries, rebuilt.

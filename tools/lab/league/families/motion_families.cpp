@@ -1,8 +1,8 @@
 // Shapes that move until they meet others, and rays against meshes.
 #include <cmath>
 
-#include "league/families.hpp"
-#include "league/truths.hpp"
+#include "league/families/families.hpp"
+#include "league/truths/truths.hpp"
 #include "verify/cases/case_numbers.hpp"
 #include "verify/cases/drawn_shapes.hpp"
 

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "league/league_case.hpp"
+#include "league/judge/league_case.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -49,7 +49,7 @@ std::string program_of(const league_case& asked, const std::string& library)
     const bool pairs = asked.question == LEAGUE_PAIRS, two = asked.question < LEAGUE_RAY;
     std::string text = "// g++ -std=c++20 -g -I PATH_OF_LEAGUE_H case.cpp -ldl && ./a.out ADAPTER.so\n#include "
                        "<oncollide/league.h>\n\n"
-                       "#include <cstdio>\n#include <cstring>\n#include <dlfcn.h>\n\n";
+                       "#include <cstdint>\n#include <cstdio>\n#include <cstring>\n#include <dlfcn.h>\n\n";
     if (!pairs) text += body_text("a", asked.a);
     if (two) text += body_text("b", asked.b);
     if (pairs) {
@@ -60,10 +60,10 @@ std::string program_of(const league_case& asked, const std::string& library)
         }
         text += fmt::format("const league_body bodies[] = {{{}}};\n", all);
     }
-    text += fmt::format("const league_case asked{{{}, {}, {}, {}, {}, {}, {}}}; // {}\n", asked.question,
+    text += fmt::format("const league_case asked{{{}, {}, {}, {}, {}, {}, {}, {}}}; // {}\n", asked.question,
                         pairs ? "{}" : "a", two ? "b" : "{}", braced(std::span<const double>(asked.from)),
-                        braced(std::span<const double>(asked.motion)), asked.body_count, pairs ? "bodies" : "nullptr",
-                        name_of(league_question(asked.question)));
+                        braced(std::span<const double>(asked.motion)), braced(std::span<const double>(asked.turn)),
+                        asked.body_count, pairs ? "bodies" : "nullptr", name_of(league_question(asked.question)));
     return text + fmt::format(R"(
 int main(int, char** words)
 {{
@@ -71,12 +71,18 @@ int main(int, char** words)
     const auto open = file ? reinterpret_cast<const league_library* (*)(int)>(dlsym(file, "league_open")) : nullptr;
     for (int number = 0; open && open(number); ++number) {{
         const league_library& library = *open(number);
-        if (std::strcmp(library.name, "{}") != 0) continue;
-        void* const prepared = library.prepare(&asked);
+        if (std::strcmp(library.name, "{0}") != 0) continue;
+        const int a = {1}, b = {2};
+        void* const prepared = library.supports(asked.question, a, b) ? library.prepare(&asked) : nullptr;
         league_answer answer{{}};
         if (!prepared || library.answer(prepared, &asked, &answer) != LEAGUE_ANSWERED) return 1;
         printf("meet %d, distance %.17g, depth %.17g, time %.17g, normal %.17g %.17g %.17g, %zu pairs\n", answer.meet,
-                    answer.distance, answer.depth, answer.time, answer.normal[0], answer.normal[1], answer.normal[2], answer.pair_count);
+               answer.distance, answer.depth, answer.time, answer.normal[0], answer.normal[1], answer.normal[2], answer.pair_count);
+        for (std::size_t k = 0; k < answer.contact_count; ++k) {{
+            const league_contact& c = answer.contacts[k];
+            printf("contact at %.17g %.17g %.17g, normal %.17g %.17g %.17g, depth %.17g\n", c.position[0], c.position[1],
+                   c.position[2], c.normal[0], c.normal[1], c.normal[2], c.depth);
+        }}
         library.release(prepared);
         return 0;
     }}
@@ -84,7 +90,10 @@ int main(int, char** words)
     return 2;
 }}
 )",
-                              library);
+                              library, pairs ? std::to_string(LEAGUE_BOX) : "asked.a.kind",
+                              pairs ? std::to_string(LEAGUE_BOX)
+                              : two ? "asked.b.kind"
+                                    : "asked.a.kind");
 }
 
 } // namespace oncollide::tools

@@ -1,10 +1,11 @@
 #pragma once
 #include <functional>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
-#include "league/league_case.hpp"
+#include "league/judge/league_case.hpp"
 
 namespace oncollide::tools {
 
@@ -23,13 +24,20 @@ struct LeagueTruth {
     std::function<long double(const Eigen::Vector3d& point, int of)> off_surface{};
     /// How far b must move along a unit vector until the two are parted; empty: not judged.
     std::function<long double(const Eigen::Vector3d& unit)> way_out{};
+    /// The angle of a contact's normal, a unit vector, to the right one, radians; empty: not judged.
+    std::function<double(const Eigen::Vector3d& unit)> tilt{};
+    /// How far the hull of the contacts' positions leaves out the middle of the common area; empty: not judged.
+    std::function<long double(std::span<const Eigen::Vector3d> positions)> off_middle{};
+    /// How deep b is in a at most between two times of a cast; negative: how far apart they are at least. Empty: no
+    /// result may be later than `upper`.
+    std::function<long double(long double from, long double to)> deepest{};
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs{}; ///< a < b, sorted
 };
 
 /// The faults of a result, the gravest first.
-enum class LeagueFault : std::uint8_t { none, missed, late, invented, early, distance, depth, normal, points };
+enum class LeagueFault : std::uint8_t { none, missed, late, invented, early, distance, depth, normal, points, support };
 constexpr std::string_view fault_names[] = {"right",    "missed", "late",   "invented", "early",
-                                            "distance", "depth",  "normal", "points"};
+                                            "distance", "depth",  "normal", "points",   "support"};
 
 struct LeagueVerdict {
     LeagueFault fault = LeagueFault::none;

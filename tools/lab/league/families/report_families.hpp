@@ -1,5 +1,5 @@
 #pragma once
-#include "league/families.hpp"
+#include "league/families/families.hpp"
 #include "verify/cases/case_numbers.hpp"
 
 // Situations from public bug reports of other libraries, with bodies and numbers of our own.

@@ -1,4 +1,4 @@
-#include "league/league_truth.hpp"
+#include "league/judge/league_truth.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -33,7 +33,11 @@ public:
         case LEAGUE_DEPTH:
             judge_depth();
             break;
+        case LEAGUE_CONTACTS:
+            judge_contacts();
+            break;
         case LEAGUE_CAST:
+        case LEAGUE_TURN:
         case LEAGUE_RAY:
             judge_time();
             break;
@@ -99,6 +103,50 @@ private:
                   fmt::format("they are parted after {:.3g} m along it", double(way)));
     }
 
+    void judge_contacts()
+    {
+        std::vector<Vector3d> positions;
+        const league_contact* deepest = nullptr;
+        for (const league_contact& c : std::span(answer_.contacts, answer_.contact_count)) {
+            positions.emplace_back(c.position);
+            if (!deepest || !(c.depth <= deepest->depth)) deepest = &c; // a NaN is the deepest
+        }
+        const std::string expected = fmt::format("{:.17g} m deep", double(truth_.upper)),
+                          said = deepest ? fmt::format("{} contacts, {:.17g} m deep", positions.size(), deepest->depth)
+                                         : "no contact";
+        const auto apart = [&] { return fmt::format("apart, by {:.3g} m", double(truth_.gap)); };
+        if (!deepest && truth_.meet == Meet::yes && -truth_.gap > doubt_)
+            fault(LeagueFault::missed, -truth_.gap, fmt::format("they meet, by {:.3g} m", double(-truth_.gap)), said);
+        if (deepest && truth_.meet == Meet::no && truth_.gap > doubt_ && deepest->depth > doubt_ + stated_)
+            fault(LeagueFault::invented, truth_.gap, apart(), said);
+        if (!deepest || truth_.meet != Meet::yes) return;
+        // Engines prefer the normal of a face to a slightly shorter way.
+        const long double slack = 0.05L * truth_.upper + doubt_ + stated_;
+        if (!(deepest->depth <= truth_.upper + slack) || deepest->depth < truth_.lower - slack)
+            fault(LeagueFault::depth, std::abs(deepest->depth - truth_.upper), expected, said);
+        if (truth_.tilt)
+            for (const league_contact& c : std::span(answer_.contacts, answer_.contact_count)) {
+                const Vector3d normal(c.normal);
+                const double angle = truth_.tilt(normal.normalized());
+                if (!(std::abs(normal.norm() - 1) < 1e-3) || !(angle <= 0.02))
+                    fault(LeagueFault::normal, angle, "the normal of the faces",
+                          fmt::format("tilted by {:.3g} rad", angle));
+            }
+        if (truth_.off_surface)
+            for (const league_contact& c : std::span(answer_.contacts, answer_.contact_count)) {
+                const Vector3d p(c.position);
+                const long double off =
+                    std::max(truth_.off_surface(p, 0), truth_.off_surface(p, 1)) - std::abs(c.depth);
+                if (!(off <= 2 * doubt_))
+                    fault(LeagueFault::points, off, "positions between the surfaces",
+                          fmt::format("off by {:.3g} m", double(off)));
+            }
+        if (truth_.off_middle)
+            if (const long double off = truth_.off_middle(positions); !(off <= 1e-3L * truth_.size))
+                fault(LeagueFault::support, off, "contacts around the middle of the common area",
+                      fmt::format("{} contacts leave it out by {:.3g} m", positions.size(), double(off)));
+    }
+
     void judge_time()
     {
         const auto text = [](long double t) { return fmt::format("at {:.17g}", double(t)); };
@@ -113,10 +161,13 @@ private:
             if (truth_.exact || -truth_.gap > doubt_) fault(LeagueFault::missed, 1 - truth_.upper, expected, said);
             return;
         }
-        const long double doubt = doubt_ / std::max(truth_.way, 1e-300L) + stated_;
-        if (!(answer_.time <= truth_.upper + doubt))
-            fault(LeagueFault::late, answer_.time - truth_.upper, expected, said);
-        if (answer_.time < truth_.lower - doubt) fault(LeagueFault::early, truth_.lower - answer_.time, expected, said);
+        const long double doubt = doubt_ / std::max(truth_.way, 1e-300L) + stated_, given = answer_.time;
+        if (!(given <= truth_.upper + doubt) && // also a NaN
+            !(truth_.deepest && given <= 1 && truth_.deepest(truth_.upper, given - stated_) <= doubt_))
+            fault(LeagueFault::late, given - truth_.upper, expected, said);
+        if (given < truth_.lower - doubt &&
+            !(truth_.deepest && given >= 0 && -truth_.deepest(given, given + stated_) <= doubt_))
+            fault(LeagueFault::early, truth_.lower - given, expected, said);
     }
 
     void judge_pairs()

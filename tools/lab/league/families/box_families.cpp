@@ -1,6 +1,6 @@
 // Many boxes, and which of them overlap.
-#include "league/families.hpp"
-#include "league/truths.hpp"
+#include "league/families/families.hpp"
+#include "league/truths/truths.hpp"
 #include "verify/cases/case_numbers.hpp"
 
 namespace oncollide::tools {

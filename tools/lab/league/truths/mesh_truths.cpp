@@ -1,7 +1,7 @@
 // Truths in integers and rational arithmetic: triangles, meshes, rays, boxes.
 #include <algorithm>
 
-#include "league/truths.hpp"
+#include "league/truths/truths.hpp"
 #include "render/drawn_mesh.hpp"
 #include "truth/exact_oracle.hpp"
 #include "truth/triangle_distance.hpp"

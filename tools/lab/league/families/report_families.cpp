@@ -1,5 +1,5 @@
 // Situations from public bug reports of other libraries, rebuilt: bodies at rest.
-#include "league/report_families.hpp"
+#include "league/families/report_families.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <oncollide/samples/generators.hpp>
 
-#include "league/truths.hpp"
+#include "league/truths/truths.hpp"
 #include "verify/cases/body_case.hpp"
 #include "verify/oracle/solid_truth.hpp"
 

@@ -1,4 +1,4 @@
-#include "league/league_case.hpp"
+#include "league/judge/league_case.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,8 +13,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::array<std::string_view, LEAGUE_QUESTION_COUNT> question_names{"meet", "distance", "depth", "cast",
-                                                                             "ray",  "pairs",    "self"};
+constexpr std::array<std::string_view, LEAGUE_QUESTION_COUNT> question_names{
+    "meet", "distance", "depth", "contacts", "cast", "turn", "ray", "pairs", "self"};
 constexpr std::array<std::string_view, LEAGUE_KIND_COUNT> kind_names{
     "mesh", "hull", "sphere", "capsule", "box", "cylinder", "cone", "ellipsoid", "half-space", "terrain", "cells"};
 
@@ -89,11 +89,19 @@ double LeagueBody::size() const
     return shape && std::holds_alternative<HalfSpace>(*shape) ? 0 : bounds_of(geometry).diagonal();
 }
 
+Eigen::Isometry3d LeagueCase::pose_of_b(double time) const
+{
+    Eigen::Isometry3d pose = b.pose;
+    pose.translation() += time * motion;
+    if (!turn.isZero()) pose.linear() = Eigen::AngleAxisd(time * turn.norm(), turn.normalized()) * b.pose.linear();
+    return pose;
+}
+
 LeagueCase rounded_to_float(LeagueCase asked)
 {
     if (asked.question != LEAGUE_PAIRS) round(asked.a);
     if (asked.has_b()) round(asked.b);
-    round(asked.from), round(asked.motion);
+    round(asked.from), round(asked.motion), round(asked.turn);
     for (LeagueBody& body : asked.bodies) round(body);
     return asked;
 }
@@ -106,6 +114,7 @@ AskedCase::AskedCase(LeagueCase asked) : case_(std::move(asked))
     if (case_.has_b()) view_.b = form_of(case_.b);
     for (const LeagueBody& body : case_.bodies) bodies_.push_back(form_of(body));
     std::copy_n(case_.from.data(), 3, view_.from), std::copy_n(case_.motion.data(), 3, view_.motion);
+    std::copy_n(case_.turn.data(), 3, view_.turn);
     view_.body_count = bodies_.size(), view_.bodies = bodies_.data();
 }
 
@@ -179,6 +188,7 @@ nlohmann::json json_of(const league_case& asked)
     out["a"] = body(asked.a);
     if (asked.question < LEAGUE_RAY) out["b"] = body(asked.b);
     if (asked.question >= LEAGUE_CAST) out["from"] = asked.from, out["motion"] = asked.motion;
+    if (asked.question == LEAGUE_TURN) out["turn"] = asked.turn;
     return out;
 }
 

@@ -1,8 +1,8 @@
 // Two shapes, and shapes on ground.
 #include <fmt/format.h>
 
-#include "league/families.hpp"
-#include "league/truths.hpp"
+#include "league/families/families.hpp"
+#include "league/truths/truths.hpp"
 #include "verify/cases/drawn_shapes.hpp"
 #include "verify/oracle/solid_gap.hpp"
 
@@ -14,7 +14,6 @@ using oracle::SolidTruth;
 struct KindPairs {
     const char* name;
     std::vector<std::pair<ShapeKind, ShapeKind>> kinds;
-    bool on_half_space = false; ///< whose normal is no unit vector after rounding to float: one method alone
 };
 
 const std::vector<KindPairs>& kind_pairs()
@@ -35,14 +34,13 @@ const std::vector<KindPairs>& kind_pairs()
           {cylinder, half_space},
           {cone, half_space},
           {capsule, half_space},
-          {ellipsoid, half_space}},
-         true}};
+          {ellipsoid, half_space}}}};
     return pairs;
 }
 
 LeagueFamily shape_family(const KindPairs& pairs, league_question question)
 {
-    const bool depth = question == LEAGUE_DEPTH;
+    const bool deep = question == LEAGUE_DEPTH;
     return {
         fmt::format("{}: {}", name_of(question), pairs.name),
         "shapes",
@@ -60,8 +58,10 @@ LeagueFamily shape_family(const KindPairs& pairs, league_question question)
                 if (gap_of(solid_a, solid_b).upper <= 0) return asked;
             }
         },
-        depth ? truths::shapes_deep : truths::shapes_apart,
-        pairs.on_half_space ? nullptr : decltype(LeagueFamily::confirms)(truths::gap_confirmed)};
+        deep                          ? truths::shapes_deep
+        : question == LEAGUE_CONTACTS ? truths::contacts
+                                      : truths::shapes_apart,
+        truths::gap_confirmed};
 }
 
 LeagueFamily ground_family(GroundKind ground, league_question question)
@@ -85,7 +85,7 @@ LeagueFamily ground_family(GroundKind ground, league_question question)
 std::vector<LeagueFamily> shape_league()
 {
     std::vector<LeagueFamily> all;
-    for (const league_question question : {LEAGUE_MEET, LEAGUE_DISTANCE, LEAGUE_DEPTH})
+    for (const league_question question : {LEAGUE_MEET, LEAGUE_DISTANCE, LEAGUE_DEPTH, LEAGUE_CONTACTS})
         for (const KindPairs& pairs : kind_pairs()) all.push_back(shape_family(pairs, question));
     for (const league_question question : {LEAGUE_MEET, LEAGUE_DISTANCE})
         for (const GroundKind ground : {GroundKind::mesh, GroundKind::terrain, GroundKind::map})

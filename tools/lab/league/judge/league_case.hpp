@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,14 +21,23 @@ struct LeagueBody {
     double size() const;
 };
 
+/// The area where a face of b lies on a face of a, in families of contacts that know it.
+struct Footprint {
+    Eigen::Vector3d centre, normal; ///< centre of the common area; unit, from a to b
+    double depth;                   ///< metres that b is in a
+};
+
 /// A question about bodies, with all numbers that it needs.
 struct LeagueCase {
     league_question question = LEAGUE_MEET;
     LeagueBody a{}, b{}; ///< of pairs: not used
-    Eigen::Vector3d from = Eigen::Vector3d::Zero(), motion = Eigen::Vector3d::Zero();
+    Eigen::Vector3d from = Eigen::Vector3d::Zero(), motion = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();
     std::vector<LeagueBody> bodies{}; ///< of pairs: boxes
+    std::optional<Footprint> footprint{};
 
     bool has_b() const { return question < LEAGUE_RAY; }
+    /// The pose of b at a time from 0 to 1 of its motion.
+    Eigen::Isometry3d pose_of_b(double time) const;
 };
 
 /// The same, with all numbers rounded to float.
