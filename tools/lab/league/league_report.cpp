@@ -100,18 +100,20 @@ std::uint64_t LeagueTable::wrong_of(std::string_view library) const
 
 std::string text_of(const LeagueTable& table)
 {
-    std::string text = fmt::format("{:<18}{:>10}{:>12}{:>9}{:>9}{:>10}{:>10}{:>12}  {}\n", "library", "answers",
-                                   "right, %", "missed", "invented", "inexact", "no answer", "us a query", "settings");
+    std::string text =
+        fmt::format("{:<18}{:>10}{:>12}{:>9}{:>9}{:>10}{:>8}{:>10}{:>12}  {}\n", "library", "answers", "right, %",
+                    "missed", "invented", "inexact", "extra", "no answer", "us a query", "settings");
     for (std::size_t e = 0; e < table.libraries.size(); ++e) {
         const LeagueCell c = table.sum(e);
         const auto of = [&](LeagueFault fault) { return c.faults[std::size_t(fault)]; };
         const std::uint64_t missed = of(LeagueFault::missed) + of(LeagueFault::late),
                             invented = of(LeagueFault::invented) + of(LeagueFault::early);
         text += fmt::format(
-            "{:<18}{:>10}{:>12.4f}{:>9}{:>9}{:>10}{:>10}{:>12.3g}  {}\n", table.libraries[e].library->name,
+            "{:<18}{:>10}{:>12.4f}{:>9}{:>9}{:>10}{:>8}{:>10}{:>12.3g}  {}\n", table.libraries[e].library->name,
             grouped(c.answered()), c.answered() ? 100 * double(c.right()) / double(c.answered()) : 0, grouped(missed),
-            grouped(invented), grouped(c.wrong() - missed - invented), grouped(c.failed + c.crashed + c.hung),
-            c.answered() ? 1e-3 * c.nanoseconds / double(c.answered()) : 0, table.libraries[e].library->settings);
+            grouped(invented), grouped(c.wrong() - missed - invented), grouped(c.extra()),
+            grouped(c.failed + c.crashed + c.hung), c.answered() ? 1e-3 * c.nanoseconds / double(c.answered()) : 0,
+            table.libraries[e].library->settings);
     }
     std::size_t longest = 0; // name of a family
     for (const LeagueFamily& family : table.families) longest = std::max(longest, family.name.size());

@@ -91,10 +91,11 @@ LeagueCell judge_replies(const LeagueFamily& family, const league_library& libra
         case LeagueReply::State::answered: {
             cell.nanoseconds += reply.nanoseconds;
             cell.open += truths[k].meet == LeagueTruth::Meet::open && family.question != LEAGUE_PAIRS;
-            const LeagueVerdict verdict = judge(family.question, truths[k], reply.answer, library.precision,
-                                                library.bits == 32 ? 0x1p-24 : 0x1p-53);
+            const LeagueVerdict verdict =
+                judge(family.question, truths[k], reply.answer, {library.precision, library.conservative != 0},
+                      library.bits == 32 ? 0x1p-24 : 0x1p-53);
             ++cell.faults[std::size_t(verdict.fault)];
-            if (verdict.fault != LeagueFault::none)
+            if (verdict.fault != LeagueFault::none && verdict.fault != LeagueFault::extra)
                 cell.worst.push_back({reply.seed, std::string(fault_names[std::size_t(verdict.fault)]),
                                       verdict.expected, verdict.given, verdict.error});
             break;

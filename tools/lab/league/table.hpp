@@ -26,7 +26,8 @@ struct LeagueCell {
 
     std::uint64_t answered() const { return cases - unsupported - failed - crashed - hung; }
     std::uint64_t right() const { return faults[0]; }
-    std::uint64_t wrong() const { return answered() - right(); }
+    std::uint64_t extra() const { return faults[std::size_t(LeagueFault::extra)]; }
+    std::uint64_t wrong() const { return answered() - right() - extra(); }
     void add(const LeagueCell& other);
     nlohmann::json json() const;
     static LeagueCell from(const nlohmann::json& json);

@@ -13,9 +13,9 @@ namespace {
 using Meet = LeagueTruth::Meet;
 
 LeagueFault fault_of(league_question question, const LeagueTruth& truth, const league_answer& answer,
-                     double precision = 0)
+                     const LeaguePromise& promised = {})
 {
-    return judge(question, truth, answer, precision, 0x1p-53).fault;
+    return judge(question, truth, answer, promised, 0x1p-53).fault;
 }
 
 #pragma GCC diagnostic push
@@ -27,10 +27,14 @@ TEST(LeagueJudge, NamesEveryFault)
     EXPECT_EQ(fault_of(LEAGUE_MEET, meet, {.meet = 0}), LeagueFault::missed);
     EXPECT_EQ(fault_of(LEAGUE_MEET, apart, {.meet = 1}), LeagueFault::invented);
     EXPECT_EQ(fault_of(LEAGUE_MEET, meet, {.meet = 1}), LeagueFault::none);
+    EXPECT_EQ(fault_of(LEAGUE_MEET, apart, {.meet = 1}, {1e-2, true}), LeagueFault::invented) << "beyond its precision";
+    LeagueTruth near{.meet = Meet::no, .exact = true, .gap = 1e-3, .size = 2};
+    EXPECT_EQ(fault_of(LEAGUE_MEET, near, {.meet = 1}, {1e-2, true}), LeagueFault::extra);
+    EXPECT_EQ(fault_of(LEAGUE_MEET, near, {.meet = 1}, {1e-2}), LeagueFault::invented);
     EXPECT_EQ(fault_of(LEAGUE_DISTANCE, apart, {.distance = 1 + 1e-7}), LeagueFault::none) << "1e-6 of the sizes";
     EXPECT_EQ(fault_of(LEAGUE_DISTANCE, apart, {.distance = 1 + 1e-5}), LeagueFault::distance);
     EXPECT_EQ(fault_of(LEAGUE_DISTANCE, apart, {.distance = 1 - 1e-5}), LeagueFault::distance);
-    EXPECT_EQ(fault_of(LEAGUE_DISTANCE, apart, {.distance = 1 + 1e-5}, 1e-4), LeagueFault::none) << "its promise";
+    EXPECT_EQ(fault_of(LEAGUE_DISTANCE, apart, {.distance = 1 + 1e-5}, {1e-4}), LeagueFault::none) << "its promise";
     EXPECT_EQ(fault_of(LEAGUE_DISTANCE, apart, {.distance = 1.1, .error = 0.2}), LeagueFault::none) << "its own bound";
     EXPECT_EQ(fault_of(LEAGUE_DISTANCE, apart, {.distance = std::nan("")}), LeagueFault::distance);
     EXPECT_EQ(fault_of(LEAGUE_DISTANCE, apart, {.distance = 0}), LeagueFault::invented);
@@ -200,7 +204,7 @@ TEST_F(League, AsksAboutOneCaseAndWritesIt)
     EXPECT_EQ(read_json("case.json")["question"], "ray");
     // The program gives the same case to the library's adapter.
     const std::string include = std::string("-I") + ONCOLLIDE_SOURCE_DIR + "/tools/lab/league";
-    for (const char* family : {"distance: spheres and capsules", "distance: hulls", "boxes: touching"}) {
+    for (const char* family : {"distance: hulls", "contacts: shapes at rest on a mesh", "boxes: touching"}) {
         ASSERT_EQ(league({"--family", family, "--seed", "3", "--library", "oncollide", "--write", "case.cpp"}).code, 0);
         const Outcome built = run_program(
             "/usr/bin/c++", {"-std=c++20", include, (folder_ / "case.cpp").string(), "-o", (folder_ / "case").string()},

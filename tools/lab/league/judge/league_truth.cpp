@@ -13,9 +13,9 @@ using Meet = LeagueTruth::Meet;
 
 class Judge {
 public:
-    Judge(const LeagueTruth& truth, const league_answer& answer, double precision, double rounding)
-        : truth_(truth), answer_(answer),
-          doubt_((precision > 0 ? precision : 1e-6) * truth.size + 64 * rounding * truth.coordinate),
+    Judge(const LeagueTruth& truth, const league_answer& answer, const LeaguePromise& promised, double rounding)
+        : truth_(truth), answer_(answer), conservative_(promised.conservative),
+          doubt_((promised.precision > 0 ? promised.precision : 1e-6) * truth.size + 64 * rounding * truth.coordinate),
           stated_(std::max(answer.error, 0.0))
     {
     }
@@ -63,8 +63,10 @@ private:
         const long double doubt = truth_.exact ? 0 : doubt_;
         if (truth_.meet == Meet::yes && !answer_.meet && (truth_.exact || -truth_.gap > doubt))
             fault(LeagueFault::missed, std::max(-truth_.gap, 0.0L), how("they meet", -truth_.gap), "apart");
-        if (truth_.meet == Meet::no && answer_.meet && (truth_.exact || truth_.gap > doubt))
-            fault(LeagueFault::invented, std::max(truth_.gap, 0.0L), how("apart", truth_.gap), "they meet");
+        const bool beyond = truth_.gap > doubt_; // of exact truths the gap may be unknown
+        if (truth_.meet == Meet::no && answer_.meet && (truth_.exact || conservative_ || beyond))
+            fault(conservative_ && !beyond ? LeagueFault::extra : LeagueFault::invented, std::max(truth_.gap, 0.0L),
+                  how("apart", truth_.gap), "they meet");
     }
 
     void judge_distance()
@@ -188,6 +190,7 @@ private:
 
     const LeagueTruth& truth_;
     const league_answer& answer_;
+    bool conservative_;
     long double doubt_;  ///< metres
     long double stated_; ///< by the result: metres, or a share of the motion
     LeagueVerdict verdict_;
@@ -195,10 +198,10 @@ private:
 
 } // namespace
 
-LeagueVerdict judge(league_question question, const LeagueTruth& truth, const league_answer& answer, double precision,
-                    double rounding)
+LeagueVerdict judge(league_question question, const LeagueTruth& truth, const league_answer& answer,
+                    const LeaguePromise& promised, double rounding)
 {
-    return Judge(truth, answer, precision, rounding).of(question);
+    return Judge(truth, answer, promised, rounding).of(question);
 }
 
 } // namespace oncollide::tools

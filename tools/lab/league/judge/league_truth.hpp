@@ -35,9 +35,22 @@ struct LeagueTruth {
 };
 
 /// The faults of a result, the gravest first.
-enum class LeagueFault : std::uint8_t { none, missed, late, invented, early, distance, depth, normal, points, support };
-constexpr std::string_view fault_names[] = {"right",    "missed", "late",   "invented", "early",
-                                            "distance", "depth",  "normal", "points",   "support"};
+/// extra: a conservative library may report that the bodies meet.
+enum class LeagueFault : std::uint8_t {
+    none,
+    missed,
+    late,
+    invented,
+    early,
+    distance,
+    depth,
+    normal,
+    points,
+    support,
+    extra
+};
+constexpr std::string_view fault_names[] = {"right", "missed", "late",   "invented", "early", "distance",
+                                            "depth", "normal", "points", "support",  "extra"};
 
 struct LeagueVerdict {
     LeagueFault fault = LeagueFault::none;
@@ -46,9 +59,13 @@ struct LeagueVerdict {
 };
 
 /// Judges a result.
-/// @param precision  promised by the library, as a share of the bodies' sizes
-/// @param rounding   of its numbers: 2^-53 or 2^-24; the coordinates have it, too
-LeagueVerdict judge(league_question question, const LeagueTruth& truth, const league_answer& answer, double precision,
-                    double rounding);
+/// @param rounding  of the library's numbers: 2^-53 or 2^-24; the coordinates have it, too
+/// @param promised  by the library: its precision as a share of the bodies' sizes, and whether it is conservative
+struct LeaguePromise {
+    double precision = 0;
+    bool conservative = false;
+};
+LeagueVerdict judge(league_question question, const LeagueTruth& truth, const league_answer& answer,
+                    const LeaguePromise& promised, double rounding);
 
 } // namespace oncollide::tools

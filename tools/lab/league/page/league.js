@@ -17,18 +17,18 @@ const league = JSON.parse(find("league").textContent);
 const faults = ["missed", "invented", "distance", "points", "normal", "depth", "support", "late", "early", "failed", "crashed", "hung"];
 const names = {right: "right", missed: "lost collision", invented: "invented collision", distance: "wrong distance", points: "wrong points", support: "contacts on one side",
   normal: "wrong normal", depth: "wrong depth", late: "hit too late", early: "hit too early", failed: "library reports failure", crashed: "crashed",
-  hung: "hung", unsupported: "unsupported", undecided: "rounding decides"};
-const kindOf = {right: "right", missed: "lost", crashed: "broken", hung: "broken", unsupported: "none", undecided: "none"};
+  hung: "hung", unsupported: "unsupported", undecided: "rounding decides", extra: "extra hit, as announced"};
+const kindOf = {right: "right", extra: "extra", missed: "lost", crashed: "broken", hung: "broken", unsupported: "none", undecided: "none"};
 const libraries = new Map(league.libraries.map(library => [library.name, library])), families = new Map(league.families.map(family => [family.name, family]));
 const key = (library, family) => `${encodeURIComponent(library)}/${encodeURIComponent(family)}`;
 const results = new Map(league.results.map(result => [key(result.library, result.family), result]));
 const badOf = result => faults.reduce((sum, name) => sum + (result[name] ?? 0), 0);
 const judged = result => (result.cases ?? 0) - (result.unsupported ?? 0); // Every result of an undecided case is right.
-const classOf = (result, library) => {
+const classOf = result => {
   if (!result || judged(result) <= 0 || result.crashed || result.hung) return result?.crashed || result?.hung ? "broken" : "none";
   if (result.missed) return "lost";
   const bad = badOf(result), share = bad / judged(result);
-  if (!bad || library?.conservative && bad === result.invented) return bad ? "extra" : "right";
+  if (!bad) return result.extra ? "extra" : "right";
   return share < 0.001 ? "wrong1" : share < 0.01 ? "wrong2" : share < 0.1 ? "wrong3" : "wrong4";
 };
 const sumOf = list => Object.fromEntries(["cases", ...Object.keys(names)].map(name => [name, list.reduce((sum, r) => sum + (r[name] ?? 0), 0)]));
@@ -68,8 +68,8 @@ function showMatrix() {
   new ResizeObserver(() => find("frame").classList.toggle("fits", table.offsetWidth <= find("frame").clientWidth)).observe(find("frame"));
 }
 function cellOf(library, family) {
-  const id = key(library.name, family.name), result = results.get(id), kind = classOf(result, library), bad = result ? badOf(result) : 0;
-  const counts = result ? ["right", ...faults, "unsupported", "undecided"].filter(name => result[name]).map(name => `${names[name]}: ${number(result[name])}`) : [];
+  const id = key(library.name, family.name), result = results.get(id), kind = classOf(result), bad = result ? badOf(result) : 0;
+  const counts = result ? ["right", "extra", ...faults, "unsupported", "undecided"].filter(name => result[name]).map(name => `${names[name]}: ${number(result[name])}`) : [];
   const told = `${library.name}, ${family.name}: ${verdict(kind)}.`, button = make("button", {class: kind, type: "button", "aria-expanded": "false",
     "aria-label": [told, ...counts].join(" "),
     title: [told, ...counts, ...result?.ns > 0 ? [`${micro(result.ns)} a query`] : []].join("\n")}, kind === "none" ? "" : bad ? short(bad) : "✓");
@@ -85,7 +85,7 @@ function showPanel(id) {
   stages.splice(0), find("app").classList.toggle("open", Boolean(cell)), panel.hidden = !cell;
   if (!cell) return;
   const [library, family] = id.split("/").map(decodeURIComponent).map((name, k) => (k ? families : libraries).get(name));
-  const kind = classOf(result, library), worst = result?.worst ?? [], shut = make("button", {type: "button", "aria-label": "Close", title: "Close (Escape)"}, "✕");
+  const kind = classOf(result), worst = result?.worst ?? [], shut = make("button", {type: "button", "aria-label": "Close", title: "Close (Escape)"}, "✕");
   cell.closest("tr").classList.add("on"), find("matrix").tHead.rows[0].cells[cell.parentElement.cellIndex].classList.add("on");
   shut.addEventListener("click", close);
   const facts = list => make("dl", {class: "facts"}, list.map(([name, value, more]) => [make("dt", null, name), make("dd", {class: more}, value)]));
@@ -94,7 +94,7 @@ function showPanel(id) {
     facts([["Question", family.question], ["Group", family.group], ["Time", result?.ns > 0 ? `${micro(result.ns)} a query` : "-"],
       ["Cases", number(result?.cases)], ["Numbers", `${library.bits} bits`]]));
   if (result) panel.append(make("dl", {class: "counts"}, Object.keys(names).filter(name => name === "right" || result[name]).map(name => {
-    const n = result[name] ?? 0, bar = make("i", {class: name === "invented" && library.conservative ? "extra" : kindOf[name]});
+    const n = result[name] ?? 0, bar = make("i", {class: kindOf[name]});
     bar.style.width = `${100 * n / Math.max(result.cases, 1)}%`;
     return [make("dt", null, names[name]), make("dd", {class: "n"}, number(n)), make("dd", {class: "bar"}, n ? bar : null)];
   })), make("p", {class: "zeros"}, `0 each: ${Object.keys(names).filter(name => name !== "right" && !result[name]).map(name => names[name]).join(", ")}.`));
@@ -135,7 +135,7 @@ function drawChart() {
     const list = ofLibrary(library.name, find("question").value), timed = list.filter(result => result.ns > 0);
     if (!timed.length) continue;
     const share = list.reduce((sum, result) => sum + badOf(result) / judged(result), 0) / list.length;
-    dots.push({library, list, share, us: Math.exp(timed.reduce((sum, result) => sum + Math.log(result.ns / 1000), 0) / timed.length), kind: classOf(sumOf(list), library)});
+    dots.push({library, list, share, us: Math.exp(timed.reduce((sum, result) => sum + Math.log(result.ns / 1000), 0) / timed.length), kind: classOf(sumOf(list))});
   }
   const wide = Math.max(find("chart").clientWidth, 280), high = wide < 560 ? 340 : 400, left = 58, right = wide - 18, top = 12, base = high - 46, zero = base - 34;
   const wrong = dots.filter(dot => dot.share > 0).map(dot => Math.log10(dot.share)), times = dots.map(dot => Math.log10(dot.us));
