@@ -40,6 +40,7 @@ target_compile_features(oncollide_flags INTERFACE cxx_std_20)
 if(NOT ONCOLLIDE_DEMO) # the demo builds faster without warnings; in large units -Wshadow would warn of names of other files
   target_compile_options(oncollide_flags INTERFACE -Wall -Wextra -Wpedantic $<$<NOT:$<BOOL:$<TARGET_PROPERTY:ONCOLLIDE_LARGE_UNITS>>>:-Wshadow>)
 endif()
+target_compile_options(oncollide_flags INTERFACE "$<$<CXX_COMPILER_ID:Clang>:-Wno-nested-anon-types;-Wno-bitwise-instead-of-logical>")
 # No contraction: every path and every optimisation level must compute the same bits. No straight-line vectoriser: GCC
 # 12's omits the rounding of double -> float -> double, on which the bounds rely.
 target_compile_options(oncollide_flags INTERFACE -ffp-contract=off -fno-tree-slp-vectorize

@@ -58,8 +58,9 @@ void make_flags_scene(SceneBuilder& scene, const CatalogueOptions& options)
             body.pose = placed(at + Eigen::Vector3d(0, 0, pole_height / 2));
         } else if (i % 4 == 2) {
             body = {.name = "statue", .geometry = statue, .is_static = true};
-            body.pose = placed(at + Eigen::Vector3d(1.2, dice.between(0.9, 1.5), 0.8),
-                               Eigen::Quaterniond(Eigen::AngleAxisd(dice.between(0, 3), Eigen::Vector3d::UnitZ())));
+            const double turn = dice.between(0, 3), aside = dice.between(0.9, 1.5);
+            body.pose = placed(at + Eigen::Vector3d(1.2, aside, 0.8),
+                               Eigen::Quaterniond(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ())));
         } else {
             const Eigen::Vector3d half(0.9, 1.2, 0.4);
             body = {.name = "ball", .geometry = ball};

@@ -23,13 +23,20 @@ int whole(Dice& dice, int low, int high) // both included
     return low + static_cast<int>(dice.next() * (high - low + 1));
 }
 
+// Draws stand in statements of their own where compilers differ in the order in which they evaluate arguments.
+
+Vector3d random_extents(Dice& dice)
+{
+    const double z = dice.between(0.05, 1), y = dice.between(0.05, 1), x = dice.between(0.05, 1);
+    return {x, y, z};
+}
+
 /// One of the mesh generators with random parameters, about `size` across.
 Json random_generator(Dice& dice, double size, std::uint64_t seed)
 {
     switch (whole(dice, 0, 7)) {
     case 0: {
-        const Vector3d half =
-            0.5 * size * Vector3d(dice.between(0.05, 1), dice.between(0.05, 1), dice.between(0.05, 1));
+        const Vector3d half = 0.5 * size * random_extents(dice);
         return {{"kind", "box"}, {"half", {half.x(), half.y(), half.z()}}};
     }
     case 1:
@@ -79,7 +86,7 @@ Shape random_shape(Dice& dice, double size)
     case 0:
         return Sphere{0.5 * size};
     case 1:
-        return Box{0.5 * size * Vector3d(dice.between(0.05, 1), dice.between(0.05, 1), dice.between(0.05, 1))};
+        return Box{0.5 * size * random_extents(dice)};
     case 2:
         return Capsule{size * dice.between(0.05, 0.4), size * dice.between(0.1, 1)};
     case 3:
@@ -129,7 +136,8 @@ void make_random_scene(SceneBuilder& scene, const CatalogueOptions& options)
         if (scene.skip_body()) continue;
         Dice own(options.seed, 2'000'000 + static_cast<std::uint64_t>(i));
         BodyInit body{.name = fmt::format("body-{}", i), .geometry = geometries[std::size_t(whole(own, 0, kinds - 1))]};
-        body.pose = placed(origin + own.within(walls.half_extent()), own.rotation());
+        const Eigen::Quaterniond rotation = own.rotation();
+        body.pose = placed(origin + own.within(walls.half_extent()), rotation);
         body.is_static = own.next() < 0.25;
         if (!body.is_static)
             body.motion =

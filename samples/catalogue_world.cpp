@@ -173,7 +173,8 @@ void add_movers(SceneBuilder& scene, int count, int blocks, const CatalogueOptio
             drift.walls.min = {0, 0, 4}, drift.walls.max = {end, end, 40};
             body.geometry = kinds.drone;
             body.layer = drones, body.mask = scenery | drones;
-            body.pose = placed({dice.between(0, end), dice.between(0, end), dice.between(4, 40)}, dice.rotation());
+            const Eigen::Quaterniond rotation = dice.rotation(); // drawn first: compilers order arguments differently
+            body.pose = placed({dice.between(0, end), dice.between(0, end), dice.between(4, 40)}, rotation);
             body.motion = drift;
         }
         body.name = fmt::format("{}-{}", scene.geometries()[index(body.geometry)].name, i);

@@ -72,7 +72,7 @@ inline F32x8 sqrt(F32x8 v)
 }
 
 /// The lanes of v in the given order.
-#if defined(__has_builtin) && __has_builtin(__builtin_shufflevector)
+#if defined(__clang__) || (defined(__has_builtin) && __has_builtin(__builtin_shufflevector))
 #define ONCOLLIDE_SHUFFLE(v, ...) __builtin_shufflevector(v, v, __VA_ARGS__)
 #else // GCC before 12
 #define ONCOLLIDE_SHUFFLE(v, ...) __builtin_shuffle(v, I32x8{__VA_ARGS__})

@@ -87,6 +87,13 @@ inline unsigned bits(I64x4 mask)
 }
 #endif
 
+/// The lanes of four in the given order.
+#if defined(__clang__) || (defined(__has_builtin) && __has_builtin(__builtin_shufflevector))
+#define ONCOLLIDE_SHUFFLE_DOUBLES(v, ...) __builtin_shufflevector(v, v, __VA_ARGS__)
+#else // GCC before 12
+#define ONCOLLIDE_SHUFFLE_DOUBLES(v, ...) __builtin_shuffle(v, I64x4{__VA_ARGS__})
+#endif
+
 inline F64x2 abs(F64x2 v)
 {
     return max(v, -v);

@@ -109,7 +109,8 @@ private:
         for (std::size_t i = 0; i < loop_.size(); ++i)
             near.emplace_back((points_[loop_[i]] - points_[from]).squaredNorm(), i);
         std::ranges::sort(near);
-        for (const auto& [distance, i] : near) {
+        for (const auto& [distance, number] : near) {
+            const std::size_t i = number; // Clang 14 lets no lambda capture a structured binding
             if (!in_angle(i, from) || blocked(from, loop_[i], loop_)) continue;
             if (std::ranges::any_of(others, [&](const Loop& l) { return blocked(from, loop_[i], l); })) continue;
             Loop way = hole;

@@ -65,7 +65,8 @@ Finding decide(PairWorker& worker, const PairTask& task, const PairOptions& opti
 {
     if (inexact<A, B>(task))
         return walk_tests::decide_off(walk_tests::walk_pair<A, B>(worker, task, false), options.clearance);
-    auto &a = A::tree(*task.a), &b = B::tree(*task.b);
+    auto& a = A::tree(*task.a);
+    auto& b = B::tree(*task.b);
     auto& walk = worker.traversal(a, b);
     const RelativePose b_to_a(*task.pose_a, *task.pose_b);
     RememberedHint<std::remove_reference_t<decltype(a)>, std::remove_reference_t<decltype(b)>> place(memory);
@@ -111,7 +112,8 @@ Finding near(PairWorker& worker, const PairTask& task, double clearance, double 
 {
     if (std::same_as<A, Polytope> || std::same_as<B, Polytope> || inexact<A, B>(task))
         return walk_tests::near(walk_tests::walk_pair<A, B>(worker, task, false), clearance, tolerance, memory);
-    auto &a = A::tree(*task.a), &b = B::tree(*task.b);
+    auto& a = A::tree(*task.a);
+    auto& b = B::tree(*task.b);
     RememberedHint<std::remove_reference_t<decltype(a)>, std::remove_reference_t<decltype(b)>> place(memory);
     const auto found = worker.traversal(a, b).near(a, b, RelativePose(*task.pose_a, *task.pose_b), clearance, tolerance,
                                                    hint_of(memory), place.get());
@@ -124,14 +126,16 @@ template <class A, class B>
 Distance distance(PairWorker& worker, const PairTask& task, const DistanceOptions& options)
 {
     if (inexact<A, B>(task)) return walk_tests::distance(walk_tests::walk_pair<A, B>(worker, task, false), options);
-    auto &a = A::tree(*task.a), &b = B::tree(*task.b);
+    auto& a = A::tree(*task.a);
+    auto& b = B::tree(*task.b);
     return triangle_distance(worker.traversal(a, b), a, *task.pose_a, b, *task.pose_b, options);
 }
 
 template <class A, class B>
 void contacts(PairWorker& worker, const PairTask& task, std::vector<Contact>& found)
 {
-    auto &a = A::tree(*task.a), &b = B::tree(*task.b);
+    auto& a = A::tree(*task.a);
+    auto& b = B::tree(*task.b);
     triangle_contacts(worker.traversal(a, b), a, *task.pose_a, b, *task.pose_b, worker.pairs, found);
 }
 

@@ -12,11 +12,11 @@ inline F64x4 load(const double* from)
 /// Lane i has lane i + 1, or i + 2, of the first three.
 inline F64x4 next(F64x4 v)
 {
-    return __builtin_shuffle(v, I64x4{1, 2, 0, 3});
+    return ONCOLLIDE_SHUFFLE_DOUBLES(v, 1, 2, 0, 3);
 }
 inline F64x4 after_next(F64x4 v)
 {
-    return __builtin_shuffle(v, I64x4{2, 0, 1, 3});
+    return ONCOLLIDE_SHUFFLE_DOUBLES(v, 2, 0, 1, 3);
 }
 /// Infinite where a box has no face across the axis.
 inline F64x4 without_face(F64x4 half)

@@ -150,7 +150,8 @@ private:
         push_lanes(node, solid_gap_kernel().of_boxes(boxes, reach_, line_, gap_limit, gaps, nearest_), masks.leaves,
                    gaps);
     }
-    void open_blocks(const TerrainTree::Node& node, float gap_limit) requires std::same_as<Tree, TerrainTree>
+    template <class Node> // a template, so that only the tree of a terrain needs blocks and cells
+    void open_blocks(const Node& node, float gap_limit)
     {
         TerrainBlocks blocks;
         tree_.open_blocks(node, from_, blocks);
@@ -164,7 +165,8 @@ private:
             push({gaps[lane], lane | (leaves >> lane & 1 ? leaf_lane : 0), node});
         }
     }
-    void open_cells(const TerrainTree::Node& node, float gap_limit) requires std::same_as<Tree, TerrainTree>
+    template <class Node>
+    void open_cells(const Node& node, float gap_limit)
     {
         TerrainCells cells;
         tree_.open_cells(node, from_, cells);

@@ -45,7 +45,10 @@ void ManifoldJoin::begin(ManifoldLists& lists, int threads)
 void ManifoldJoin::end()
 {
     if (at_once()) return;
-    auto& [regions, points, offsets, complete] = *lists_;
+    auto& regions = lists_->regions; // no structured binding: Clang 14 lets no lambda capture one
+    auto& points = lists_->points;
+    auto& offsets = lists_->offsets;
+    auto& complete = lists_->complete;
     offsets.resize(found_.size() + 1), complete.resize(found_.size()), first_points_.resize(found_.size());
     std::size_t region_count = 0, point_count = 0;
     for (std::size_t i = 0; i < found_.size(); ++i) {

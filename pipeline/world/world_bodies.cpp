@@ -36,7 +36,7 @@ void Bodies::add(std::span<const BodySpec> bodies, std::span<BodyId> ids)
 }
 void Bodies::reserve(std::size_t bodies)
 {
-    constexpr std::size_t most = std::size_t{1} << 32; // slots
+    constexpr std::uint64_t most = std::uint64_t{1} << 32; // slots
     if (bodies >= most)
         throw Error(ErrorKind::usage, fmt::format("reserve: {} bodies: a World holds up to {}", bodies, most - 1));
     world_->bodies.reserve(bodies);

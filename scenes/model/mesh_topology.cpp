@@ -88,7 +88,7 @@ void each_edge(const Mesh& mesh, auto counts, auto visit)
     for (auto begin = sides.begin(); begin != sides.end();) {
         const auto end = std::find_if(begin, sides.end(),
                                       [&](const Side& s) { return s.low != begin->low || s.high != begin->high; });
-        visit(std::span<const Side>(begin, end));
+        visit(std::span<const Side>(&*begin, static_cast<std::size_t>(end - begin)));
         begin = end;
     }
 }

@@ -75,7 +75,7 @@ GltfColumn column_in(GltfBuffers& buffers, const Node& node, int type, std::size
         (offset > view.size() || bytes > view.size() - offset || count - 1 > (view.size() - offset - bytes) / step))
         node.fail(fmt::format("takes {} elements of {} bytes from byte {} on, but the view has {} bytes", count, bytes,
                               offset, view.size()));
-    return {view.data() + (count > 0 ? offset : 0), step, type};
+    return {view.data() + (count > 0 ? offset : 0), static_cast<std::size_t>(step), type};
 }
 
 int type_of(const Node& node)

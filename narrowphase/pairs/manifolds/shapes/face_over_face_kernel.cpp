@@ -16,7 +16,7 @@ inline F64x4 all(double v)
 /// Lane k has lane k - 1.
 inline F64x4 before(F64x4 v)
 {
-    return __builtin_shuffle(v, I64x4{3, 0, 1, 2});
+    return ONCOLLIDE_SHUFFLE_DOUBLES(v, 3, 0, 1, 2);
 }
 inline F64x4 within(F64x4 v, F64x4 half)
 {
