@@ -34,13 +34,23 @@ if(BUILD_SHARED_LIBS)
   set(ONCOLLIDE_SHARED COMPONENT shared)
 endif()
 
+# WebAssembly has no shared libraries here, and position-independent code would be slower.
+set(ONCOLLIDE_SHAREABLE ON)
+if(EMSCRIPTEN)
+  set(ONCOLLIDE_SHAREABLE OFF)
+endif()
+
 add_library(oncollide_flags INTERFACE)
 target_compile_definitions(oncollide_flags INTERFACE ${ONCOLLIDE_EIGEN_LAYOUT})
 target_compile_features(oncollide_flags INTERFACE cxx_std_20)
 if(NOT ONCOLLIDE_DEMO) # the demo builds faster without warnings; in large units -Wshadow would warn of names of other files
-  target_compile_options(oncollide_flags INTERFACE -Wall -Wextra -Wpedantic $<$<NOT:$<BOOL:$<TARGET_PROPERTY:ONCOLLIDE_LARGE_UNITS>>>:-Wshadow>)
+  set(shadow -Wshadow)
+  if(ONCOLLIDE_CROSS) # other compilers warn of names of other files in small units, too
+    set(shadow)
+  endif()
+  target_compile_options(oncollide_flags INTERFACE -Wall -Wextra -Wpedantic $<$<NOT:$<BOOL:$<TARGET_PROPERTY:ONCOLLIDE_LARGE_UNITS>>>:${shadow}>)
 endif()
-target_compile_options(oncollide_flags INTERFACE "$<$<CXX_COMPILER_ID:Clang>:-Wno-nested-anon-types;-Wno-bitwise-instead-of-logical>")
+target_compile_options(oncollide_flags INTERFACE "$<$<CXX_COMPILER_ID:Clang>:-Wno-nested-anon-types;-Wno-bitwise-instead-of-logical;-Wno-unused-private-field>")
 # No contraction: every path and every optimisation level must compute the same bits. No straight-line vectoriser: GCC
 # 12's omits the rounding of double -> float -> double, on which the bounds rely.
 target_compile_options(oncollide_flags INTERFACE -ffp-contract=off -fno-tree-slp-vectorize
@@ -62,7 +72,7 @@ if(TARGET nlohmann_json::nlohmann_json) # tests/builds/portable has no modules
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled.cpp CONTENT "")
   add_library(oncollide_precompiled OBJECT ${PROJECT_BINARY_DIR}/precompiled.cpp) # for the modules; compiled with their
                                                                                   # flags
-  set_target_properties(oncollide_precompiled PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  set_target_properties(oncollide_precompiled PROPERTIES POSITION_INDEPENDENT_CODE ${ONCOLLIDE_SHAREABLE})
   target_link_libraries(oncollide_precompiled PRIVATE oncollide_flags Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json)
   oncollide_precompile(oncollide_precompiled <nlohmann/json.hpp>)
 endif()
@@ -91,7 +101,7 @@ function(oncollide_add_module name)
 
   add_library(oncollide_${name} STATIC ${arg_SOURCES})
   add_library(oncollide::${name} ALIAS oncollide_${name})
-  set_target_properties(oncollide_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  set_target_properties(oncollide_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ${ONCOLLIDE_SHAREABLE})
   target_compile_features(oncollide_${name} PUBLIC cxx_std_20)
   target_compile_definitions(oncollide_${name} INTERFACE ${ONCOLLIDE_EIGEN_LAYOUT})
   target_include_directories(oncollide_${name} PUBLIC

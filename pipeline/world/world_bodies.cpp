@@ -37,7 +37,7 @@ void Bodies::add(std::span<const BodySpec> bodies, std::span<BodyId> ids)
 void Bodies::reserve(std::size_t bodies)
 {
     constexpr std::uint64_t most = std::uint64_t{1} << 32; // slots
-    if (bodies >= most)
+    if (std::uint64_t{bodies} >= most)
         throw Error(ErrorKind::usage, fmt::format("reserve: {} bodies: a World holds up to {}", bodies, most - 1));
     world_->bodies.reserve(bodies);
 }

@@ -3,8 +3,10 @@
 // any newer one.
 #pragma once
 #define __asm__(...) // Eigen has empty assembly of x86 for GCC, which Clang pretends to be
+#ifdef __cplusplus
 #include <version>
-#if defined(_LIBCPP_VERSION) && _LIBCPP_VERSION < 14000
+#endif
+#if __cplusplus >= 202002L && defined(_LIBCPP_VERSION) && _LIBCPP_VERSION < 14000
 #include "from_chars.hpp"
 #include "ranges_algorithms.hpp"
 
