@@ -1,5 +1,5 @@
-# For a system whose other libraries Debian does not have: WebAssembly, and Windows by MinGW. Headers alone are those of this
-# machine, linked into a folder of their own, because /usr/include is for this machine. Qhull is compiled from its source:
+# For a system whose other libraries Debian does not have: WebAssembly, and Windows by MinGW. Libraries of
+# headers are taken from this machine: linked into a folder of their own, because /usr/include as a whole is for this machine. Qhull is compiled from its source:
 # ./dev unpacks Debian's in build/qhull; -DONCOLLIDE_QHULL= names another one.
 set(ONCOLLIDE_HOST_INCLUDE /usr/include CACHE PATH "Has the headers fmt/, nlohmann/, eigen3/ and, for tests, boost/")
 set(headers ${PROJECT_BINARY_DIR}/headers)

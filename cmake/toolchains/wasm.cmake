@@ -1,11 +1,11 @@
-# Emscripten, with its own toolchain file: that of em++ in PATH, or Debian's.
+# Emscripten, with its own toolchain file; em++ must be in PATH.
 find_program(ONCOLLIDE_EMXX em++)
 if(NOT ONCOLLIDE_EMXX)
   message(FATAL_ERROR "em++ is missing; install emscripten")
 endif()
 execute_process(COMMAND em-config EMSCRIPTEN_ROOT OUTPUT_VARIABLE emscripten OUTPUT_STRIP_TRAILING_WHITESPACE)
 include(${emscripten}/cmake/Modules/Platform/Emscripten.cmake)
-# -fgnuc-version=7.0: Eigen has assembly of x86 for GCC, which Clang pretends to be.
+# -fgnuc-version: Eigen has assembly of x86 for GCC before 6.3, whose version Clang pretends to have.
 # -msse2: Emscripten's headers express SSE2 by vectors of WebAssembly, so that Eigen adds in the same order as on x86-64.
 # Exceptions and 128-bit vectors of WebAssembly itself: Chrome 95, Firefox 100, Safari 16.4 and Node.js 17 have both.
 string(APPEND CMAKE_C_FLAGS_INIT " -fwasm-exceptions -sSUPPORT_LONGJMP=wasm")

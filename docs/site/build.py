@@ -122,6 +122,15 @@ def write_league(pages, lab):
         page.write("\n## The page\n\n[The page of a run of 500 cases of each family](league-run/league.html), made with this site.\n")
 
 
+def add_try_page(pages):
+    """The page to try the library in a browser, if './dev build --preset wasm' has made it, and a link to it."""
+    page = SOURCE / "build" / "wasm" / "try.html"
+    if page.exists():
+        shutil.copy(page, pages / "try.html")
+        with open(pages / "web.md", "a", encoding="utf-8") as web:
+            web.write('\n## Try it\n\n<a href="try.html">The page</a>, made with this site.\n')
+
+
 def check_links(site):
     """Every link and picture inside the site must lead somewhere, to its place in the page too, which MkDocs does not check."""
     found = [page for folder in ("", "notes/", "from/") for page in site.glob(f"{folder}*.html")]
@@ -156,6 +165,7 @@ def main():
     write_reference(pages / "reference-lab.md", options.lab)
     write_plots(pages, options.complete)
     write_api(pages, options.out, options.complete)
+    add_try_page(pages)
     if options.complete:
         write_league(pages, options.lab)
     shutil.copy(SITE / "mkdocs.yml", options.out)

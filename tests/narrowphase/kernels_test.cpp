@@ -56,7 +56,7 @@ TEST(Kernels, KeepThePointsThatMayBeFarthestOnEveryInstructionSet)
     constexpr std::uint32_t count = 500;
     std::vector<float> xyz[3], along(5 * 504);
     for (std::uint64_t i = 0; i < 504; ++i)
-        for (std::uint64_t axis = 0; axis < 3; ++axis) xyz[axis].push_back(random_float(std::min(i, 499ul), axis));
+        for (std::uint64_t axis = 0; axis < 3; ++axis) xyz[axis].push_back(random_float(std::min<std::uint64_t>(i, 499), axis));
     const float corners[4][3] = {{0.9f, 0, 0.1f}, {0.9f, 0.2f, 0}, {0.8f, 0, 0.3f}, {0.8f, 0.2f, 0.2f}};
     std::vector<std::int32_t> expected(504);
     baseline::aabb_kernel().keep_farthest(xyz[0].data(), xyz[1].data(), xyz[2].data(), count, corners, 1e-6f,

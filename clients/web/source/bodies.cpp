@@ -10,7 +10,11 @@ ONCOLLIDE_WEB int oc_bodies_add(HeldWorld* held, double model, const double* pos
                                 std::uint32_t layer, std::uint32_t mask, std::uint32_t group, double user)
 {
     return call([=] {
-        BodySpec spec{.model = held->model(model), .is_static = is_static, .layer = layer, .mask = mask, .group = group,
+        BodySpec spec{.model = held->model(model),
+                      .is_static = is_static,
+                      .layer = layer,
+                      .mask = mask,
+                      .group = group,
                       .user = static_cast<std::uint64_t>(user)};
         std::vector<BodySpec> specs(count, spec);
         for (std::size_t i = 0; i < count; ++i) specs[i].pose = pose_at(poses, i);

@@ -69,7 +69,7 @@ ONCOLLIDE_WEB void* oc_input(std::size_t bytes)
     }
     return input.data();
 }
-/// Frees what the last large call left in the buffers.
+/// Frees the buffers, which a large call has made large.
 ONCOLLIDE_WEB void oc_shrink()
 {
     std::vector<std::uint64_t>().swap(input);

@@ -1,5 +1,5 @@
-// The functions that JavaScript calls. Each returns 0, or the kind of an error (ErrorKind), whose message oc_message() has.
-// Arguments that are arrays lie in the input buffer, which JavaScript has filled; results are columns of doubles.
+// The functions that JavaScript calls. Each returns 0, or the kind of an error (ErrorKind), whose message oc_message()
+// has. Arguments that are arrays lie in the input buffer, which JavaScript has filled; results are columns of doubles.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -23,7 +23,8 @@ int call(Work work)
     return answer([](void* context) { (*static_cast<Work*>(context))(); }, &work);
 }
 
-/// The columns of the last call, one after the other: column k begins at the sum of the widths before it times the rows.
+/// The columns of the last call, one after the other: column k begins at the sum of the widths before it times the
+/// rows.
 class Results {
 public:
     /// Room for `rows` rows of `width` doubles each in all columns; returns where row 0 of the first column is.

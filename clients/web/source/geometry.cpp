@@ -34,7 +34,7 @@ const Mesh& mesh_in(const HeldGeometry& held)
     return *mesh;
 }
 
-/// As in the names of kinds in Python.
+/// A number for each kind; lib/geometry.mjs has their names.
 int kind_of(const GeometryData& data)
 {
     if (const Shape* const shape = std::get_if<Shape>(&data)) return 3 + static_cast<int>(shape->index());
@@ -95,8 +95,11 @@ ONCOLLIDE_WEB int oc_terrain(const double* heights, std::uint32_t columns, std::
                              HeldGeometry** made)
 {
     return call([=] {
-        const TerrainGrid grid{.columns = columns, .rows = rows, .spacing = {spacing_x, spacing_y},
-                               .origin = Eigen::Map<const Eigen::Vector3d>(origin), .no_data = std::nan(""),
+        const TerrainGrid grid{.columns = columns,
+                               .rows = rows,
+                               .spacing = {spacing_x, spacing_y},
+                               .origin = Eigen::Map<const Eigen::Vector3d>(origin),
+                               .no_data = std::nan(""),
                                .error = error};
         *made = hold(make_terrain(name, grid, std::span(heights, std::size_t{columns} * rows)), name);
     });

@@ -73,8 +73,7 @@ ONCOLLIDE_WEB int oc_distance(const HeldWorld* held, const double* a, const doub
     return call([=] {
         ColumnWriter rows(results(), count, 10);
         GivenPairs{held, a, b, poses_a, poses_b, count}.each([&](std::size_t i, PairSide one, PairSide other) {
-            const Distance found =
-                held->world.pairs().distance(one, other, {.tolerance = tolerance, .cutoff = cutoff});
+            const Distance found = held->world.pairs().distance(one, other, {.tolerance = tolerance, .cutoff = cutoff});
             rows.next(i, found.lower), rows.next(i, found.upper);
             rows.next(i, number_of_part(found.a)), rows.next(i, number_of_part(found.b));
             rows.next(i, found.point_a), rows.next(i, found.point_b), rows.end_row();
@@ -98,7 +97,8 @@ ONCOLLIDE_WEB int oc_contacts(const HeldWorld* held, const double* a, const doub
         put_offsets(results(1), offsets);
     });
 }
-/// Supported, depth and its upper bound, whose deepest point, bounds and direction of the parting translation, the point.
+/// Supported, depth and its upper bound, whose deepest point, bounds and direction of the parting translation, the
+/// point.
 ONCOLLIDE_WEB int oc_penetration(const HeldWorld* held, const double* a, const double* poses_a, const double* b,
                                  const double* poses_b, std::size_t count)
 {
@@ -123,13 +123,14 @@ ONCOLLIDE_WEB int oc_sweep(const HeldWorld* held, const double* a, const double*
         for (std::size_t i = 0; i < count; ++i) {
             const auto moving = [&](double id, const double* from, const double* to) {
                 const Eigen::Isometry3d start = pose_at(from, i);
-                return MovingModel{held->model(id), to ? RigidMotion(start, pose_at(to, i), MotionPath(path))
-                                                       : RigidMotion(start)};
+                return MovingModel{held->model(id),
+                                   to ? RigidMotion(start, pose_at(to, i), MotionPath(path)) : RigidMotion(start)};
             };
-            const SweepResult found = held->world.pairs().sweep(
-                moving(a[i], from_a, to_a), moving(b[i], from_b, to_b),
-                {.time_tolerance = time_tolerance, .gap_tolerance = gap_tolerance, .most_steps = most_steps,
-                 .stop = static_cast<SweepStop>(stop)});
+            const SweepResult found = held->world.pairs().sweep(moving(a[i], from_a, to_a), moving(b[i], from_b, to_b),
+                                                                {.time_tolerance = time_tolerance,
+                                                                 .gap_tolerance = gap_tolerance,
+                                                                 .most_steps = most_steps,
+                                                                 .stop = static_cast<SweepStop>(stop)});
             rows.next(i, static_cast<double>(found.verdict)), rows.next(i, static_cast<double>(found.kind));
             rows.next(i, found.clear_until), rows.next(i, found.grazes_until), rows.next(i, found.contact_by);
             rows.next(i, found.gap), rows.next(i, found.contact.middle()), rows.next(i, found.normal);
@@ -143,8 +144,10 @@ ONCOLLIDE_WEB int oc_manifold(const HeldWorld* held, const double* a, const doub
                               std::uint32_t regions_per_pair, bool measures)
 {
     return call([=] {
-        const ManifoldOptions options{.margin = margin, .points_per_region = points_per_region,
-                                      .regions_per_pair = regions_per_pair, .measures = measures};
+        const ManifoldOptions options{.margin = margin,
+                                      .points_per_region = points_per_region,
+                                      .regions_per_pair = regions_per_pair,
+                                      .measures = measures};
         std::vector<ManifoldRegion> regions;
         std::vector<ManifoldPoint> points;
         std::vector<std::size_t> offsets{0};

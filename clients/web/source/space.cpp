@@ -88,16 +88,18 @@ ONCOLLIDE_WEB int oc_cast(const HeldWorld* held, const double* starts, const dou
         for (std::size_t i = 0; i < count; ++i) put(rows, i, hits[i]);
     });
 }
-/// Body, verdict, kind, times, gap, point, normal: the first contact of a model that moves from a pose to another; or, if
-/// `all`, that with each body.
+/// Body, verdict, kind, times, gap, point, normal: the first contact of a model that moves from a pose to another; or,
+/// if `all`, that with each body.
 ONCOLLIDE_WEB int oc_cast_model(const HeldWorld* held, double model, const double* from, const double* to, bool all,
                                 std::uint32_t layer, std::uint32_t mask, std::uint32_t group, int path,
                                 double time_tolerance, double gap_tolerance, int most_steps, int stop)
 {
     return call([=] {
         const MovingModel moving{held->model(model), RigidMotion(pose_at(from, 0), pose_at(to, 0), MotionPath(path))};
-        const SweepOptions options{.time_tolerance = time_tolerance, .gap_tolerance = gap_tolerance,
-                                   .most_steps = most_steps, .stop = static_cast<SweepStop>(stop)};
+        const SweepOptions options{.time_tolerance = time_tolerance,
+                                   .gap_tolerance = gap_tolerance,
+                                   .most_steps = most_steps,
+                                   .stop = static_cast<SweepStop>(stop)};
         const CollisionFilter filter{layer, mask, group};
         std::vector<SweepHit> hits;
         if (all)

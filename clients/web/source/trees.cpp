@@ -7,7 +7,8 @@
 using namespace oncollide;
 using namespace oncollide::web;
 
-/// Centre, radius and level of the cells at which the tree ends, in the model's frame; none before tests have reached it.
+/// Centre, radius and level of the cells at which the tree ends, in the model's frame; none before tests have reached
+/// it.
 ONCOLLIDE_WEB int oc_models_spheres(const HeldWorld* held, double model)
 {
     return call([=] {

@@ -74,7 +74,8 @@ ONCOLLIDE_WEB int oc_world_settings(const HeldWorld* held, char* text, std::size
     return call([=] {
         std::string json = "{";
         for (const SettingRow& row : settings_table())
-            json += (json.size() > 1 ? ",\"" : "\"") + std::string(row.member) + "\":" + row.get(held->world.settings());
+            json +=
+                (json.size() > 1 ? ",\"" : "\"") + std::string(row.member) + "\":" + row.get(held->world.settings());
         json += "}";
         if (json.size() >= size) throw Error(ErrorKind::internal, "the settings are too long");
         json.copy(text, json.size());
@@ -134,8 +135,8 @@ ONCOLLIDE_WEB int oc_models_contains(const HeldWorld* held, double model)
 ONCOLLIDE_WEB int oc_models_self_contacts(const HeldWorld* held, double model, double most)
 {
     return call([=] {
-        const std::size_t limit = most >= 0 && most < 0x1p31 ? static_cast<std::size_t>(most)
-                                                             : std::numeric_limits<std::size_t>::max();
+        const std::size_t limit =
+            most >= 0 && most < 0x1p31 ? static_cast<std::size_t>(most) : std::numeric_limits<std::size_t>::max();
         const auto pairs = held->world.models().self_contacts(held->model(model), limit);
         ColumnWriter rows(results(), pairs.size(), 2);
         for (std::size_t i = 0; i < pairs.size(); ++i)
@@ -153,8 +154,9 @@ ONCOLLIDE_WEB int oc_models_bounds(const HeldWorld* held, double model, const do
 
 // --- Frames.
 
-/// Number of the frame, milliseconds, the two halves of its hash, the numbers of its pairs, of those that began, ended, and
-/// of its sweeps; pairs of cells or boxes and of triangles that were tested, nodes stored, and their bytes.
+/// Number of the frame, milliseconds, the two halves of its hash, its numbers
+/// of pairs, of pairs that began, of pairs that ended, and of sweeps; pairs of cells or boxes and of triangles that
+/// were tested, nodes stored, and their bytes.
 ONCOLLIDE_WEB int oc_step(HeldWorld* held)
 {
     return call([=] {
@@ -170,7 +172,7 @@ ONCOLLIDE_WEB int oc_step(HeldWorld* held)
             row.next(0, number);
     });
 }
-/// a, b, verdict, kind, stage, bound of each pair; without those that are separate, if `met`.
+/// a, b, verdict, kind, stage, bound of each pair; with `met`, of the pairs that are not separate.
 ONCOLLIDE_WEB int oc_frame_pairs(const HeldWorld* held, bool met)
 {
     return call([=] {

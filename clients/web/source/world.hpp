@@ -10,7 +10,8 @@ namespace oncollide::web {
 
 /// A World that JavaScript holds, until oc_world_free().
 ///
-/// Ids are numbers in JavaScript: slot + 2^32 generation + 2^48 (the low five bits of the World's tag), all of them exact.
+/// Ids are numbers in JavaScript: slot + 2^32 generation + 2^48 (the low five bits of the World's tag), all of them
+/// exact.
 struct HeldWorld {
     World world;
     std::uint16_t tag = 0;            ///< in the ids of this World; known with the first model

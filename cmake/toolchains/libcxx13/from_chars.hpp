@@ -10,8 +10,8 @@ namespace std {
 
 enum class chars_format { scientific = 1, fixed = 2, hex = 4, general = 3 };
 
-/// As in C++17, in general format: neither blanks nor a plus sign before the number. musl's strtod rounds correctly, and
-/// Emscripten's decimal sign is always a point.
+/// As in C++17, in general format: neither blanks nor a plus sign before the number. musl's strtod rounds correctly,
+/// and Emscripten's decimal sign is always a point.
 template <class Number>
 requires is_floating_point_v<Number> from_chars_result from_chars(const char* first, const char* last, Number& value)
 {

@@ -1,6 +1,6 @@
-// Parts of C++20 that the libc++ 13 of Emscripten 3.1.6 lacks and this project uses; the toolchain file includes it before
-// every source. Definitions in namespace std are not portable in general: this file serves that one library and is empty for
-// any newer one.
+// Parts of C++20 that the libc++ 13 of Emscripten 3.1.6 lacks and this project uses; the toolchain file includes it
+// before every source. Definitions in namespace std are not portable in general: this file serves that one library and
+// is empty for any newer one.
 #pragma once
 #define __asm__(...) // Eigen has empty assembly of x86 for GCC, which Clang pretends to be
 #ifdef __cplusplus
@@ -16,8 +16,8 @@
 namespace std {
 
 template <class To, class From>
-requires(sizeof(To) == sizeof(From) && is_trivially_copyable_v<To> && is_trivially_copyable_v<From>)
-constexpr To bit_cast(const From& from) noexcept
+requires(sizeof(To) == sizeof(From) && is_trivially_copyable_v<To> && is_trivially_copyable_v<From>) constexpr To
+    bit_cast(const From& from) noexcept
 {
     return __builtin_bit_cast(To, from);
 }
@@ -28,7 +28,7 @@ requires is_unbounded_array_v<Array> unique_ptr<Array> make_unique_for_overwrite
     return unique_ptr<Array>(new remove_extent_t<Array>[count]);
 }
 
-/// Of integers and enumerations.
+/// T is an integer or an enumeration.
 template <class T>
 class atomic_ref {
 public:

@@ -5,7 +5,8 @@
 #include <ranges>
 #include <span>
 
-// The constrained algorithms, by those of namespace std. Arguments as in C++20; of results, those that are used.
+// The constrained algorithms call the algorithms of namespace std. They take the arguments of C++20, and return the
+// parts of the results that this project uses.
 namespace std::ranges {
 
 namespace oncollide_missing {
@@ -64,7 +65,7 @@ struct InOut {
 // Each algorithm for an iterator and its end, and for a range.
 #define ONCOLLIDE_TEST(name)                                                                                           \
     template <class It, class Test, class Proj = identity>                                                             \
-    requires(!oncollide_missing::Range<It>) auto name(It first, It last, Test test, Proj proj = {})                                                            \
+    requires(!oncollide_missing::Range<It>) auto name(It first, It last, Test test, Proj proj = {})                    \
     {                                                                                                                  \
         return std::name(first, last, oncollide_missing::projected_test(test, proj));                                  \
     }                                                                                                                  \
@@ -223,8 +224,8 @@ void for_each(R&& r, Function function, Proj proj = {})
 template <oncollide_missing::Range R, class Out>
 auto copy(R&& r, Out out)
 {
-    return oncollide_missing::InOut<oncollide_missing::Iterator<R>, Out>{
-        std::end(r), std::copy(std::begin(r), std::end(r), out)};
+    return oncollide_missing::InOut<oncollide_missing::Iterator<R>, Out>{std::end(r),
+                                                                         std::copy(std::begin(r), std::end(r), out)};
 }
 template <class It, class Out>
 requires(!oncollide_missing::Range<It>) auto copy(It first, It last, Out out)
@@ -234,8 +235,8 @@ requires(!oncollide_missing::Range<It>) auto copy(It first, It last, Out out)
 template <oncollide_missing::Range R, class Out>
 auto move(R&& r, Out out)
 {
-    return oncollide_missing::InOut<oncollide_missing::Iterator<R>, Out>{
-        std::end(r), std::move(std::begin(r), std::end(r), out)};
+    return oncollide_missing::InOut<oncollide_missing::Iterator<R>, Out>{std::end(r),
+                                                                         std::move(std::begin(r), std::end(r), out)};
 }
 template <oncollide_missing::Range R, class Out, class Function, class Proj = identity>
 auto transform(R&& r, Out out, Function function, Proj proj = {})

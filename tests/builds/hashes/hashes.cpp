@@ -1,5 +1,5 @@
-// Prints the result hash of every scene of the catalogue, small, at three settings: equal for every system, compiler and
-// processor (hashes.txt).
+// Prints the result hash of every scene of the catalogue, small, at three settings: equal for every system, compiler
+// and processor (hashes.txt).
 #include <cstdio>
 #include <string>
 
@@ -25,7 +25,7 @@ try {
             Mover mover;
             std::size_t pairs = 0;
             for (int frame = 0; frame < frames; ++frame) {
-                mover.move(scene, frame * scene.frames / frames); // also those in which the far bodies meet
+                mover.move(scene, frame * scene.frames / frames); // bodies that are far apart at first meet later
                 for (const PairResult& pair : pipeline.step(scene).pairs) pairs += pair.verdict != Verdict::separate;
             }
             std::printf("%s %s %016llx %zu\n", entry.name.c_str(), variant.name,

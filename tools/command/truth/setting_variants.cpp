@@ -27,7 +27,7 @@ std::vector<SettingVariant> levels_and_volumes(std::span<const ExactLevel> level
     std::vector<SettingVariant> all;
     for (const ExactLevel exact : levels)
         for (const char* volume : {"sphere", "obb"})
-            all.emplace_back("", base).change(fmt::format("{}, exact {}", volume, name_of(exact)));
+            all.emplace_back(SettingVariant{"", base}).change(fmt::format("{}, exact {}", volume, name_of(exact)));
     return all;
 }
 
