@@ -1,6 +1,6 @@
-# For a system whose other libraries Debian does not have: WebAssembly, and Windows by MinGW. Libraries of
-# headers are taken from this machine: linked into a folder of their own, because /usr/include as a whole is for this machine. Qhull is compiled from its source:
-# ./dev unpacks Debian's in build/qhull; -DONCOLLIDE_QHULL= names another one.
+# For a system whose other libraries Debian does not have: WebAssembly. Libraries that are headers alone are taken from this
+# machine; they are linked into a folder of their own, because the rest of /usr/include is for this machine. Qhull is compiled
+# from its source: ./dev unpacks Debian's in build/qhull; -DONCOLLIDE_QHULL= names another one.
 set(ONCOLLIDE_HOST_INCLUDE /usr/include CACHE PATH "Has the headers fmt/, nlohmann/, eigen3/ and, for tests, boost/")
 set(headers ${PROJECT_BINARY_DIR}/headers)
 file(MAKE_DIRECTORY ${headers})
