@@ -31,10 +31,8 @@ MapTree::MapTree(const OccupancyMap& map)
 {
 }
 
-/// Octants that are not empty. Unknown octants count only within the bounds.
-unsigned MapTree::solid(const Node& node) const
+unsigned MapTree::solid_in_bounds(const Node& node) const
 {
-    if (!cells_.unknown_is_solid()) return node.octants.solid;
     const CellBox& bounds = MapAccess::cell_bounds(map_);
     int any = 0;
     return octants_at(node.cube, node.octants.solid, {bounds.low.array() + 1, bounds.high.array() - 1}, any);

@@ -32,10 +32,17 @@ public:
     double radius() const { return radius_; }
     LaneMasks open(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const;
     Node child(const Node& node, unsigned lane) const;
+    /// Octants that are not empty. Unknown octants count only within the bounds.
+    unsigned solid(const Node& node) const
+    {
+        return cells_.unknown_is_solid() ? solid_in_bounds(node) : node.octants.solid;
+    }
+    /// Octants that count as completely occupied.
+    unsigned whole(const Node& node) const { return cells_.whole(node.octants); }
     std::array<MapCell, 1> primitives(const Node& node, unsigned lane) const { return {node.cube.octant(lane)}; }
 
 private:
-    unsigned solid(const Node& node) const;
+    unsigned solid_in_bounds(const Node& node) const;
     Node below(const Node& node, unsigned octant) const
     {
         return {cells_.below(node.octants, octant), node.cube.octant(octant)};

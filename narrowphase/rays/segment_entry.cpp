@@ -92,7 +92,7 @@ std::optional<SegmentEntry> entry_of(const Segment& segment, const TrianglePoint
 
 std::optional<SegmentEntry> entry_of(const Segment& segment, const Aabb& cell)
 {
-    if (!cell_meets(cell, {segment.from, segment.to, segment.to})) return {};
+    if (!segment_meets(segment, cell)) return {};
     return entry_face(segment, cell).second;
 }
 

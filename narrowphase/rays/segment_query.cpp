@@ -1,7 +1,6 @@
 #include <oncollide/narrowphase/rays/segment_query.hpp>
 
 #include <oncollide/narrowphase/rays/segment_tests.hpp>
-#include <oncollide/narrowphase/shapes/cell_test.hpp>
 
 namespace oncollide {
 
@@ -49,9 +48,8 @@ bool SegmentQuery::meets(Model& model, const Segment& segment)
                    [&](std::uint32_t triangle) { return segment_meets(segment, tree.points(triangle)); });
     }
     case Kind::map: {
-        const TrianglePoints flat{segment.from, segment.to, segment.to};
         return any(maps_, model.cells(), segment,
-                   [&](const MapCell& cell) { return cell_meets(MapAccess::box(*model.map(), cell), flat); });
+                   [&](const MapCell& cell) { return segment_meets(segment, MapAccess::box(*model.map(), cell)); });
     }
     case Kind::round:
     case Kind::half_space:

@@ -2,6 +2,7 @@
 #include <oncollide/narrowphase/finding.hpp>
 #include <oncollide/narrowphase/inside/point_location.hpp>
 #include <oncollide/narrowphase/model.hpp>
+#include <oncollide/narrowphase/rays/map_walk.hpp>
 #include <oncollide/narrowphase/rays/segment_entry.hpp>
 #include <oncollide/narrowphase/rays/segment_walk.hpp>
 

@@ -1,6 +1,9 @@
 #include <oncollide/narrowphase/rays/segment_tests.hpp>
 
+#include <algorithm>
+
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
+#include <oncollide/narrowphase/shapes/cell_test.hpp>
 
 namespace oncollide {
 
@@ -16,6 +19,26 @@ bool segment_meets(const Segment& segment, const TrianglePoints& t)
         if (a && b && c) return true;
     }
     return triangles_meet({p, q, q}, t);
+}
+
+bool segment_meets(const Segment& segment, const Aabb& box)
+{
+    // Fractions of the segment at which it enters and leaves the slabs of the axes. A difference and a quotient err by
+    // at most 3 u of a fraction, u = 2^-53, and keep its sign.
+    constexpr double more = 1 + 0x1p-50, less = 1 - 0x1p-50;
+    double enters = 0, leaves = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double from = segment.from[axis], to = segment.to[axis], way = to - from;
+        if (from == to) {
+            if (from < box.min[axis] || from > box.max[axis]) return false;
+            continue;
+        }
+        const double low = (box.min[axis] - from) / way, high = (box.max[axis] - from) / way;
+        enters = std::max(enters, std::min(low, high)), leaves = std::min(leaves, std::max(low, high));
+    }
+    if (leaves < 0 || enters * less > leaves * more) return false;
+    if (enters * more < leaves * less && leaves > 0x1p-900) return true;
+    return cell_meets(box, {segment.from, segment.to, segment.to});
 }
 
 } // namespace oncollide
