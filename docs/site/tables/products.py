@@ -127,7 +127,7 @@ def league():
     rows = [dict(sums, library=name) for name, sums in libraries.items() if name != "example"]
     return listed(rows, {
         "library": of("library", "`{}`".format), "answers": of("answers"),
-        "right": lambda r: f"{100 * r['right'] / r['answers']:.4g} %", "lost": of("lost"), "invented": of("invented"),
+        "right": lambda r: f"{100 * r['right'] / (r['answers'] + r['none']):.4g} %", "lost": of("lost"), "invented": of("invented"),
         "inexact": of("inexact"), "extra": of("extra"), "no answer": of("none"), "microseconds": lambda r: three(1e-3 * r["ns"] / r["answers"]),
     })
 

@@ -23,12 +23,15 @@ std::vector<const league_library*> open_adapter(const std::filesystem::path& fil
     for (int number = 0; number < 64; ++number) {
         const league_library* const library = open(number);
         if (!library) break;
-        if (library->version != LEAGUE_VERSION || !library->name || !library->supports || !library->prepare ||
-            !library->answer || !library->release || (library->bits != 32 && library->bits != 64))
-            throw Error(
-                ErrorKind::bad_data,
-                fmt::format("--adapter {}: library {} is not complete, or of another version of league.h than {}",
-                            printable(file.string()), number, LEAGUE_VERSION));
+        if (library->version != LEAGUE_VERSION)
+            throw Error(ErrorKind::bad_data,
+                        fmt::format("--adapter {}: library {} has LEAGUE_VERSION {}, this is {}; compile it anew",
+                                    printable(file.string()), number, library->version, LEAGUE_VERSION));
+        if (!library->name || !library->supports || !library->prepare || !library->answer || !library->release ||
+            (library->bits != 32 && library->bits != 64))
+            throw Error(ErrorKind::bad_data,
+                        fmt::format("--adapter {}: library {} lacks a name or a function, or its bits are not 32 or 64",
+                                    printable(file.string()), number));
         libraries.push_back(library);
     }
     return libraries;

@@ -25,6 +25,7 @@ struct LeagueReply {
 struct LeagueEntry {
     std::string adapter;
     const league_library* library;
+    bool given = false; ///< by --adapter
 };
 
 /// The kinds of a case for league_library::supports(): of a ray the body's, of pairs boxes.

@@ -63,7 +63,7 @@ std::vector<LeagueEntry> entries_of(const LeagueOptions& o)
         const std::vector<const league_library*> libraries = open_adapter(file);
         if (libraries.empty() && !o.adapters.empty()) // known adapters may lack another program
             throw Error(ErrorKind::bad_data, fmt::format("--adapter {}: no libraries", printable(file)));
-        for (const league_library* library : libraries) entries.push_back({file, library});
+        for (const league_library* library : libraries) entries.push_back({file, library, !o.adapters.empty()});
     }
     keep_named("--library", entries, o.libraries,
                [](const LeagueEntry& entry) { return std::string_view(entry.library->name); });

@@ -40,7 +40,8 @@ json json_of_table(const LeagueTable& table)
                                     {"source", l.source},
                                     {"bits", l.bits},
                                     {"conservative", l.conservative != 0},
-                                    {"precision", l.precision}});
+                                    {"precision", l.precision},
+                                    {"adapter", entry.given ? entry.adapter : ""}});
     }
     for (std::size_t f = 0; f < table.families.size(); ++f) {
         const LeagueFamily& family = table.families[f];
@@ -108,12 +109,13 @@ std::string text_of(const LeagueTable& table)
         const auto of = [&](LeagueFault fault) { return c.faults[std::size_t(fault)]; };
         const std::uint64_t missed = of(LeagueFault::missed) + of(LeagueFault::late),
                             invented = of(LeagueFault::invented) + of(LeagueFault::early);
-        text += fmt::format(
-            "{:<18}{:>10}{:>12.4f}{:>9}{:>9}{:>10}{:>8}{:>10}{:>12.3g}  {}\n", table.libraries[e].library->name,
-            grouped(c.answered()), c.answered() ? 100 * double(c.right()) / double(c.answered()) : 0, grouped(missed),
-            grouped(invented), grouped(c.wrong() - missed - invented), grouped(c.extra()),
-            grouped(c.failed + c.crashed + c.hung), c.answered() ? 1e-3 * c.nanoseconds / double(c.answered()) : 0,
-            table.libraries[e].library->settings);
+        text += fmt::format("{:<18}{:>10}{:>12.4f}{:>9}{:>9}{:>10}{:>8}{:>10}{:>12.3g}  {}\n",
+                            table.libraries[e].library->name, grouped(c.answered()),
+                            c.cases > c.unsupported ? 100 * double(c.right()) / double(c.cases - c.unsupported) : 0,
+                            grouped(missed), grouped(invented), grouped(c.wrong() - missed - invented),
+                            grouped(c.extra()), grouped(c.failed + c.crashed + c.hung),
+                            c.answered() ? 1e-3 * c.nanoseconds / double(c.answered()) : 0,
+                            table.libraries[e].library->settings);
     }
     std::size_t longest = 0; // name of a family
     for (const LeagueFamily& family : table.families) longest = std::max(longest, family.name.size());

@@ -47,9 +47,10 @@ std::string body_text(const std::string& name, const league_body& body)
 std::string program_of(const league_case& asked, const std::string& library)
 {
     const bool pairs = asked.question == LEAGUE_PAIRS, two = asked.question < LEAGUE_RAY;
-    std::string text = "// g++ -std=c++20 -g -I PATH_OF_LEAGUE_H case.cpp -ldl && ./a.out ADAPTER.so\n#include "
-                       "<oncollide/league.h>\n\n"
-                       "#include <cstdint>\n#include <cstdio>\n#include <cstring>\n#include <dlfcn.h>\n\n";
+    std::string text =
+        "// g++ -std=c++20 -g -I FOLDER_ABOVE_oncollide/league.h THIS_FILE.cpp -ldl && ./a.out ADAPTER.so\n#include "
+        "<oncollide/league.h>\n\n"
+        "#include <cstdint>\n#include <cstdio>\n#include <cstring>\n#include <dlfcn.h>\n\n";
     if (!pairs) text += body_text("a", asked.a);
     if (two) text += body_text("b", asked.b);
     if (pairs) {

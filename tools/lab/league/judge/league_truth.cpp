@@ -11,12 +11,16 @@ namespace {
 using Eigen::Vector3d;
 using Meet = LeagueTruth::Meet;
 
+/// A library may state a larger error, but then its results are judged as with this one: a share of the bodies' sizes,
+/// or of the motion.
+constexpr double largest_error = 0.05;
+
 class Judge {
 public:
     Judge(const LeagueTruth& truth, const league_answer& answer, const LeaguePromise& promised, double rounding)
         : truth_(truth), answer_(answer), conservative_(promised.conservative),
           doubt_((promised.precision > 0 ? promised.precision : 1e-6) * truth.size + 64 * rounding * truth.coordinate),
-          stated_(std::max(answer.error, 0.0))
+          stated_(std::clamp<long double>(answer.error, 0, largest_error * (truth.way > 0 ? 1 : truth.size)))
     {
     }
 

@@ -45,7 +45,7 @@ typedef struct league_body {
 enum league_question {
     LEAGUE_MEET,     /* Do the two bodies have a point in common? -> meet */
     LEAGUE_DISTANCE, /* How far apart are they? -> distance (0 if they meet), points */
-    LEAGUE_DEPTH,    /* They meet: which least translation of b parts them? -> depth, normal (unit; b moves by depth * normal) */
+    LEAGUE_DEPTH,    /* Which least translation of b parts them? -> meet, depth, normal (unit; b moves by depth * normal) */
     LEAGUE_CONTACTS, /* Which contacts keep the two apart in a simulation? -> meet, contacts; none if they do not meet */
     LEAGUE_CAST,     /* b moves by `motion`, a rests: when do they first meet? -> meet, time from 0 to 1 */
     LEAGUE_TURN,     /* The same, and b turns by `turn` about its own origin meanwhile, both at a constant rate */
@@ -76,7 +76,8 @@ typedef struct league_answer {
     int32_t meet; /* 1 or 0 */
     int32_t has_points;
     double distance, depth, time;
-    double error; /* how far off the library says this number may be, metres or a share of the motion; 0: its precision */
+    double error; /* how far off the library says this number may be, metres (at most .05 of the bodies' sizes counts) or a
+                   * share of the motion; 0: its precision */
     double normal[3];
     double point_a[3], point_b[3]; /* the nearest points, if has_points; in the world */
     size_t pair_count;
@@ -99,12 +100,14 @@ typedef struct league_library {
     const char *name;     /* one word, as in --library */
     const char *settings; /* its version and how it is used, for the page: "0.7.0; BVHModel<OBBRSS>, collide()" */
     const char *source;   /* where its documentation says so: "fcl/narrowphase/collision.h" */
-    double precision;     /* its results are promised within this share of the bodies' sizes; 0: 1e-6 */
+    double precision;     /* its numbers are promised within this share of the sum of both diameters; 0: 1e-6. Whether
+                           * triangles and meshes meet, and rays hit, is judged exactly */
     int32_t conservative; /* 1: it may say that bodies meet that are apart, and never the reverse */
 
-    /* Is it worth asking? 1 or 0. */
+    /* Does it have this question? 1 or 0. Kinds of a ray and of a mesh against itself: twice a's; of pairs: boxes. */
     int (*supports)(int question, int kind_a, int kind_b);
-    /* Builds all that the library keeps between queries; not timed. NULL: unsupported. */
+    /* Builds all that the library keeps between queries; not timed. NULL: unsupported, such as sizes beyond those that its
+     * documentation allows (cases have 1e-10 to 1e10 m). If it failed: answer LEAGUE_FAILED later. */
     void *(*prepare)(const league_case *asked);
     /* Answers, timed, once or several times. */
     int (*answer)(void *prepared, const league_case *asked, league_answer *answer);

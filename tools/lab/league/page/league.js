@@ -110,7 +110,7 @@ function showPanel(id) {
   if (innerWidth < 1000) shut.focus();
 }
 function commandOf(library, family, seed) {
-  const words = ["oncollide-lab league", `--library ${library.name}`, `--family '${family.name.replaceAll("'", "'\\''")}'`, `--seed ${seed}`, "--write case.obj"];
+  const words = ["oncollide-lab league", ...(library.adapter ? [`--adapter '${library.adapter.replaceAll("'", "'\\''")}'`] : []), `--library ${library.name}`, `--family '${family.name.replaceAll("'", "'\\''")}'`, `--seed ${seed}`, "--write case.obj"];
   const code = make("code", null, words.map((word, k) => [k ? " " : null, make("span", null, word)])), copy = make("button", {type: "button"}, "Copy");
   copy.addEventListener("click", async () => {
     try { await navigator.clipboard.writeText(code.textContent), copy.textContent = "Copied"; }
