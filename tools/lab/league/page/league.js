@@ -72,7 +72,7 @@ function cellOf(library, family) {
   const counts = result ? ["right", "extra", ...faults, "unsupported", "undecided"].filter(name => result[name]).map(name => `${names[name]}: ${number(result[name])}`) : [];
   const told = `${library.name}, ${family.name}: ${verdict(kind)}.`, button = make("button", {class: kind, type: "button", "aria-expanded": "false",
     "aria-label": [told, ...counts].join(" "),
-    title: [told, ...counts, ...result?.ns > 0 ? [`${micro(result.ns)} a query`] : []].join("\n")}, kind === "none" ? "" : bad ? short(bad) : "✓");
+    title: [told, ...counts, ...result?.ns > 0 ? [`${micro(result.ns)} a query`] : []].join("\n")}, kind === "none" ? "" : bad || result.extra ? short(bad || result.extra) : "✓");
   button.addEventListener("click", () => { location.hash === `#${id}` ? close() : location.hash = id; });
   return cells.set(id, button), button;
 }
