@@ -1,5 +1,5 @@
-// Times the package, three-mesh-bvh and, where they are given, native programs on the same meshes and poses, in one thread.
-// usage: node bench.mjs [NPM_FOLDER] [--seconds S] [--json FILE]      npm ci in this folder first
+// Times the package and three-mesh-bvh on the same meshes and poses, in one thread.
+// usage: node bench.mjs [NPM_FOLDER] [--seconds S] [--meshes FILE,...] [--json FILE]      npm ci in this folder first
 import { readFileSync, writeFileSync } from 'node:fs';
 import { resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
