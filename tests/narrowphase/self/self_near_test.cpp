@@ -138,7 +138,8 @@ Mesh crumpled(int n, std::uint64_t seed)
     for (int j = 0; j <= n; ++j)
         for (int i = 0; i <= n; ++i) {
             const auto draw = [&] { return u01(seed, drawn++, 5); };
-            vertices.emplace_back(0.5 * i + draw(), 0.5 * j + draw(), draw());
+            const double z = draw(), y = draw(), x = draw(); // compilers evaluate arguments in any order
+            vertices.emplace_back(0.5 * i + x, 0.5 * j + y, z);
         }
     for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {
