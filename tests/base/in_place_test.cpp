@@ -1,5 +1,5 @@
-// A vector that a product replaces is read before it is written. Without cmake/toolchains/sse2, Clang 14 breaks this in
-// WebAssembly.
+// A vector that a product replaces is read before it is written. Without cmake/toolchains/no_load_splat.py, Clang
+// 14 breaks this in WebAssembly.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>

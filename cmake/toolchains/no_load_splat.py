@@ -1,0 +1,59 @@
+#!/usr/bin/env python3
+"""Compiles a unit for WebAssembly without instructions that load a number into all lanes (v128.load64_splat).
+
+Clang 14 loses the order of these loads and of later stores: `x = pose * x` reads a coordinate of x that it has
+replaced. The unit is compiled to LLVM's language. There each number that goes into all lanes passes through an empty
+assembly statement, so that it is loaded alone. usage: no_load_splat.py COMPILER ARGUMENTS...   (CMAKE_CXX_COMPILER_LAUNCHER)
+"""
+import os
+import re
+import subprocess
+import sys
+
+# %v = insertelement <2 x double> poison, double %x, i32 0
+FIRST_LANE = re.compile(r"^(\s*%\S+ = insertelement <\d+ x (\w+)> (?:undef|poison), \w+ )"
+                        r"(%[\w.$-]+|%\"[^\"]+\")(, i(?:32|64) 0.*)$")
+# Options of the second step, which generates code.
+CODE = re.compile(r"-(O\w|m(?!llvm)\w+(=.*)?|fwasm-exceptions|ffp-contract=.*|sSUPPORT_LONGJMP=.*)$")
+
+
+def guarded(text):
+    count = 0
+    for line in text:
+        found = FIRST_LANE.match(line.rstrip("\n"))
+        if not found:
+            yield line
+            continue
+        before, kind, number, after = found.groups()
+        through = f"%no.load.splat.{count}"
+        count += 1
+        wide = {"i8": "i32", "i16": "i32"}.get(kind)
+        if wide:
+            yield f"  {through}.wide = zext {kind} {number} to {wide}\n"
+            yield f'  {through}.kept = call {wide} asm "", "=r,0"({wide} {through}.wide)\n'
+            yield f"  {through} = trunc {wide} {through}.kept to {kind}\n"
+        else:
+            yield f'  {through} = call {kind} asm "", "=r,0"({kind} {number})\n'
+        yield f"{before}{through}{after}\n"
+
+
+def main(command):
+    unit = command[command.index("-o") + 1] if "-o" in command else ""
+    if "-c" not in command or not unit.endswith(".o"):
+        return subprocess.call(command)
+    middle = unit + ".ll"
+    first = ["-S" if option == "-c" else option for option in command]
+    first[first.index("-o") + 1] = middle
+    status = subprocess.call(first + ["-emit-llvm"])
+    if status:
+        return status
+    with open(middle, encoding="utf-8") as read, open(unit + ".kept.ll", "w", encoding="utf-8") as written:
+        written.writelines(guarded(read))
+    code = [a for a in command[1:] if CODE.match(a)]
+    code += ["-Xclang", "-disable-llvm-passes", "-c", unit + ".kept.ll", "-o", unit]
+    status = subprocess.call([command[0], *code])
+    os.remove(middle), os.remove(unit + ".kept.ll")
+    return status
+
+
+sys.exit(main(sys.argv[1:]))
