@@ -3,7 +3,8 @@
 
 Clang 14 loses the order of these loads and of later stores: `x = pose * x` reads a coordinate of x that it has
 replaced. The unit is compiled to LLVM's language. There each number that goes into all lanes passes through an empty
-assembly statement, so that it is loaded alone. usage: no_load_splat.py COMPILER ARGUMENTS...   (CMAKE_CXX_COMPILER_LAUNCHER)
+assembly statement, so that it is loaded alone.
+usage: no_load_splat.py COMPILER ARGUMENTS...   (CMAKE_CXX_COMPILER_LAUNCHER)
 """
 import os
 import re

@@ -189,7 +189,10 @@ TEST(LeastTranslation, OfATriangleAndABoxIsThatOfThePolytope)
     std::size_t overlap = 0, with_points = 0;
     for (int trial = 0; trial < 20'000; ++trial) {
         Solid box{Shape(Box{{d.draw(0.1, 1), d.draw(0.1, 1), d.draw(0.1, 1)}})};
-        const auto corner = [&] { return Vector3d(d.draw(-1.5, 1.5), d.draw(-1.5, 1.5), d.draw(-1.5, 1.5)); };
+        const auto corner = [&] {
+            const double z = d.draw(-1.5, 1.5), y = d.draw(-1.5, 1.5), x = d.draw(-1.5, 1.5);
+            return Vector3d(x, y, z); // compilers evaluate arguments in any order
+        };
         TrianglePoints triangle{corner(), corner(), corner()};
         if (trial % 4 == 1) triangle[2] = triangle[1] + 1e-6 * corner();
         if (trial % 4 == 2) triangle[1].x() = triangle[0].x(), triangle[1].y() = triangle[0].y();
