@@ -1,6 +1,6 @@
 // Bodies that drift and turn in a cube; those that collide are red.
 import { boxMesh, pose, sphereMesh, torusKnotMesh, torusMesh, World } from '../lib/index.mjs';
-import { facets, Orbit, Painter } from './gl.mjs';
+import { facets, onDrag, Orbit, Painter } from './gl.mjs';
 
 const side = 30; // metres, of the cube
 const makers = [() => torusKnotMesh(2, 3, 0.45, 0.18, 0.08, 600), () => boxMesh([0.4, 0.3, 0.2]), () => torusMesh(0.4, 0.15, 200), () => sphereMesh(0.4, 128)];
@@ -98,18 +98,7 @@ export function crowdPage(root) {
     }
     requestAnimationFrame(frame);
   }
-  const pointers = new Map();
-  canvas.addEventListener('pointerdown', (event) => {
-    canvas.setPointerCapture(event.pointerId);
-    pointers.set(event.pointerId, [event.clientX, event.clientY]);
-  });
-  canvas.addEventListener('pointermove', (event) => {
-    const last = pointers.get(event.pointerId);
-    if (!last) return;
-    camera.drag(event.clientX - last[0], event.clientY - last[1]);
-    pointers.set(event.pointerId, [event.clientX, event.clientY]);
-  });
-  for (const name of ['pointerup', 'pointercancel']) canvas.addEventListener(name, (event) => pointers.delete(event.pointerId));
+  onDrag(canvas, (dx, dy) => camera.drag(dx, dy));
   const pause = () => {
     running = !running;
     find('pause').textContent = running ? 'Pause' : 'Go on';

@@ -129,3 +129,19 @@ export class Orbit {
     this.tilt = Math.max(-1.5, Math.min(1.5, this.tilt + 0.008 * dy));
   }
 }
+
+/** Calls move(dx, dy, pointers, event), in pixels, while the mouse or fingers drag on an element; `pointers` are down. */
+export function onDrag(element, move) {
+  const places = new Map();
+  element.addEventListener('pointerdown', (event) => {
+    element.setPointerCapture(event.pointerId);
+    places.set(event.pointerId, [event.clientX, event.clientY]);
+  });
+  element.addEventListener('pointermove', (event) => {
+    const last = places.get(event.pointerId);
+    if (!last) return;
+    places.set(event.pointerId, [event.clientX, event.clientY]);
+    move(event.clientX - last[0], event.clientY - last[1], places.size, event);
+  });
+  for (const name of ['pointerup', 'pointercancel']) element.addEventListener(name, (event) => places.delete(event.pointerId));
+}

@@ -1,6 +1,6 @@
 // Two meshes: one stays, one is dragged, turned, or comes from a file.
 import { boxMesh, load, OncollideError, pose, sphereMesh, torusKnotMesh, torusMesh, Verdict, World } from '../lib/index.mjs';
-import { facets, Orbit, Painter } from './gl.mjs';
+import { facets, onDrag, Orbit, Painter } from './gl.mjs';
 
 const samples = {
   knot: () => torusKnotMesh(2, 3, 1, 0.42, 0.16, 5000),
@@ -117,18 +117,8 @@ export function pairPage(root) {
     }
   };
   const mode = () => root.querySelector('[name=mode]:checked').value;
-  const pointers = new Map();
-  canvas.addEventListener('pointerdown', (event) => {
-    canvas.setPointerCapture(event.pointerId);
-    pointers.set(event.pointerId, [event.clientX, event.clientY]);
-  });
-  canvas.addEventListener('pointermove', (event) => {
-    const last = pointers.get(event.pointerId);
-    if (!last) return;
-    pointers.set(event.pointerId, [event.clientX, event.clientY]);
-    move((event.clientX - last[0]) / pointers.size, (event.clientY - last[1]) / pointers.size, pointers.size > 1 || event.buttons & 2 ? 'look' : event.shiftKey ? 'turn' : mode());
-  });
-  for (const name of ['pointerup', 'pointercancel']) canvas.addEventListener(name, (event) => pointers.delete(event.pointerId));
+  onDrag(canvas, (dx, dy, pointers, event) =>
+    move(dx / pointers, dy / pointers, pointers > 1 || event.buttons & 2 ? 'look' : event.shiftKey ? 'turn' : mode()));
   canvas.addEventListener('contextmenu', (event) => event.preventDefault());
   canvas.addEventListener('wheel', (event) => {
     event.preventDefault();
