@@ -5,7 +5,6 @@
 #include <oncollide/narrowphase/exact/exact_predicates.hpp>
 #include <oncollide/narrowphase/exact/flat_triangles.hpp>
 #include <oncollide/narrowphase/rays/segment_tests.hpp>
-#include <oncollide/narrowphase/shapes/cell_test.hpp>
 #include <oncollide/narrowphase/shapes/convex_pair.hpp>
 
 namespace oncollide {

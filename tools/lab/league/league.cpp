@@ -133,14 +133,13 @@ private:
 /// The truths of some cases, found when a library first needs them: for doubles, and for floats.
 class Truths {
 public:
-    Truths(const LeagueFamily& family, const Step& step) : family_(family), step_(step)
-    {
-        for (std::uint64_t k = 0; k < step.count; ++k)
-            kinds_.insert(kinds_of(AskedCase(family.make(step.first + k)).view()));
-    }
+    Truths(const LeagueFamily& family, const Step& step) : family_(family), step_(step) {}
     /// False: no case needs a process of the library.
-    bool any_supported(const league_library& library) const
+    bool any_supported(const league_library& library)
     {
+        if (kinds_.empty())
+            for (std::uint64_t k = 0; k < step_.count; ++k)
+                kinds_.insert(kinds_of(AskedCase(family_.make(step_.first + k)).view()));
         return std::ranges::any_of(
             kinds_, [&](const auto& kinds) { return library.supports(family_.question, kinds.first, kinds.second); });
     }

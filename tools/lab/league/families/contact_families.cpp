@@ -78,7 +78,7 @@ struct Resting {
     std::vector<Vector2d> corners{}; ///< of its lowest face, if a polygon
 };
 
-/// A prism on its base; the hull of its corners has twice as many.
+/// A prism on its base.
 Resting prism_of(CaseNumbers& draw)
 {
     Resting rests{.height = draw.real(0.1, 0.5)};

@@ -1,9 +1,8 @@
 // Shapes that move until they meet others, and rays against meshes.
 #include <cmath>
 
-#include "league/families/families.hpp"
+#include "league/families/moving_family.hpp"
 #include "league/truths/truths.hpp"
-#include "verify/cases/case_numbers.hpp"
 #include "verify/cases/drawn_shapes.hpp"
 
 #include <oncollide/narrowphase/exact/triangle_test.hpp>
@@ -13,23 +12,6 @@ namespace oncollide::tools {
 namespace {
 
 using Eigen::Vector3d;
-
-LeagueFamily cast_family(std::string name, std::string what,
-                         std::function<LeagueCase(CaseNumbers&, std::uint64_t)> make)
-{
-    return {"cast: " + std::move(name),
-            "motions",
-            LEAGUE_CAST,
-            std::move(what),
-            [make](std::uint64_t seed) {
-                CaseNumbers draw(seed);
-                LeagueCase asked = make(draw, seed);
-                asked.question = LEAGUE_CAST;
-                return asked;
-            },
-            truths::first_contact,
-            truths::contact_confirmed};
-}
 
 Shape plate(double size, double thickness)
 {
@@ -94,58 +76,59 @@ std::vector<LeagueFamily> motion_league()
     const auto corners = [](CaseNumbers& draw, const Mesh& mesh) {
         return corners_of(mesh, draw.number(0u, std::uint32_t(mesh.triangles.size() - 1)));
     };
-    return {cast_family("shapes", "Shapes of all kinds that fly past or into each other.",
-                        [](CaseNumbers& draw, std::uint64_t seed) { return aimed(draw, seed, draw.real(1.1, 4), 1); }),
-            cast_family(
-                "thin plates, fast", "Plates of 1e-5 to 1e-2 of their size that fly a thousand times their thickness.",
-                [](CaseNumbers& draw, std::uint64_t) {
-                    LeagueCase asked{.a = {plate(1, draw.magnitude(-16, -6))},
-                                     .b = {plate(1, draw.magnitude(-16, -6))}};
-                    asked.b.pose.linear() = draw.one_in(2) ? Eigen::Matrix3d::Identity().eval() : draw.rotation();
-                    asked.b.pose.translation() =
-                        Vector3d(0.2 * draw.real(-1, 1), 0.2 * draw.real(-1, 1), -draw.real(4, 40));
-                    asked.motion = {draw.real(-1, 1), draw.real(-1, 1), draw.real(20, 200)};
-                    return asked;
-                }),
-            cast_family("grazing", "Spheres and boxes that pass each other nearly at a touch.",
-                        [](CaseNumbers& draw, std::uint64_t) {
-                            LeagueCase asked{.a = {draw.number(0, 1) ? Shape(Sphere{1}) : Shape(Box{{1, 1, 1}})},
-                                             .b = {Shape(Sphere{0.5})}};
-                            asked.b.pose.translation() =
-                                Vector3d(-6, 0.3 * draw.real(-1, 1), 1.5 + draw.sign() * draw.magnitude(-20, -3));
-                            asked.motion = {12, 0, 0};
-                            return asked;
-                        }),
-            cast_family("start in contact", "Shapes that overlap from the beginning.",
-                        [](CaseNumbers& draw, std::uint64_t seed) {
-                            LeagueCase asked = aimed(draw, seed, 2, 1);
-                            asked.b.pose.translation() = asked.a.pose.translation();
-                            return asked;
-                        }),
-            ray_family("random", "Rays that start anywhere, against a ball of 80 triangles or loose triangles.",
-                       [](CaseNumbers& draw, const Mesh&, LeagueCase& asked) {
-                           through(asked, grid_point(draw, 4), grid_point(draw, 1.5));
-                       }),
-            ray_family("through vertices", "Rays exactly through a vertex.",
-                       [corners](CaseNumbers& draw, const Mesh& mesh, LeagueCase& asked) {
-                           through(asked, grid_point(draw, 4), corners(draw, mesh)[0]);
-                       }),
-            ray_family("through edges", "Rays exactly through the middle of an edge.",
-                       [corners](CaseNumbers& draw, const Mesh& mesh, LeagueCase& asked) {
-                           const TrianglePoints t = corners(draw, mesh);
-                           through(asked, grid_point(draw, 4), (t[0] + t[1]) / 2);
-                       }),
-            ray_family("in a plane", "Rays in the plane of a triangle.",
-                       [corners](CaseNumbers& draw, const Mesh& mesh, LeagueCase& asked) {
-                           const TrianglePoints t = corners(draw, mesh);
-                           const double k = draw.number(-3, 3), m = draw.number(-3, 3);
-                           through(asked, t[0] + k * (t[1] - t[0]) + m * (t[2] - t[0]), (t[0] + t[1]) / 2);
-                       }),
-            ray_family("start on the surface", "Rays that start at a vertex or on an edge.",
-                       [corners](CaseNumbers& draw, const Mesh& mesh, LeagueCase& asked) {
-                           const TrianglePoints t = corners(draw, mesh);
-                           through(asked, draw.number(0, 1) ? t[0] : Vector3d((t[0] + t[1]) / 2), grid_point(draw, 4));
-                       })};
+    return {
+        moving_family(LEAGUE_CAST, "shapes", "Shapes of all kinds that fly past or into each other.",
+                      [](CaseNumbers& draw, std::uint64_t seed) { return aimed(draw, seed, draw.real(1.1, 4), 1); }),
+        moving_family(LEAGUE_CAST, "thin plates, fast",
+                      "Plates of 1e-5 to 1e-2 of their size that fly a thousand times their thickness.",
+                      [](CaseNumbers& draw, std::uint64_t) {
+                          LeagueCase asked{.a = {plate(1, draw.magnitude(-16, -6))},
+                                           .b = {plate(1, draw.magnitude(-16, -6))}};
+                          asked.b.pose.linear() = draw.one_in(2) ? Eigen::Matrix3d::Identity().eval() : draw.rotation();
+                          asked.b.pose.translation() =
+                              Vector3d(0.2 * draw.real(-1, 1), 0.2 * draw.real(-1, 1), -draw.real(4, 40));
+                          asked.motion = {draw.real(-1, 1), draw.real(-1, 1), draw.real(20, 200)};
+                          return asked;
+                      }),
+        moving_family(LEAGUE_CAST, "grazing", "Spheres and boxes that pass each other nearly at a touch.",
+                      [](CaseNumbers& draw, std::uint64_t) {
+                          LeagueCase asked{.a = {draw.number(0, 1) ? Shape(Sphere{1}) : Shape(Box{{1, 1, 1}})},
+                                           .b = {Shape(Sphere{0.5})}};
+                          asked.b.pose.translation() =
+                              Vector3d(-6, 0.3 * draw.real(-1, 1), 1.5 + draw.sign() * draw.magnitude(-20, -3));
+                          asked.motion = {12, 0, 0};
+                          return asked;
+                      }),
+        moving_family(LEAGUE_CAST, "start in contact", "Shapes that overlap from the beginning.",
+                      [](CaseNumbers& draw, std::uint64_t seed) {
+                          LeagueCase asked = aimed(draw, seed, 2, 1);
+                          asked.b.pose.translation() = asked.a.pose.translation();
+                          return asked;
+                      }),
+        ray_family("random", "Rays that start anywhere, against a ball of 80 triangles or loose triangles.",
+                   [](CaseNumbers& draw, const Mesh&, LeagueCase& asked) {
+                       through(asked, grid_point(draw, 4), grid_point(draw, 1.5));
+                   }),
+        ray_family("through vertices", "Rays exactly through a vertex.",
+                   [corners](CaseNumbers& draw, const Mesh& mesh, LeagueCase& asked) {
+                       through(asked, grid_point(draw, 4), corners(draw, mesh)[0]);
+                   }),
+        ray_family("through edges", "Rays exactly through the middle of an edge.",
+                   [corners](CaseNumbers& draw, const Mesh& mesh, LeagueCase& asked) {
+                       const TrianglePoints t = corners(draw, mesh);
+                       through(asked, grid_point(draw, 4), (t[0] + t[1]) / 2);
+                   }),
+        ray_family("in a plane", "Rays in the plane of a triangle.",
+                   [corners](CaseNumbers& draw, const Mesh& mesh, LeagueCase& asked) {
+                       const TrianglePoints t = corners(draw, mesh);
+                       const double k = draw.number(-3, 3), m = draw.number(-3, 3);
+                       through(asked, t[0] + k * (t[1] - t[0]) + m * (t[2] - t[0]), (t[0] + t[1]) / 2);
+                   }),
+        ray_family("start on the surface", "Rays that start at a vertex or on an edge.",
+                   [corners](CaseNumbers& draw, const Mesh& mesh, LeagueCase& asked) {
+                       const TrianglePoints t = corners(draw, mesh);
+                       through(asked, draw.number(0, 1) ? t[0] : Vector3d((t[0] + t[1]) / 2), grid_point(draw, 4));
+                   })};
 }
 
 } // namespace oncollide::tools

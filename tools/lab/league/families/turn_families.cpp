@@ -2,9 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "league/families/families.hpp"
-#include "league/truths/truths.hpp"
-#include "verify/cases/case_numbers.hpp"
+#include "league/families/moving_family.hpp"
 #include "verify/cases/drawn_shapes.hpp"
 
 #include <oncollide/samples/generators.hpp>
@@ -13,23 +11,6 @@ namespace oncollide::tools {
 namespace {
 
 using Eigen::Vector3d;
-
-LeagueFamily turn_family(std::string name, std::string what,
-                         std::function<LeagueCase(CaseNumbers&, std::uint64_t)> make)
-{
-    return {"turn: " + std::move(name),
-            "motions",
-            LEAGUE_TURN,
-            std::move(what),
-            [make](std::uint64_t seed) {
-                CaseNumbers draw(seed);
-                LeagueCase asked = make(draw, seed);
-                asked.question = LEAGUE_TURN;
-                return asked;
-            },
-            truths::first_contact,
-            truths::contact_confirmed};
-}
 
 /// A shape of the size 0.3 to 2, of any kind except half-spaces.
 Shape draw_shape(CaseNumbers& draw)
@@ -110,36 +91,38 @@ LeagueCase swinging(double aside, CaseNumbers& draw)
 std::vector<LeagueFamily> turn_league()
 {
     std::vector<LeagueFamily> all{
-        turn_family("shapes that tumble", "Shapes of all kinds that fly past or into each other, with up to two turns.",
-                    [](CaseNumbers& draw, std::uint64_t) {
-                        LeagueBody a{draw_shape(draw)};
-                        a.pose.linear() = draw.rotation();
-                        return tumbling(std::move(a), draw);
-                    }),
-        turn_family("rotation alone", "Thin rods that swing around one end, which rests, past or into a small body.",
-                    [](CaseNumbers& draw, std::uint64_t) { return swinging(draw.real(-0.4, 0.1), draw); }),
-        turn_family(
-            "grazing", "Thin rods whose swinging end touches a small body, or passes it closely.",
+        moving_family(LEAGUE_TURN, "shapes that tumble",
+                      "Shapes of all kinds that fly past or into each other, with up to two turns.",
+                      [](CaseNumbers& draw, std::uint64_t) {
+                          LeagueBody a{draw_shape(draw)};
+                          a.pose.linear() = draw.rotation();
+                          return tumbling(std::move(a), draw);
+                      }),
+        moving_family(LEAGUE_TURN, "rotation alone",
+                      "Thin rods that swing around one end, which rests, past or into a small body.",
+                      [](CaseNumbers& draw, std::uint64_t) { return swinging(draw.real(-0.4, 0.1), draw); }),
+        moving_family(
+            LEAGUE_TURN, "grazing", "Thin rods whose swinging end touches a small body, or passes it closely.",
             [](CaseNumbers& draw, std::uint64_t) { return swinging(draw.sign() * draw.magnitude(-14, -6), draw); }),
-        turn_family("thin plates, fast",
-                    "Plates of 1e-3 to .1 of their size that fly and spin past or through a plate.",
-                    [](CaseNumbers& draw, std::uint64_t) {
-                        LeagueCase asked{.a = {Shape(Box{{1, 1, draw.magnitude(-10, -4)}})},
-                                         .b = {Shape(Box{{0.5, 0.5, draw.magnitude(-10, -4)}})}};
-                        asked.b.pose.linear() = draw.rotation();
-                        asked.b.pose.translation() = Vector3d(draw.real(-1, 1), draw.real(-1, 1), -draw.real(2, 10));
-                        asked.motion = {draw.real(-1, 1), draw.real(-1, 1), draw.real(10, 40)};
-                        asked.turn = draw.real(0, 20) * unit(draw);
-                        return asked;
-                    })};
+        moving_family(LEAGUE_TURN, "thin plates, fast",
+                      "Plates of 1e-3 to .1 of their size that fly and spin past or through a plate.",
+                      [](CaseNumbers& draw, std::uint64_t) {
+                          LeagueCase asked{.a = {Shape(Box{{1, 1, draw.magnitude(-10, -4)}})},
+                                           .b = {Shape(Box{{0.5, 0.5, draw.magnitude(-10, -4)}})}};
+                          asked.b.pose.linear() = draw.rotation();
+                          asked.b.pose.translation() = Vector3d(draw.real(-1, 1), draw.real(-1, 1), -draw.real(2, 10));
+                          asked.motion = {draw.real(-1, 1), draw.real(-1, 1), draw.real(10, 40)};
+                          asked.turn = draw.real(0, 20) * unit(draw);
+                          return asked;
+                      })};
     for (const GroundKind kind : {GroundKind::mesh, GroundKind::terrain, GroundKind::map})
-        all.push_back(
-            turn_family(std::string("shapes that tumble on a ") + std::string(ground_kinds[std::size_t(kind)]),
-                        "Shapes of all kinds that fly and turn toward a mesh, a terrain or the cells of a map.",
-                        [kind](CaseNumbers& draw, std::uint64_t) {
-                            LeagueBody ground = draw_ground(kind, draw);
-                            return tumbling(std::move(ground), draw);
-                        }));
+        all.push_back(moving_family(
+            LEAGUE_TURN, std::string("shapes that tumble on a ") + std::string(ground_kinds[std::size_t(kind)]),
+            "Shapes of all kinds that fly and turn toward a mesh, a terrain or the cells of a map.",
+            [kind](CaseNumbers& draw, std::uint64_t) {
+                LeagueBody ground = draw_ground(kind, draw);
+                return tumbling(std::move(ground), draw);
+            }));
     return all;
 }
 
