@@ -115,10 +115,10 @@ def clash():
 def league():
     libraries = {}
     for r in rows_of("league"):
-        sums = libraries.setdefault(r["library"], dict.fromkeys(("answers", "right", "lost", "invented", "inexact", "extra", "none", "ns"), 0.0))
+        sums = libraries.setdefault(r["library"], dict.fromkeys(("answers", "right", "missed", "invented", "inexact", "extra", "none", "ns"), 0.0))
         count = {name: int(value) for name, value in r.items() if name not in ("family", "question", "library", "ns")}
         answers = count["cases"] - count["unsupported"] - count["failed"] - count["crashed"] - count["hung"]
-        for name, value in (("answers", answers), ("right", count["right"]), ("lost", count["missed"] + count["late"]),
+        for name, value in (("answers", answers), ("right", count["right"]), ("missed", count["missed"] + count["late"]),
                             ("invented", count["invented"] + count["early"]), ("ns", float(r["ns"]) * answers),
                             ("inexact", count["distance"] + count["depth"] + count["normal"] + count["points"] + count["support"]),
                             ("extra", count["extra"]),
@@ -127,7 +127,7 @@ def league():
     rows = [dict(sums, library=name) for name, sums in libraries.items() if name != "example"]
     return listed(rows, {
         "library": of("library", "`{}`".format), "answers": of("answers"),
-        "right": lambda r: f"{100 * r['right'] / (r['answers'] + r['none']):.4g} %", "lost": of("lost"), "invented": of("invented"),
+        "right": lambda r: f"{100 * r['right'] / (r['answers'] + r['none']):.4g} %", "missed": of("missed"), "invented": of("invented"),
         "inexact": of("inexact"), "extra": of("extra"), "no answer": of("none"), "microseconds": lambda r: three(1e-3 * r["ns"] / r["answers"]),
     })
 

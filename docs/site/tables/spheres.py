@@ -163,17 +163,6 @@ def gpu():
     return table(["renderer", "", "gl-compute", "cpu"], out)
 
 
-def hard():
-    rows = {r["family"]: r for r in rows_of("hard")}
-    out = []
-    for family, row in rows.items():
-        rotated = rows.get(f"{family}, turned")
-        counts = [r[k] for r in (row, rotated or row) for k in ("fcl_missed", "fcl_false")]
-        if rotated and any(map(int, counts)):
-            out.append([family, *map(number, counts)])
-    return table(["family", "missed", "invented", "rotated: missed", "invented"], out)
-
-
 def continuous():
     titles = {"oncollide": "oncollide, `Pairs::sweep`", "fcl-advancement": "FCL, conservative advancement, linear motion",
               "fcl-sampled": "FCL, its default: ten poses of a translation"}

@@ -1,7 +1,6 @@
 #include "fcl/fcl_pair.hpp"
 
 #include <fcl/narrowphase/continuous_collision.h>
-#include <fcl/narrowphase/detail/traversal/collision/intersect.h>
 
 #include <oncollide/narrowphase/fcl/fcl_geometry.hpp>
 
@@ -66,11 +65,6 @@ double fcl_time_of_contact(const FclBody& a, const Eigen::Isometry3d& to_a, cons
     fcl::ContinuousCollisionResultd result;
     fcl::continuousCollide(a.geometry.get(), a.pose, to_a, b.geometry.get(), b.pose, to_b, request, result);
     return result.is_collide ? result.time_of_contact : std::numeric_limits<double>::infinity();
-}
-
-bool fcl_triangles_meet(const std::array<Eigen::Vector3d, 3>& a, const std::array<Eigen::Vector3d, 3>& b)
-{
-    return fcl::detail::Intersect<double>::intersect_Triangle(a[0], a[1], a[2], b[0], b[1], b[2]);
 }
 
 std::size_t fcl_mesh_bytes(const FclGeometry& geometry, FclNodes as)

@@ -40,8 +40,6 @@ enum class FclSweep { sampled, advancement };
 /// The time of contact of two bodies that move from their poses to the others; infinite: FCL finds none.
 double fcl_time_of_contact(const FclBody& a, const Eigen::Isometry3d& to_a, const FclBody& b,
                            const Eigen::Isometry3d& to_b, FclSweep how, double tolerance);
-/// FCL's own test of two triangles.
-bool fcl_triangles_meet(const std::array<Eigen::Vector3d, 3>& a, const std::array<Eigen::Vector3d, 3>& b);
 /// Bytes of a mesh's tree if it had nodes of that kind; 0 if the geometry is not a mesh.
 std::size_t fcl_mesh_bytes(const FclGeometry& geometry, FclNodes as);
 

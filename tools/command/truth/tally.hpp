@@ -16,8 +16,6 @@ struct Tally {
     std::uint64_t bounds = 0;          ///< certified bounds compared with the true distance
     std::uint64_t broken = 0;          ///< wrong bounds
     std::uint64_t changed = 0;         ///< results that changed, but must not
-    std::uint64_t fcl_missed = 0;      ///< cases that collide, but not according to FCL
-    std::uint64_t fcl_false = 0;       ///< cases that collide only according to FCL
     std::string first_fault{};         ///< description of the first fault
 
     std::uint64_t faults() const { return missed + wrong + broken + changed; }
@@ -43,9 +41,7 @@ constexpr TallyCount tally_counts[] = {{"cases", "cases", 9, &Tally::cases},
                                        {"false +", "false_positives", 9, &Tally::false_positives},
                                        {"bounds", "bounds", 9, &Tally::bounds},
                                        {"broken", "bounds_broken", 8, &Tally::broken},
-                                       {"changed", "changed", 9, &Tally::changed},
-                                       {"FCL missed", "fcl_missed", 12, &Tally::fcl_missed},
-                                       {"FCL false", "fcl_false", 11, &Tally::fcl_false}};
+                                       {"changed", "changed", 9, &Tally::changed}};
 
 inline Tally& Tally::operator+=(const Tally& o)
 {

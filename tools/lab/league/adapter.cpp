@@ -1,9 +1,15 @@
 #include "league/adapter.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
 
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/text/printable.hpp>
@@ -35,6 +41,33 @@ std::vector<const league_library*> open_adapter(const std::filesystem::path& fil
         libraries.push_back(library);
     }
     return libraries;
+}
+
+void try_to_open(const std::filesystem::path& file)
+{
+    const pid_t child = ::fork();
+    if (child < 0) return; // the adapter is opened without a trial
+    if (child == 0) {
+        for (const int signal : {SIGALRM, SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL}) std::signal(signal, SIG_DFL);
+        ::alarm(20);
+        const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+        ::dup2(nowhere, STDOUT_FILENO), ::dup2(nowhere, STDERR_FILENO);
+        try {
+            open_adapter(file);
+        } catch (const std::exception&) { // the caller finds the same error
+        }
+        ::_exit(0);
+    }
+    int status = 0;
+    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {}
+    const std::string place = fmt::format("--adapter {}: ", printable(file.string()));
+    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM)
+        throw Error(ErrorKind::bad_data, place + "league_open() does not return within 20 s");
+    if (WIFSIGNALED(status))
+        throw Error(ErrorKind::bad_data, place + fmt::format("crashes as it is loaded or in league_open(): {}",
+                                                             ::strsignal(WTERMSIG(status))));
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+        throw Error(ErrorKind::bad_data, place + "ends the program as it is loaded or in league_open()");
 }
 
 std::vector<std::filesystem::path> known_adapters()

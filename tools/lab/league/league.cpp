@@ -33,7 +33,7 @@ struct LeagueOptions {
     std::string out, write;
     std::int64_t cases = 1000, seed = -1;
     int threads = 0;
-    bool answers = false, quiet = false;
+    bool list = false, answers = false, quiet = false;
 };
 
 /// Keeps the named items, in the order of all; no names: all. Throws Error{usage} with the valid names.
@@ -60,6 +60,7 @@ std::vector<LeagueEntry> entries_of(const LeagueOptions& o)
             "league: no adapters; they belong in a folder league beside oncollide-lab, or give --adapter FILE.so");
     std::vector<LeagueEntry> entries;
     for (const std::string& file : files) {
+        if (!o.answers) try_to_open(file);
         const std::vector<const league_library*> libraries = open_adapter(file);
         if (libraries.empty() && !o.adapters.empty()) // known adapters may lack another program
             throw Error(ErrorKind::bad_data, fmt::format("--adapter {}: no libraries", printable(file)));
@@ -249,6 +250,16 @@ int show_case(const LeagueOptions& o, const LeagueFamily& family, const std::vec
     return wrong ? int(ErrorKind::internal) : 0;
 }
 
+void list(const std::vector<LeagueFamily>& families, const std::vector<LeagueEntry>& entries)
+{
+    std::size_t longest = 0;
+    for (const LeagueFamily& family : families) longest = std::max(longest, family.name.size());
+    for (const LeagueFamily& family : families)
+        say("{:<{}}  {:<9} {}\n", family.name, longest, name_of(family.question), family.what);
+    say("\n");
+    for (const LeagueEntry& entry : entries) say("{:<18} {}\n", entry.library->name, entry.library->settings);
+}
+
 int league(const LeagueOptions& o)
 {
     check_range("--cases", o.cases, 1, 10'000'000), check_range("--threads", o.threads, 0, 1024);
@@ -258,6 +269,10 @@ int league(const LeagueOptions& o)
     const std::vector<LeagueEntry> entries = entries_of(o);
     if (o.answers) {
         answer_in_child(families.at(0), *entries.at(0).library, std::uint64_t(o.seed), std::uint64_t(o.cases));
+        return 0;
+    }
+    if (o.list) {
+        list(families, entries);
         return 0;
     }
     if (o.seed >= 0) {
@@ -283,10 +298,9 @@ void add_league(Arguments app)
     Arguments sub = app.add_command("league", "Judge libraries of collision detection by the same certified cases");
     auto o = std::make_shared<LeagueOptions>();
     sub.add_option("--cases N", o->cases, "cases of each family (default 1000)");
-    sub.add_option("--family NAME", o->families, "only this family (repeatable); an unknown name lists all")
-        .repeatable();
-    sub.add_option("--library NAME", o->libraries, "only this library (repeatable); an unknown name lists all")
-        .repeatable();
+    sub.add_option("--family NAME", o->families, "only this family (repeatable)").repeatable();
+    sub.add_option("--library NAME", o->libraries, "only this library (repeatable)").repeatable();
+    sub.add_flag("--list", o->list, "print the families and the libraries, and end");
     sub.add_option("--adapter FILE.so", o->adapters,
                    "judge the libraries of this adapter instead of the known ones (repeatable): docs/league.md")
         .repeatable();

@@ -5,7 +5,7 @@
 namespace oncollide::tools {
 namespace {
 
-constexpr std::size_t most_worst = 3;
+constexpr std::size_t most_worst = 3, most_seeds = 100;
 
 std::size_t rank_of(const WorstCase& worst)
 {
@@ -30,6 +30,8 @@ void LeagueCell::add(const LeagueCell& other)
     for (std::size_t k = 0; k < faults.size(); ++k) faults[k] += other.faults[k];
     worst.insert(worst.end(), other.worst.begin(), other.worst.end());
     keep_worst(worst);
+    for (const std::uint64_t seed : other.wrong_seeds)
+        if (wrong_seeds.size() < most_seeds) wrong_seeds.push_back(seed);
 }
 
 nlohmann::json LeagueCell::json() const
@@ -42,7 +44,7 @@ nlohmann::json LeagueCell::json() const
                        {"hung", hung},
                        {"ns", answered() ? nanoseconds / double(answered()) : 0}};
     for (std::size_t k = 0; k < faults.size(); ++k) out[std::string(fault_names[k])] = faults[k];
-    out["worst"] = nlohmann::json::array();
+    out["wrong_seeds"] = wrong_seeds, out["worst"] = nlohmann::json::array();
     for (const WorstCase& w : worst)
         out["worst"].push_back(
             {{"seed", w.seed}, {"fault", w.fault}, {"expected", w.expected}, {"given", w.given}, {"error", w.error}});
@@ -59,6 +61,7 @@ LeagueCell LeagueCell::from(const nlohmann::json& json)
                     .hung = json.at("hung")};
     for (std::size_t k = 0; k < cell.faults.size(); ++k) cell.faults[k] = json.at(std::string(fault_names[k]));
     cell.nanoseconds = json.at("ns").get<double>() * double(cell.answered());
+    cell.wrong_seeds = json.at("wrong_seeds").get<std::vector<std::uint64_t>>();
     for (const auto& w : json.at("worst"))
         cell.worst.push_back({w.at("seed"), w.at("fault"), w.at("expected"), w.at("given"),
                               w.at("error").is_null() ? 1e300 : w.at("error").get<double>()});
@@ -69,6 +72,10 @@ LeagueCell judge_replies(const LeagueFamily& family, const league_library& libra
                          const std::vector<LeagueTruth>& truths, const std::vector<LeagueReply>& replies)
 {
     LeagueCell cell;
+    const auto add_wrong = [&](WorstCase wrong) {
+        if (cell.wrong_seeds.size() < most_seeds) cell.wrong_seeds.push_back(wrong.seed);
+        cell.worst.push_back(std::move(wrong));
+    };
     for (std::size_t k = 0; k < replies.size(); ++k) {
         const LeagueReply& reply = replies[k];
         ++cell.cases;
@@ -78,13 +85,13 @@ LeagueCell judge_replies(const LeagueFamily& family, const league_library& libra
             continue;
         case LeagueReply::State::failed:
             ++cell.failed;
-            cell.worst.push_back({reply.seed, "failed", "an answer", "the library says that it failed", 0});
+            add_wrong({reply.seed, "failed", "an answer", "the library says that it failed", 0});
             break;
         case LeagueReply::State::crashed:
         case LeagueReply::State::hung: {
             const bool hung = reply.state == LeagueReply::State::hung;
             ++(hung ? cell.hung : cell.crashed);
-            cell.worst.push_back(
+            add_wrong(
                 {reply.seed, hung ? "hung" : "crashed", "an answer", hung ? "none in 5 s, or 2 GB" : "a crash", 0});
             break;
         }
@@ -96,8 +103,8 @@ LeagueCell judge_replies(const LeagueFamily& family, const league_library& libra
                       library.bits == 32 ? 0x1p-24 : 0x1p-53);
             ++cell.faults[std::size_t(verdict.fault)];
             if (verdict.fault != LeagueFault::none && verdict.fault != LeagueFault::extra)
-                cell.worst.push_back({reply.seed, std::string(fault_names[std::size_t(verdict.fault)]),
-                                      verdict.expected, verdict.given, verdict.error});
+                add_wrong({reply.seed, std::string(fault_names[std::size_t(verdict.fault)]), verdict.expected,
+                           verdict.given, verdict.error});
             break;
         }
         }

@@ -21,8 +21,9 @@ struct LeagueCell {
     std::uint64_t cases = 0, open = 0;                          ///< open: rounding decides, so every result is right
     std::array<std::uint64_t, std::size(fault_names)> faults{}; ///< by LeagueFault; [0]: right results
     std::uint64_t unsupported = 0, failed = 0, crashed = 0, hung = 0;
-    double nanoseconds = 0;         ///< sum over all results
-    std::vector<WorstCase> worst{}; ///< the gravest three
+    double nanoseconds = 0;                   ///< sum over all results
+    std::vector<WorstCase> worst{};           ///< the gravest three
+    std::vector<std::uint64_t> wrong_seeds{}; ///< of the first hundred results that are wrong, failed or none
 
     std::uint64_t answered() const { return cases - unsupported - failed - crashed - hung; }
     std::uint64_t right() const { return faults[0]; }

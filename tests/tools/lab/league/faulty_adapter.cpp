@@ -52,5 +52,6 @@ const league_library libraries[] = {made<always_apart>("apart"), made<always_mee
 
 const league_library* league_open(int number)
 {
+    if (std::getenv("ONCOLLIDE_FAULTY_OPEN")) std::raise(SIGSEGV);
     return number >= 0 && number < 7 ? &libraries[number] : nullptr;
 }

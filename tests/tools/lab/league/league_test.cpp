@@ -2,6 +2,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <set>
 
 #include "league/families/families.hpp"
 #include "tools/command_fixture.hpp"
@@ -155,10 +156,25 @@ TEST_F(League, CountsTheFaultsOfLibrariesAndSurvivesThem)
     EXPECT_EQ(meets["invented"], apart["right"]);
     EXPECT_EQ(crashes["crashed"], 3);
     EXPECT_EQ(crashes["worst"][0]["seed"], 3);
+    EXPECT_EQ(crashes["wrong_seeds"].size(), crashes["missed"].get<std::size_t>() + 3);
     EXPECT_EQ(hangs["hung"], 1) << "the third case";
     EXPECT_EQ(hungry["crashed"], 12);
     EXPECT_EQ(result("fails")["failed"], 12);
     EXPECT_EQ(talks["right"], apart["right"]) << "its output does not disturb the results";
+    const Outcome opening =
+        run_program(ONCOLLIDE_LAB, {"league", "--adapter", ONCOLLIDE_FAULTY_ADAPTER, "--cases", "3"},
+                    {.folder = folder_.path(), .environment = {{"ONCOLLIDE_FAULTY_OPEN", "1"}}});
+    EXPECT_EQ(opening.code, 65);
+    EXPECT_NE(opening.err.find("crashes as it is loaded or in league_open()"), std::string::npos) << opening.err;
+}
+
+TEST_F(League, ListsAllFamiliesAndLibraries)
+{
+    const Outcome outcome = league({"--list"});
+    EXPECT_EQ(outcome.code, 0);
+    for (const tools::LeagueFamily& family : tools::league_families())
+        EXPECT_NE(outcome.out.find(family.name), std::string::npos) << family.name;
+    EXPECT_NE(outcome.out.find("\nfcl "), std::string::npos) << outcome.out;
 }
 
 TEST_F(League, GoesOnWhereItWasInterrupted)
@@ -175,15 +191,22 @@ TEST_F(League, GoesOnWhereItWasInterrupted)
 
 TEST_F(League, IsRightAboutOncollideAndItsPageHoldsTheWorstCases)
 {
-    const Outcome outcome = league({"--cases", "12", "--out", "all"});
+    EXPECT_EQ(league({"--cases", "12", "--library", "oncollide", "--out", "ours"}).code, 0);
+    const nlohmann::json ours = read_json("ours/league.json")["results"];
+    EXPECT_EQ(ours.size(), tools::league_families().size());
+    for (const nlohmann::json& r : ours) EXPECT_EQ(r["right"], 12) << r["family"];
+    // All libraries: one family of each group and question.
+    std::vector<std::string> arguments{"--cases", "12", "--out", "all"};
+    std::set<std::pair<std::string, int>> taken;
+    for (const tools::LeagueFamily& family : tools::league_families())
+        if (taken.emplace(family.group, family.question).second)
+            arguments.insert(arguments.end(), {"--family", family.name});
+    const Outcome outcome = league(arguments);
     EXPECT_EQ(outcome.code, 0) << outcome.out;
     const nlohmann::json all = read_json("all/league.json");
     ASSERT_GE(all["libraries"].size(), 4u) << "oncollide in three ways, FCL";
     EXPECT_EQ(all["libraries"][0]["name"], "oncollide");
     for (const nlohmann::json& r : all["results"]) {
-        if (r["library"] == "oncollide") {
-            EXPECT_EQ(r["right"], 12) << r["family"];
-        }
         for (const nlohmann::json& worst : r["worst"]) EXPECT_TRUE(worst["case"].contains("question"));
     }
     const std::string page = folder_.read("all/league.html");

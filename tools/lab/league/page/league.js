@@ -15,10 +15,10 @@ const micro = ns => ns > 0 ? `${(us => us < 10 ? us.toPrecision(2) : Math.round(
 // The data, and the names of its counts in the order of the panel.
 const league = JSON.parse(find("league").textContent);
 const faults = ["missed", "invented", "distance", "points", "normal", "depth", "support", "late", "early", "failed", "crashed", "hung"];
-const names = {right: "right", missed: "lost collision", invented: "invented collision", distance: "wrong distance", points: "wrong points", support: "contacts on one side",
+const names = {right: "right", missed: "missed collision", invented: "invented collision", distance: "wrong distance", points: "wrong points", support: "contacts on one side",
   normal: "wrong normal", depth: "wrong depth", late: "hit too late", early: "hit too early", failed: "library reports failure", crashed: "crashed",
   hung: "hung", unsupported: "unsupported", undecided: "rounding decides", extra: "extra hit, as announced"};
-const kindOf = {right: "right", extra: "extra", missed: "lost", crashed: "broken", hung: "broken", unsupported: "none", undecided: "none"};
+const kindOf = {right: "right", extra: "extra", missed: "missed", crashed: "broken", hung: "broken", unsupported: "none", undecided: "none"};
 const libraries = new Map(league.libraries.map(library => [library.name, library])), families = new Map(league.families.map(family => [family.name, family]));
 const key = (library, family) => `${encodeURIComponent(library)}/${encodeURIComponent(family)}`;
 const results = new Map(league.results.map(result => [key(result.library, result.family), result]));
@@ -26,7 +26,7 @@ const badOf = result => faults.reduce((sum, name) => sum + (result[name] ?? 0), 
 const judged = result => (result.cases ?? 0) - (result.unsupported ?? 0); // Every result of an undecided case is right.
 const classOf = result => {
   if (!result || judged(result) <= 0 || result.crashed || result.hung) return result?.crashed || result?.hung ? "broken" : "none";
-  if (result.missed) return "lost";
+  if (result.missed) return "missed";
   const bad = badOf(result), share = bad / judged(result);
   if (!bad) return result.extra ? "extra" : "right";
   return share < 0.001 ? "wrong1" : share < 0.01 ? "wrong2" : share < 0.1 ? "wrong3" : "wrong4";
@@ -34,7 +34,7 @@ const classOf = result => {
 const sumOf = list => Object.fromEntries(["cases", ...Object.keys(names)].map(name => [name, list.reduce((sum, r) => sum + (r[name] ?? 0), 0)]));
 const ofLibrary = (name, question) => league.results.filter(result => result.library === name && judged(result) > 0
   && (!question || families.get(result.family)?.question === question));
-const verdicts = {right: "All results are right", extra: "Some hits are extra; the library says that it may report them", lost: "The library lost collisions",
+const verdicts = {right: "All results are right", extra: "Some hits are extra; the library says that it may report them", missed: "The library misses collisions",
   broken: "The library crashed or hung", none: "The library does not support this"};
 const bare = ({name, group, question}) => [group, question].some(word => name.startsWith(`${word}: `)) ? name.slice(name.indexOf(": ") + 2) : name;
 const verdict = kind => verdicts[kind] ?? "Some results are wrong";
@@ -45,7 +45,7 @@ function showTotals() {
   find("totals").append(tile("libraries", number(libraries.size)), tile("families of cases", number(families.size)),
     tile("results judged", number(asked - sum.failed - sum.crashed - sum.hung)),
     tile("wrong results", percent(asked ? (badOf(sum) - sum.crashed - sum.hung) / asked : 0), null, number(badOf(sum))),
-    tile("lost collisions", number(sum.missed), sum.missed ? "lost" : null), tile("crashes and hangs", number(sum.crashed + sum.hung), sum.crashed + sum.hung ? "broken" : null));
+    tile("missed collisions", number(sum.missed), sum.missed ? "missed" : null), tile("crashes and hangs", number(sum.crashed + sum.hung), sum.crashed + sum.hung ? "broken" : null));
   find("foot").textContent = `${league.program}; the league played on ${league.date}.`;
 }
 const cells = new Map();
@@ -105,6 +105,7 @@ function showPanel(id) {
     card.append(facts([["Seed", String(one.seed)], ["Fault", names[one.fault] ?? one.fault, "bad"], ["Expected", one.expected ?? "-"], ["Given", one.given ?? "-"],
       ...one.error ? [["Error", Number(one.error).toPrecision(3)]] : []]), commandOf(library, family, one.seed));
   }
+  if (result?.wrong_seeds?.length > worst.length) panel.append(make("h3", null, "Seeds of wrong results"), make("p", null, `${result.wrong_seeds.join(", ")}${result.wrong_seeds.length < 100 ? "" : ", ..."}`));
   for (const stage of stages) stage.resize();
   panel.scrollTop = 0, cell.scrollIntoView({block: "nearest", inline: "nearest"});
   if (innerWidth < 1000) shut.focus();

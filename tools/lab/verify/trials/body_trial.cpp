@@ -119,11 +119,7 @@ Tally try_bodies(const BodyCase& c, const std::vector<Variant>& variants)
     const BodyForm& plain = forms.front();
     check_truth(c, plain);
     Tally tally{.family = c.family};
-    for (const PairTruth& truth : plain.truths) {
-        ++tally.cases;
-        tally.fcl_missed += truth.collide && !*truth.fcl_collide;
-        tally.fcl_false += !truth.collide && *truth.fcl_collide;
-    }
+    tally.cases = plain.truths.size();
     const int closed = has_inside(c.a) + has_inside(c.b);
     for (const Variant& variant : variants) {
         const std::optional<Settings> settings = settings_for(variant, plain, closed);

@@ -14,14 +14,9 @@
 
 namespace oncollide::tools {
 
-/// Another library's test of two triangles.
-using TrianglesMeet = bool (*)(const TrianglePoints& a, const TrianglePoints& b);
-
 /// `count` pairs of a family, as stored on their grid of 2^-20 m, or randomly rotated and rounded. Compares the exact
-/// test, in both orders of the triangles, and FCL's test, if given, with the oracle. Cost: 10 to 100 microseconds per
-/// pair.
-Tally try_triangles(const TriangleFamily& family, std::uint64_t count, bool rotated, int threads,
-                    TrianglesMeet fcl = nullptr);
+/// test, in both orders of the triangles, with the oracle. Cost: 10 to 100 microseconds per pair.
+Tally try_triangles(const TriangleFamily& family, std::uint64_t count, bool rotated, int threads);
 
 /// `count` pairs of triangles of a family, as two meshes. Compares all lower and upper bounds with the exact distance:
 /// of the kernels, decide() with and without clearance and error, distance(), near_features(), clear_until; and a live
@@ -44,7 +39,7 @@ constexpr const char* tangent_families[] = {"balls on faces of cells and boxes",
 /// `count` pairs of one of these families: a sphere, a capsule or a triangle, and a cell of a map, a box, a hull or a
 /// mesh of a box, touching or one unit of the grid apart, at scales of 2^-30 to 2^30 m and up to 2^26 times as far from
 /// the origin. Truth: squares of integers, and linear programming for triangles. Tests the exact level, both bounding
-/// volumes without it, and FCL.
+/// volumes without it, and FCL's exact level.
 Tally try_tangent(const std::string& family, std::uint64_t count, int threads);
 
 /// Families of bodies that touch terrains.

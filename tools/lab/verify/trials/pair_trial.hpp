@@ -11,7 +11,7 @@ namespace oncollide::tools {
 PairTruth truth_if(bool meet);
 
 /// Tests two bodies whose truth is known by construction: with exact tests, with both bounding volumes without them,
-/// with FCL's exact level, and FCL alone. A terrain that is uncertain is compared with its bounds instead of FCL.
+/// with FCL's exact level. A terrain that is uncertain is compared with its bounds instead of FCL.
 /// @param what  names the case in faults
 void try_pair(const PlacedBody& a, const PlacedBody& b, const PairTruth& truth, const std::string& what, Tally& tally);
 
