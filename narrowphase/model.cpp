@@ -85,6 +85,15 @@ void Model::make_obb_tree(ChunkBudget* budget, BoxTotals& totals)
                                  : std::make_unique<ObbTree>(*surface_mesh(), &totals);
 }
 
+RayTree* Model::ray_tree() const
+{
+    constexpr std::size_t few = 32; // triangles
+    ObbTree* const tree = obb_tree_.get();
+    if (!tree || has_budget_ || tree->chunked() || tree->deformed() || tree->mesh().triangles.size() <= few)
+        return nullptr;
+    return ray_tree_.get([&] { return std::make_unique<RayTree>(*tree); }).get();
+}
+
 /// Reads all of a cooked mesh, and keeps none of it.
 bool Model::prepare_solids(bool near)
 {
@@ -114,6 +123,7 @@ void Model::deform(std::uint32_t first, std::uint32_t count, double radius2)
     bounds_.deform();
     hull_.reset(), inner_spheres_.reset(), no_solids_ = true;
     links_.reset(), closed_.reset(), parts_.reset(), fcl_.reset();
+    ray_tree_.reset();
     if (obb_tree_) obb_tree_->deform(first, count, radius2);
 }
 
@@ -233,6 +243,7 @@ std::string Model::validate(std::size_t most) const
     };
     look_at(spheres_, spheres_ ? spheres_->size() : 0, "sphere-tree");
     look_at(obb_tree_, obb_tree_ ? obb_tree_->nodes() : 0, "OBB tree");
+    if (const auto* const rays = ray_tree_.made()) look_at(*rays, triangles(), "tree for segments");
     if (const auto* const heights = heights_.made()) look_at(*heights, terrain()->cells(), "terrain tree");
     return fault;
 }

@@ -22,6 +22,7 @@
 #include <oncollide/narrowphase/obb/obb_tree.hpp>
 #include <oncollide/narrowphase/obb/shape_tree.hpp>
 #include <oncollide/narrowphase/obb/terrain_tree.hpp>
+#include <oncollide/narrowphase/rays/tree/ray_tree.hpp>
 #include <oncollide/narrowphase/shapes/convex.hpp>
 #include <oncollide/narrowphase/shapes/hull_faces.hpp>
 #include <oncollide/narrowphase/spheres/ocst.hpp>
@@ -43,7 +44,7 @@ public:
     /// Shares the geometry. Cost: computing its bounds only.
     /// @param number  identifies the model and its sphere-tree to backends
     explicit Model(std::shared_ptr<const Geometry> geometry, std::uint32_t number = 0);
-    ~Model() { obb_tree_.reset(); } // it refers to members that are destroyed before it
+    ~Model() { drop_obb_tree(); } // it refers to members that are destroyed before it
     Model(const Model&) = delete;
     Model& operator=(const Model&) = delete;
 
@@ -145,6 +146,9 @@ public:
     std::uint32_t number() const { return number_; }
     Ocst* spheres() const { return spheres_.get(); }      ///< the sphere-tree; null until a test reaches it
     ObbTree* obb_tree() const { return obb_tree_.get(); } ///< the tree of surface_mesh(); null until a test reaches it
+    /// The tree for segments, over the OBB tree; null: the mesh is small, deforms or is cooked, or a budget limits
+    /// trees.
+    RayTree* ray_tree() const;
     /// Why a cooked mesh can have no OBB tree; empty: it can.
     const std::string& unreadable() const { return unreadable_; }
     /// Records that a pair needs the OBB tree in this frame.
@@ -174,6 +178,7 @@ private:
     /// Makes the OBB tree. The tree counts in the totals unless it has a budget.
     /// @param budget  null: a cooked mesh is read as a whole
     void make_obb_tree(ChunkBudget* budget, BoxTotals& totals);
+    void drop_obb_tree() { ray_tree_.reset(), obb_tree_.reset(); }
     /// Does not read the geometry itself: in a large world the geometries lie scattered in memory.
     template <class Data>
     const Data* as() const
@@ -195,6 +200,8 @@ private:
     std::atomic<std::uint32_t> obb_tree_needed_ = 0;
     std::unique_ptr<Ocst> spheres_;
     std::unique_ptr<ObbTree> obb_tree_;
+    Once<std::unique_ptr<RayTree>> ray_tree_;
+    bool has_budget_ = false; ///< a budget limits trees
     std::string unreadable_;
     std::shared_ptr<const Geometry> geometry_;
     const Kind kind_;

@@ -20,6 +20,7 @@ enum class LockRank : std::uint8_t {
     chunks_in_use,  ///< ChunkResidency: no chunk is dropped while a traversal holds it
     obb_trees,      ///< PreparedTrees, ObbResidency: which OBB trees of cooked meshes there are
     prefetcher,     ///< Prefetcher: the waiting parts
+    ray_tree,       ///< RayTree: growing
     obb_tree,       ///< ObbTree: growing
     terrain_tree,   ///< TerrainTree: making a part
     chunks,         ///< chunks of a mesh, map or terrain: reading

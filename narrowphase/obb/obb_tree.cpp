@@ -162,6 +162,16 @@ void ObbTree::grow_in(const Aabb& box, std::uint32_t triangles)
     }
 }
 
+void ObbTree::copy_order(std::uint32_t begin, std::uint32_t count, std::vector<std::uint32_t>& to) const
+{
+    to.resize(count);
+    const std::lock_guard lock(growing_);
+    if (order_)
+        std::copy_n(order_ + begin, count, to.begin());
+    else
+        std::iota(to.begin(), to.end(), begin);
+}
+
 void ObbTree::number_triangles()
 {
     own_order_.resize(mesh_->triangles.size());

@@ -162,6 +162,12 @@ public:
     /// True if a traversal has reached the triangle and it was not dropped since; otherwise it is not a valid hint.
     bool holds(std::uint32_t triangle) const { return !chunked_ || chunked_->there(chunked_->chunk_of(triangle)); }
 
+    /// The triangles at these positions of the tree's order, which traversals sort as they grow the tree.
+    void copy_order(std::uint32_t begin, std::uint32_t count, std::vector<std::uint32_t>& to) const;
+    /// Null if the tree counts in none.
+    BoxTotals* totals() const { return totals_; }
+    /// True if the vertices have moved.
+    bool deformed() const { return deformation_ != nullptr; }
     /// Null unless the mesh is cooked.
     MeshChunks* chunked() const { return chunked_.get(); }
     void add_held(std::vector<Held>& to) const override;
@@ -230,7 +236,7 @@ private:
     LargeVector<std::uint32_t> own_order_; ///< storage of order_ and blocks_, unless the mesh is cooked
     std::vector<NodeLine*> own_blocks_;
     std::atomic<std::uint32_t> lines_ = 0, nodes_ = 0; ///< lines and nodes in use, in these blocks
-    OrderedMutex<LockRank::obb_tree> growing_;
+    mutable OrderedMutex<LockRank::obb_tree> growing_;
     std::uint32_t grows_in_ = 0; ///< the chunk of a cooked mesh that is growing
 };
 

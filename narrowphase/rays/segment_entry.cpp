@@ -86,7 +86,12 @@ std::optional<SegmentEntry> entry_of(const Segment& segment, const TrianglePoint
     const int of_p = orient3d(t[0], t[1], t[2], p), of_q = orient3d(t[0], t[1], t[2], q);
     if (!of_p && !of_q) return entry_in_plane(segment, t);
     if (!of_p || !of_q) return of_p ? at_end : at_start;
-    return around(crossing_parameter(t[0], t[1], t[2], p, q));
+    return entry_across(segment, t);
+}
+
+SegmentEntry entry_across(const Segment& segment, const TrianglePoints& t)
+{
+    return around(crossing_parameter(t[0], t[1], t[2], segment.from, segment.to));
 }
 
 std::optional<SegmentEntry> entry_of(const Segment& segment, const Aabb& cell)

@@ -19,6 +19,8 @@ struct SegmentEntry {
 // fraction 0.
 
 std::optional<SegmentEntry> entry_of(const Segment& segment, const TrianglePoints& triangle);
+/// The entry into a triangle whose plane the segment crosses.
+SegmentEntry entry_across(const Segment& segment, const TrianglePoints& triangle);
 std::optional<SegmentEntry> entry_of(const Segment& segment, const Aabb& cell); ///< solid
 
 /// The half-space z <= 0.

@@ -68,7 +68,17 @@ std::optional<SegmentHit> SegmentQuery::first_on_surface(Model& model, const Seg
     };
     const auto entry = [&](std::uint32_t triangle) { return entry_of(segment, corners(triangle)); };
     std::optional<Candidate> found;
-    if (tree) {
+    if (RayTree* const rays = RayWalk::covers(segment) ? model.ray_tree() : nullptr) {
+        candidates_.clear();
+        const double slack = slack_of(segment, *tree);
+        const auto take = [&](std::uint32_t triangle, bool certain) {
+            add(certain ? entry_across(segment, corners(triangle)) : entry(triangle), tree->source(triangle), triangle,
+                reach);
+            return reach + slack;
+        };
+        rays_.walk(*rays, segment, take, reach + slack);
+        found = nearest_candidate(reach);
+    } else if (tree) {
         found = nearest(meshes_, *tree, segment, reach, entry);
     } else {
         ONCOLLIDE_ASSERT(model.kind() == Kind::polytope);

@@ -29,14 +29,25 @@ bool SegmentQuery::begins_inside(Model& model, const Segment& segment, bool soli
     return locator_.place(segment.from, *model.surface_mesh(), tree, same) != PointLocation::outside;
 }
 
+bool SegmentQuery::meets_surface(Model& model, ObbTree& tree, const Segment& segment)
+{
+    const auto meets = [&](std::uint32_t triangle) { return segment_meets(segment, tree.corners(triangle)); };
+    RayTree* const rays = RayWalk::covers(segment) ? model.ray_tree() : nullptr;
+    if (!rays) return any(meshes_, tree, segment, meets);
+    bool met = false;
+    rays_.walk(*rays, segment, [&](std::uint32_t triangle, bool certain) {
+        met = certain || meets(triangle);
+        return met ? -1.0 : 1.0;
+    });
+    return met;
+}
+
 bool SegmentQuery::meets(Model& model, const Segment& segment)
 {
     switch (model.kind()) {
     case Kind::mesh:
     case Kind::polytope:
-        if (ObbTree* const tree = model.obb_tree())
-            return any(meshes_, *tree, segment,
-                       [&](std::uint32_t triangle) { return segment_meets(segment, tree->corners(triangle)); });
+        if (ObbTree* const tree = model.obb_tree()) return meets_surface(model, *tree, segment);
         ONCOLLIDE_ASSERT(model.kind() == Kind::polytope);
         return std::ranges::any_of(model.surface_mesh()->triangles, [&](const Triangle& t) {
             const auto& vertices = model.surface_mesh()->vertices;

@@ -3,6 +3,7 @@
 #include <oncollide/narrowphase/inside/point_location.hpp>
 #include <oncollide/narrowphase/model.hpp>
 #include <oncollide/narrowphase/rays/map_walk.hpp>
+#include <oncollide/narrowphase/rays/ray_walk.hpp>
 #include <oncollide/narrowphase/rays/segment_entry.hpp>
 #include <oncollide/narrowphase/rays/segment_walk.hpp>
 
@@ -53,8 +54,10 @@ private:
     void add(const std::optional<SegmentEntry>& entry, const BodyPart& part, std::uint32_t number, double& reach);
     template <class Tree, class Meets>
     bool any(SegmentWalk<Tree>& walk, Tree& tree, const Segment& segment, Meets meets);
+    bool meets_surface(Model& model, ObbTree& tree, const Segment& segment);
     std::optional<SegmentHit> first_on_surface(Model& model, const Segment& segment, double reach);
 
+    RayWalk rays_;
     SegmentWalk<ObbTree> meshes_;
     SegmentWalk<TerrainTree> terrains_;
     SegmentWalk<MapTree> maps_;

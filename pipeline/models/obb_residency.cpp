@@ -66,6 +66,7 @@ void ObbResidency::make(Model& model, const Room& room)
     model.obb_tree_ = prepared_.take(model);
     if (!model.obb_tree_)
         model.make_obb_tree(reads_on_demand(settings_) ? &counters_.chunks : nullptr, counters_.totals);
+    model.has_budget_ = settings_.node_budget != 0 || settings_.memory_budget != 0;
     with_trees_.push_back(&model);
     if (model.obb_tree_->chunked()) chunks_.add(model);
     reserved_.nodes += room.nodes, reserved_.bytes += room.bytes;
@@ -79,7 +80,7 @@ std::uint64_t ObbResidency::drop_tree(Model& model)
     reserved_.nodes -= less.nodes, reserved_.bytes -= less.bytes;
     const std::uint64_t dropped = model.obb_tree_->nodes();
     if (model.obb_tree_->chunked()) chunks_.remove(model);
-    model.obb_tree_.reset();
+    model.drop_obb_tree();
     return dropped;
 }
 

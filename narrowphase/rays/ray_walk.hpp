@@ -1,0 +1,142 @@
+#pragma once
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include <oncollide/base/simd/cpu_features.hpp>
+#include <oncollide/broadphase/segment_part.hpp>
+#include <oncollide/narrowphase/rays/tree/ray_kernel.hpp>
+#include <oncollide/narrowphase/rays/tree/ray_tree.hpp>
+
+namespace oncollide {
+
+/// The build of the kernel for this processor.
+inline const RayKernel& ray_kernel()
+{
+    static const RayKernel kernel = ONCOLLIDE_CHOOSE_TO_AVX2(ray_kernel);
+    return kernel;
+}
+
+/// Finds the triangles of a RayTree that a segment may meet, near its first point first. One thread's working memory.
+class RayWalk {
+public:
+    /// True if walk() covers the segment, which must not be a point.
+    static bool covers(const Segment& segment) { return (segment.to - segment.from).squaredNorm() > 1e-200; }
+    /// Calls take(triangle, certain) for every triangle that the segment meets before the fraction `reach` of its
+    /// length, and possibly for others. certain: the segment crosses the inside of the triangle, whose corners are not
+    /// in one line. take() returns the new reach, as in SegmentWalk.
+    /// @param segment  the segment in the mesh's frame, exact
+    template <class Take>
+    void walk(RayTree& tree, const Segment& segment, Take take, double reach = 1);
+
+private:
+    /// The part of the segment in the mesh's bounds.
+    struct Part {
+        Eigen::Vector3d middle; ///< relative to the tree's centre, within `error` metres
+        Eigen::Vector3d direction;
+        double half, error;
+        RayLine line; ///< from the part's begin
+
+        Part(const RayTree& tree, const Segment& segment, const SegmentPart& part);
+    };
+    struct Box {
+        float entry;
+        std::uint32_t lane;
+        RayTree::Ref node;
+    };
+    static RayHits hits(const RayTriangles& row, const Part& part, const float (&direction)[3]);
+    void open(RayTree& tree, RayTree::Ref node, const RayLine& line, float last);
+
+    std::vector<Box> boxes_ = std::vector<Box>(64); ///< the first `waiting_` boxes are still to be visited, the last of
+                                                    ///< them next
+    std::size_t waiting_ = 0;
+};
+
+inline RayWalk::Part::Part(const RayTree& tree, const Segment& segment, const SegmentPart& part)
+    : middle(part.middle - tree.tree().centre()), direction((segment.to - segment.from).normalized()),
+      half(part.half.norm()), error(part.error + tree.rounding())
+{
+    // With u = 2^-24, the begin errs by u of a coordinate, a box by 2 u of its distance from there, and t times the
+    // direction by 4 u of that: at most 16 u of the mesh's radius in all.
+    const double widened = error + 0x1p-18 * tree.tree().radius() + 1e-30;
+    for (int axis = 0; axis < 3; ++axis) {
+        constexpr double least = 1e-18;
+        const double d = direction[axis], begin = middle[axis] - part.half[axis];
+        line.inverse[axis] = static_cast<float>(1 / (std::abs(d) > least ? d : std::copysign(least, d)));
+        line.from_less[axis] = static_cast<float>(begin - widened);
+        line.from_more[axis] = static_cast<float>(begin + widened);
+    }
+}
+
+/// Adds the boxes of a node that the segment meets, the nearest last.
+inline void RayWalk::open(RayTree& tree, RayTree::Ref node, const RayLine& line, float last)
+{
+    float entry[8];
+    const std::size_t first = waiting_;
+    if (boxes_.size() < first + 8) boxes_.resize(2 * boxes_.size());
+    for (unsigned met = ray_kernel().boxes(tree.node(node), line, last, entry); met; met &= met - 1) {
+        const auto lane = static_cast<unsigned>(__builtin_ctz(met));
+        tree.prefetch_child(node, lane);
+        std::size_t place = waiting_++;
+        for (; place > first && boxes_[place - 1].entry < entry[lane]; --place) boxes_[place] = boxes_[place - 1];
+        boxes_[place] = {entry[lane], lane, node};
+    }
+}
+
+inline RayHits RayWalk::hits(const RayTriangles& row, const Part& part, const float (&direction)[3])
+{
+    // The point of the line that is nearest to the centre of the triangles.
+    const Eigen::Vector3d to_middle = part.middle - Eigen::Vector3d(row.centre[0], row.centre[1], row.centre[2]);
+    const double along = to_middle.dot(part.direction), to_units = 1 / double(row.unit);
+    const Eigen::Vector3d nearest = to_units * (to_middle - along * part.direction);
+    const float point[3] = {float(nearest.x()), float(nearest.y()), float(nearest.z())};
+    // Corners are at most 32767 sqrt(3) units from the centre, and off by 0.87 units. An area of twice a triangle errs
+    // by the sides' lengths times the error of its corners, and by 18 u of the square of the lengths, with u = 2^-24.
+    constexpr double reach = 57000;
+    const double size = nearest.norm() + reach, error = 1 + part.error * to_units;
+    RayHits hits =
+        ray_kernel().triangles(row, point, direction, static_cast<float>(4 * size * error + 0x1p-18 * size * size));
+    if (std::abs(along) + reach * double(row.unit) + part.error > part.half) hits.certain = 0;
+    return hits;
+}
+
+template <class Take>
+void RayWalk::walk(RayTree& tree, const Segment& segment, Take take, double reach)
+{
+    const std::optional<SegmentPart> of_segment = part_in(segment, tree.tree().bounds());
+    if (!of_segment) return;
+    const Part part(tree, segment, *of_segment);
+    // A lower bound on the farthest t of interest, in floats.
+    const double length = of_segment->end - of_segment->begin;
+    const auto last_of = [&](double allowed) {
+        if (allowed < of_segment->begin) return -1.0f;
+        const double t = length > 0 ? 2 * part.half * (allowed - of_segment->begin) / length : 0;
+        return static_cast<float>((t + part.error) * (1 + 0x1p-20) + 1e-30);
+    };
+    float last = last_of(reach);
+    if (last < 0) return;
+    const float direction[3] = {float(part.direction.x()), float(part.direction.y()), float(part.direction.z())};
+    waiting_ = 0;
+    RayTree::Ref next = tree.root();
+    for (;;) {
+        if (RayTree::is_rows(next)) {
+            for (unsigned r = 0; r < RayTree::rows_in(next); ++r) {
+                const RayTriangles& row = tree.rows(next)[r];
+                auto [possible, certain] = hits(row, part, direction);
+                for (; possible; possible &= possible - 1) {
+                    const auto lane = static_cast<unsigned>(__builtin_ctz(possible));
+                    last = std::min(last, last_of(take(row.triangle[lane], (certain >> lane & 1) != 0)));
+                    if (last < 0) return;
+                }
+            }
+        } else {
+            open(tree, next, part.line, last);
+        }
+        do {
+            if (waiting_ == 0) return;
+        } while (boxes_[--waiting_].entry > last);
+        next = tree.child(boxes_[waiting_].node, boxes_[waiting_].lane);
+    }
+}
+
+} // namespace oncollide
