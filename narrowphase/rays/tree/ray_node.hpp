@@ -27,7 +27,7 @@ struct RayLine {
     float from_less[3], from_more[3]; ///< from, less and plus an error that exceeds all rounding of the box test
 };
 
-/// Triangles that a line may meet, and those whose insides it certainly crosses: one bit for each.
+/// One bit for each triangle that a line may meet, and one for each whose inside it certainly crosses.
 struct RayHits {
     unsigned possible, certain;
 };

