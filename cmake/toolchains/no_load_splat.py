@@ -2,7 +2,7 @@
 """Compiles a unit for WebAssembly without instructions that load a number into all lanes (v128.load64_splat).
 
 Clang 14 loses the order of these loads and of later stores: `x = pose * x` reads a coordinate of x that it has
-replaced. The unit is compiled to LLVM's language. There each number that goes into all lanes passes through an empty
+replaced. The unit is compiled to LLVM's language. There each number that goes into a lane passes through an empty
 assembly statement, so that it is loaded alone.
 usage: no_load_splat.py COMPILER ARGUMENTS...   (CMAKE_CXX_COMPILER_LAUNCHER)
 """
@@ -11,9 +11,9 @@ import re
 import subprocess
 import sys
 
-# %v = insertelement <2 x double> poison, double %x, i32 0
-FIRST_LANE = re.compile(r"^(\s*%\S+ = insertelement <\d+ x (\w+)> (?:undef|poison), \w+ )"
-                        r"(%[\w.$-]+|%\"[^\"]+\")(, i(?:32|64) 0.*)$")
+# %v = insertelement <2 x double> %w, double %x, i32 1: Clang loads any lane that way, and then replaces the others.
+LANE = re.compile(r"^(\s*%\S+ = insertelement <\d+ x (.+?)> .+, \2 )"
+                  r"(%[\w.$-]+|%\"[^\"]+\")(, i(?:32|64) .*)$")
 # Options of the second step, which generates code.
 CODE = re.compile(r"-(O\w|m(?!llvm)\w+(=.*)?|fwasm-exceptions|ffp-contract=.*|sSUPPORT_LONGJMP=.*)$")
 
@@ -21,14 +21,14 @@ CODE = re.compile(r"-(O\w|m(?!llvm)\w+(=.*)?|fwasm-exceptions|ffp-contract=.*|sS
 def guarded(text):
     count = 0
     for line in text:
-        found = FIRST_LANE.match(line.rstrip("\n"))
+        found = LANE.match(line.rstrip("\n"))
         if not found:
             yield line
             continue
         before, kind, number, after = found.groups()
         through = f"%no.load.splat.{count}"
         count += 1
-        wide = {"i8": "i32", "i16": "i32"}.get(kind)
+        wide = {"i1": "i32", "i8": "i32", "i16": "i32"}.get(kind)
         if wide:
             yield f"  {through}.wide = zext {kind} {number} to {wide}\n"
             yield f'  {through}.kept = call {wide} asm "", "=r,0"({wide} {through}.wide)\n'
