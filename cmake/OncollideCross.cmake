@@ -29,5 +29,6 @@ list(FILTER qhull_sources EXCLUDE REGEX "rbox")
 add_library(oncollide_qhull STATIC ${qhull_sources})
 target_include_directories(oncollide_qhull SYSTEM INTERFACE ${ONCOLLIDE_QHULL}/src)
 set_target_properties(oncollide_qhull PROPERTIES UNITY_BUILD OFF C_VISIBILITY_PRESET hidden)
-target_compile_options(oncollide_qhull PRIVATE -ffp-contract=off)
+target_compile_definitions(oncollide_qhull PRIVATE qh_NOtrace) # messages for its own development, a third of its code
+target_compile_options(oncollide_qhull PRIVATE -ffp-contract=off $<$<BOOL:${EMSCRIPTEN}>:-Os>)
 add_library(Qhull::qhull_r ALIAS oncollide_qhull)
