@@ -48,6 +48,13 @@ const swept = { verdict: 'u8', kind: 'u8', clearUntil: 'f64', grazesUntil: 'f64'
 const region = { kind: 'u8', open: 'bool', normal: 'vec3', normalError: 'f64', depthLower: 'f64', depthUpper: 'f64', first: 'f64', count: 'f64', area: 'f64', volume: 'f64', lost: 'f64' };
 const point = { pointA: 'vec3', pointB: 'vec3', normal: 'vec3', depth: 'f64', depthError: 'f64' };
 
+export const manifoldArguments = ({ margin = 0, pointsPerRegion = 4, regionsPerPair = 16, measures = false } = {}) =>
+  [margin, pointsPerRegion, regionsPerPair, measures];
+/** The regions, points, offsets and `complete` of many manifolds. */
+export const manifoldLists = () => ({
+  regions: rows(region), points: columns(point, 1), offsets: offsets(2), complete: Uint8Array.from(columns({ yes: 'f64' }, 3).yes),
+});
+
 export class Pairs {
   #world;
   constructor(world) { this.#world = world; }
@@ -67,11 +74,14 @@ export class Pairs {
     call('_oc_sweep', this.#world.address, ...places, count, ...sweepArguments(options, 'sweep'));
     return many ? columns(swept) : row(swept);
   }
-  manifold(a, b, { margin = 0, pointsPerRegion = 4, regionsPerPair = 16, measures = false } = {}) {
-    const many = ask(this.#world, 'manifold', a, b, margin, pointsPerRegion, regionsPerPair, measures);
-    const made = { regions: rows(region), points: columns(point, 1) };
-    const complete = Uint8Array.from(columns({ yes: 'f64' }, 3).yes);
-    return many ? { ...made, offsets: offsets(2), complete } : { ...made, complete: complete[0] !== 0 };
+  manifold(a, b, options = {}) {
+    const many = ask(this.#world, 'manifold', a, b, ...manifoldArguments(options));
+    const { offsets: all, complete, ...made } = manifoldLists();
+    return many ? { ...made, offsets: all, complete } : { ...made, complete: complete[0] !== 0 };
+  }
+  maxError(a, b) {
+    const { error } = ask(this.#world, 'max_error', a, b) ? columns({ error: 'f64' }) : row({ error: 'f64' });
+    return error;
   }
 }
 export { distances as distanceSchema };

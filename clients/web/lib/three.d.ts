@@ -1,5 +1,5 @@
 import type { BufferGeometry, InstancedMesh, Mesh, Ray, Raycaster } from 'three';
-import type { BodyOptions, Contacts, Decision, Distance, DistanceOptions, Geometry, Penetration, Settings, Vec3, World } from './index.js';
+import type { BodyOptions, Contacts, Decision, Distance, DistanceOptions, Geometry, ManifoldOptions, Penetration, Region, Settings, Vec3, World } from './index.js';
 
 /**
  * The triangles of a BufferGeometry as a geometry of oncollide.
@@ -27,6 +27,27 @@ export interface ThreePair {
   kind: number;
   /** Certified, in units of the scene. */
   bound: number;
+}
+
+/** A point of contact. */
+export interface ThreePoint {
+  pointA: Vec3;
+  pointB: Vec3;
+  /** From a to b. */
+  normal: Vec3;
+  /** Negative: apart. */
+  depth: number;
+  depthError: number;
+}
+
+/** The contacts of a pair of a step. */
+export interface ThreeManifold {
+  a: ThreePlace;
+  b: ThreePlace;
+  /** Each with its points. */
+  regions: (Omit<Region, 'first' | 'count'> & { points: ThreePoint[] })[];
+  /** Whether no limit left out a region or a point. */
+  complete: boolean;
 }
 
 /** A hit of a ray. */
@@ -65,6 +86,8 @@ export class ThreeWorld {
   updateGeometry(object: Mesh | InstancedMesh): void;
   /** update() of all, World.step(), and its pairs that are not separate. */
   step(): ThreePair[];
+  /** The contacts of the last step, as Frame.manifolds() finds them. Throws usage if objects were moved by update() since. */
+  manifolds(options?: ManifoldOptions): ThreeManifold[];
   decide(a: ThreeSide, b: ThreeSide): Decision;
   distance(a: ThreeSide, b: ThreeSide, options?: DistanceOptions): Distance;
   contacts(a: ThreeSide, b: ThreeSide): Contacts;

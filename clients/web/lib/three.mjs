@@ -54,6 +54,7 @@ export class ThreeWorld {
   #models;
   #objects = new Map(); // object -> { ids, poses, model, isStatic }
   #places = new Map(); // body -> { object, instance }
+  #frame = null; // of the last step
   constructor(settings = {}) {
     this.world = new World(settings);
     this.#models = new ModelCache(this.world);
@@ -123,8 +124,24 @@ export class ThreeWorld {
   /** Updates all objects, steps the World, and returns the pairs that are not separate. */
   step() {
     this.update();
-    const { a, b, verdict, kind, bound } = this.world.step().met;
+    this.#frame = this.world.step();
+    const { a, b, verdict, kind, bound } = this.#frame.met;
     return Array.from(verdict, (one, i) => ({ a: this.objectOf(a[i]), b: this.objectOf(b[i]), verdict: one, kind: kind[i], bound: bound[i] }));
+  }
+  /** The contacts of the last step, for each pair. */
+  manifolds(options) {
+    if (!this.#frame) throw new OncollideError('usage', 'manifolds: there has been no step; call step() first');
+    const { a, b, regions, points, offsets, complete } = this.#frame.manifolds(options);
+    const vector = (column, i) => [...column.subarray(3 * i, 3 * i + 3)];
+    const pointAt = (i) => ({
+      pointA: vector(points.pointA, i), pointB: vector(points.pointB, i), normal: vector(points.normal, i),
+      depth: points.depth[i], depthError: points.depthError[i],
+    });
+    return Array.from(complete, (whole, i) => ({
+      a: this.objectOf(a[i]), b: this.objectOf(b[i]), complete: whole !== 0,
+      regions: regions.slice(offsets[i], offsets[i + 1]).map(({ first, count, ...region }) => (
+        { ...region, points: Array.from({ length: count }, (_, k) => pointAt(first + k)) })),
+    }));
   }
   #sides(a, b) {
     const sides = [a, b].map((side) => (Array.isArray(side) ? this.bodyOf(...side) : this.bodyOf(side)));

@@ -2,7 +2,7 @@ import { call, numberAt, OncollideError, pointerAt, put, room, textAt, wasm } fr
 import { columns, row } from './columns.mjs';
 import { identity, posesOf } from './poses.mjs';
 import { Bodies } from './bodies.mjs';
-import { Pairs } from './pairs.mjs';
+import { manifoldArguments, manifoldLists, Pairs } from './pairs.mjs';
 import { Space } from './space.mjs';
 
 export const Verdict = Object.freeze({ separate: 0, within: 1, colliding: 2, undecided: 3 });
@@ -29,13 +29,13 @@ class Frame {
     [this.pairCount, this.beganCount, this.endedCount] = numbers.slice(4, 7);
     this.trees = { nodePairs: numbers[8], trianglePairs: numbers[9], nodes: numbers[10], bytes: numbers[11] };
   }
+  #address(name) {
+    if (this.#world.steps !== this.#step)
+      throw new OncollideError('usage', `Frame: ${name}: the World has stepped since; read the lists of a frame before the next step()`);
+    return this.#world.address;
+  }
   #list(name, read) {
-    if (!this.#lists[name]) {
-      if (this.#world.steps !== this.#step)
-        throw new OncollideError('usage', `Frame: ${name}: the World has stepped since; read the lists of a frame before the next step()`);
-      this.#lists[name] = read(this.#world.address);
-    }
-    return this.#lists[name];
+    return (this.#lists[name] ??= read(this.#address(name)));
   }
   get pairs() {
     return this.#list('pairs', (at) => (call('_oc_frame_pairs', at, false), columns(pairSchema)));
@@ -48,6 +48,10 @@ class Frame {
   }
   get ended() {
     return this.#list('ended', (at) => (call('_oc_frame_changes', at, true), columns({ a: 'f64', b: 'f64' })));
+  }
+  manifolds(options = {}) {
+    call('_oc_frame_manifolds', this.#address('manifolds'), ...manifoldArguments(options));
+    return { ...columns({ a: 'f64', b: 'f64' }, 4), ...manifoldLists() };
   }
 }
 

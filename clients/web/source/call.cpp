@@ -9,7 +9,7 @@ namespace {
 
 std::string message;
 std::vector<std::uint64_t> input; // 8-byte units: aligned for doubles
-std::array<Results, 4> lists;
+std::array<Results, 5> lists;
 
 } // namespace
 

@@ -51,6 +51,29 @@ void put_offsets(Results& to, std::span<const std::size_t> offsets)
     for (std::size_t i = 0; i < offsets.size(); ++i) at[i] = double(offsets[i]);
 }
 
+/// List 0: regions; 1: points; 2: offsets of the regions of each pair; 3: whether each is complete.
+void put(const ManifoldLists& found)
+{
+    ColumnWriter rows(results(), found.regions.size(), 13);
+    for (std::size_t i = 0; i < found.regions.size(); ++i) {
+        const ManifoldRegion& r = found.regions[i];
+        rows.next(i, static_cast<double>(r.kind)), rows.next(i, r.open), rows.next(i, r.normal);
+        for (const double number :
+             {r.normal_error, r.depth_lower, r.depth_upper, double(r.first), double(r.count), r.area, r.volume, r.lost})
+            rows.next(i, number);
+        rows.end_row();
+    }
+    ColumnWriter of_points(results(1), found.points.size(), 11);
+    for (std::size_t i = 0; i < found.points.size(); ++i) {
+        const ManifoldPoint& p = found.points[i];
+        of_points.next(i, p.point_a), of_points.next(i, p.point_b), of_points.next(i, p.normal);
+        of_points.next(i, p.depth), of_points.next(i, p.depth_error), of_points.end_row();
+    }
+    put_offsets(results(2), found.offsets);
+    double* const complete = results(3).make(found.complete.size(), 1);
+    std::copy(found.complete.begin(), found.complete.end(), complete);
+}
+
 } // namespace
 
 /// Verdict, kind, bound.
@@ -138,7 +161,17 @@ ONCOLLIDE_WEB int oc_sweep(const HeldWorld* held, const double* a, const double*
         }
     });
 }
-/// List 0: regions; 1: points; 2: offsets of the regions of each pair; 3: whether each is complete.
+/// The largest error of the verdict `within` of each pair.
+ONCOLLIDE_WEB int oc_max_error(const HeldWorld* held, const double* a, const double* poses_a, const double* b,
+                               const double* poses_b, std::size_t count)
+{
+    return call([=] {
+        double* const to = results().make(count, 1);
+        GivenPairs{held, a, b, poses_a, poses_b, count}.each(
+            [&](std::size_t i, PairSide one, PairSide other) { to[i] = held->world.pairs().max_error(one, other); });
+    });
+}
+/// The lists of put(ManifoldLists).
 ONCOLLIDE_WEB int oc_manifold(const HeldWorld* held, const double* a, const double* poses_a, const double* b,
                               const double* poses_b, std::size_t count, double margin, std::uint32_t points_per_region,
                               std::uint32_t regions_per_pair, bool measures)
@@ -148,34 +181,34 @@ ONCOLLIDE_WEB int oc_manifold(const HeldWorld* held, const double* a, const doub
                                       .points_per_region = points_per_region,
                                       .regions_per_pair = regions_per_pair,
                                       .measures = measures};
-        std::vector<ManifoldRegion> regions;
-        std::vector<ManifoldPoint> points;
-        std::vector<std::size_t> offsets{0};
-        std::vector<std::size_t> complete;
+        ManifoldLists all;
+        all.offsets = {0};
         GivenPairs{held, a, b, poses_a, poses_b, count}.each([&](std::size_t, PairSide one, PairSide other) {
             const Manifold found = held->world.pairs().manifold(one, other, options);
             for (ManifoldRegion region : found.regions) {
-                region.first += static_cast<std::uint32_t>(points.size());
-                regions.push_back(region);
+                region.first += static_cast<std::uint32_t>(all.points.size());
+                all.regions.push_back(region);
             }
-            points.insert(points.end(), found.points.begin(), found.points.end());
-            offsets.push_back(regions.size()), complete.push_back(found.complete);
+            all.points.insert(all.points.end(), found.points.begin(), found.points.end());
+            all.offsets.push_back(all.regions.size()), all.complete.push_back(found.complete);
         });
-        ColumnWriter rows(results(), regions.size(), 13);
-        for (std::size_t i = 0; i < regions.size(); ++i) {
-            const ManifoldRegion& r = regions[i];
-            rows.next(i, static_cast<double>(r.kind)), rows.next(i, r.open), rows.next(i, r.normal);
-            for (const double number : {r.normal_error, r.depth_lower, r.depth_upper, double(r.first), double(r.count),
-                                        r.area, r.volume, r.lost})
-                rows.next(i, number);
+        put(all);
+    });
+}
+/// The manifolds of the last step. List 4: a and b of each pair.
+ONCOLLIDE_WEB int oc_frame_manifolds(HeldWorld* held, double margin, std::uint32_t points_per_region,
+                                     std::uint32_t regions_per_pair, bool measures)
+{
+    return call([=] {
+        const FrameManifolds& found = held->world.manifolds({.margin = margin,
+                                                             .points_per_region = points_per_region,
+                                                             .regions_per_pair = regions_per_pair,
+                                                             .measures = measures});
+        put(found);
+        ColumnWriter rows(results(4), found.pairs.size(), 2);
+        for (std::size_t i = 0; i < found.pairs.size(); ++i) {
+            rows.next(i, number_of(found.pairs[i].a)), rows.next(i, number_of(found.pairs[i].b));
             rows.end_row();
         }
-        ColumnWriter of_points(results(1), points.size(), 11);
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            const ManifoldPoint& p = points[i];
-            of_points.next(i, p.point_a), of_points.next(i, p.point_b), of_points.next(i, p.normal);
-            of_points.next(i, p.depth), of_points.next(i, p.depth_error), of_points.end_row();
-        }
-        put_offsets(results(2), offsets), put_offsets(results(3), complete);
     });
 }

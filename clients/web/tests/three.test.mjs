@@ -47,6 +47,28 @@ check('instances are bodies', () => {
   assert.ok(world.distance([many, 0], [many, 1]).upper > 0.1);
 });
 
+check('a step has the contacts of its pairs', () => {
+  const world = new ThreeWorld(), box = new THREE.Mesh(new THREE.BoxGeometry(1, 1, 1)), many = new THREE.InstancedMesh(box.geometry, undefined, 2);
+  const at = new THREE.Matrix4();
+  many.setMatrixAt(0, at.makeTranslation(0.25, 0.125, 0.9375)), many.setMatrixAt(1, at.makeTranslation(5, 0, 0));
+  assert.throws(() => world.manifolds(), /call step/);
+  world.add(box), world.add(many);
+  world.step();
+  const [pair, ...others] = world.manifolds();
+  assert.deepEqual([others.length, pair.a.object, pair.b.object, pair.b.instance, pair.complete], [0, box, many, 0, true]);
+  const [{ normal, normalError, depthLower, depthUpper, points }] = pair.regions;
+  assert.ok(normal[2] > 0.99 && normalError < 1e-9 && depthLower <= 0.0630 && depthUpper >= 0.0625, `${normal} ${depthLower} ${depthUpper}`);
+  assert.ok(points.length > 0);
+  for (const { depth, depthError, pointA, pointB } of points) {
+    const along = normal.reduce((sum, number, k) => sum + number * (pointA[k] - pointB[k]), 0);
+    assert.ok(Math.abs(along - depth) <= depthError + 1e-12 && depth >= depthLower - 1e-9 && depth <= depthUpper, `${depth} ${along}`);
+    assert.ok(Math.abs(pointA[2] - 0.5) < 0.07 && Math.abs(pointB[2] - 0.4375) < 0.07, `${pointA} ${pointB}`);
+  }
+  many.setMatrixAt(0, at.makeTranslation(0, 0, 3));
+  world.step();
+  assert.deepEqual(world.manifolds(), []);
+});
+
 check('a sheared matrix is refused', () => {
   const world = new ThreeWorld(), parent = new THREE.Group(), child = new THREE.Mesh(new THREE.BoxGeometry());
   parent.scale.set(3, 1, 1);

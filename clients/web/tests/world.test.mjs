@@ -132,6 +132,48 @@ check('a frame refuses to be read after the next step', () => {
   const first = world.step();
   world.step();
   refused('usage', /before the next step/, () => first.pairs);
+  refused('usage', /before the next step/, () => first.manifolds());
+});
+
+check('the manifolds of a step are those of its pairs', () => {
+  const world = new oc.World({ clearance: 0.2 }), knot = world.models.add(oc.torusKnotMesh(2, 3, 1, 0.4, 0.15, 1000));
+  const ball = world.models.add(oc.sphere(0.6)), floor = world.models.add(oc.boxMesh([9, 9, 1]));
+  const bodies = [world.bodies.add(floor, oc.pose([0, 0, -1.5]), { isStatic: true })];
+  for (let i = 0; i < 6; ++i) bodies.push(world.bodies.add(i % 2 ? ball : knot, oc.pose([1.4 * i - 4, 0.2, 0.05 * i], [0.1 * i, 0, 0.3, 1])));
+  const options = { margin: 0.1, pointsPerRegion: 8 }, frame = world.step(), found = frame.manifolds(options);
+  assert.ok(found.a.length >= 4, `${found.a.length} pairs`);
+  assert.deepEqual([found.offsets.length, found.complete.length, found.offsets.at(-1)], [found.a.length + 1, found.a.length, found.regions.length]);
+  let points = 0;
+  found.a.forEach((a, i) => {
+    const one = world.pairs.manifold(a, found.b[i], options), mine = found.regions.slice(found.offsets[i], found.offsets[i + 1]);
+    assert.equal(one.complete, found.complete[i] !== 0);
+    assert.deepEqual(mine.map(({ first, ...rest }) => rest), one.regions.map(({ first, ...rest }) => rest));
+    mine.forEach(({ first, count }, k) => {
+      const at = one.regions[k].first;
+      for (const [name, width] of [['pointA', 3], ['pointB', 3], ['normal', 3], ['depth', 1], ['depthError', 1]])
+        assert.deepEqual(found.points[name].slice(width * first, width * (first + count)), one.points[name].slice(width * at, width * (at + count)), name);
+      points += count;
+    });
+  });
+  assert.equal(points, found.points.depth.length);
+  const known = new Set([...found.a].map((a, i) => `${a} ${found.b[i]}`)), { a, b, verdict } = frame.met;
+  verdict.forEach((one, i) => assert.ok(one !== oc.Verdict.colliding || known.has(`${a[i]} ${b[i]}`), `pair ${i} has no manifold`));
+  assert.ok(frame.manifolds().points.depth.length < points); // without the margin
+  refused('usage', /points/, () => frame.manifolds({ pointsPerRegion: 0 }));
+  world.bodies.setPose(bodies[1], oc.pose([0, 0, 9]));
+  refused('usage', /step/, () => frame.manifolds());
+});
+
+check('the error of a verdict is that of the settings, and by default a hundredth of the smaller diagonal', () => {
+  const small = oc.boxMesh([1, 2, 2]), large = oc.boxMesh([9, 9, 9]);
+  for (const [settings, expected] of [[{}, 0.06], [{ maxError: 0.02, exact: 'off' }, 0.02]]) {
+    const world = new oc.World(settings), model = world.models.add(small), body = world.bodies.add(world.models.add(large));
+    const near = (error) => assert.ok(Math.abs(error - expected) < 1e-12, `${error} is not ${expected}`);
+    near(world.pairs.maxError(body, { model }));
+    const many = world.pairs.maxError(body, { model, pose: [...oc.pose([0, 0, 0]), ...oc.pose([1, 0, 0])] });
+    assert.equal(many.length, 2);
+    many.forEach(near);
+  }
 });
 
 check('files are read from memory, with the files that they name', () => {
