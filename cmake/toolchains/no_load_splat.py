@@ -6,6 +6,7 @@ replaced. The unit is compiled to LLVM's language. There each number that goes i
 assembly statement, so that it is loaded alone.
 usage: no_load_splat.py COMPILER ARGUMENTS...   (CMAKE_CXX_COMPILER_LAUNCHER)
 """
+import math
 import os
 import re
 import subprocess
@@ -14,13 +15,38 @@ import sys
 # %v = insertelement <2 x double> %w, double %x, i32 1: Clang loads any lane that way, and then replaces the others.
 LANE = re.compile(r"^(\s*%\S+ = insertelement <\d+ x (.+?)> .+, \2 )"
                   r"(%[\w.$-]+|%\"[^\"]+\")(, i(?:32|64) .*)$")
+# %v = load <3 x double>, <3 x double>* %p, align 8: the lanes beyond whole registers are loaded as numbers.
+PART = re.compile(r"^\s*(%\S+) = load (<(\d+) x (double|float|i64|i32|i16|i8)>), <.*>\* "
+                  r"(%[\w.$-]+|%\"[^\"]+\"), align (\d+)")
+BYTES = {"double": 8, "float": 4, "i64": 8, "i32": 4, "i16": 2, "i8": 1}
 # Options of the second step, which generates code.
 CODE = re.compile(r"-(O\w|m(?!llvm)\w+(=.*)?|fwasm-exceptions|ffp-contract=.*|sSUPPORT_LONGJMP=.*)$")
 
 
-def guarded(text):
+def by_number(text):
+    """Loads vectors that fill no whole registers number by number."""
     count = 0
     for line in text:
+        found = PART.match(line)
+        if not found or int(found[3]) * BYTES[found[4]] % 16 == 0:
+            yield line
+            continue
+        value, vector, lanes, kind, place, align = found.groups()
+        made = "undef"
+        for lane in range(int(lanes)):
+            name = f"%no.load.part.{count}.{lane}"
+            aligned = math.gcd(int(align), lane * BYTES[kind])
+            to = value if lane + 1 == int(lanes) else name
+            yield f"  {name}.at = getelementptr {vector}, {vector}* {place}, i32 0, i32 {lane}\n"
+            yield f"  {name}.number = load {kind}, {kind}* {name}.at, align {aligned}\n"
+            yield f"  {to} = insertelement {vector} {made}, {kind} {name}.number, i32 {lane}\n"
+            made = to
+        count += 1
+
+
+def guarded(text):
+    count = 0
+    for line in by_number(text):
         found = LANE.match(line.rstrip("\n"))
         if not found:
             yield line
