@@ -15,6 +15,8 @@ import sys
 # %v = insertelement <2 x double> %w, double %x, i32 1: Clang loads any lane that way, and then replaces the others.
 LANE = re.compile(r"^(\s*%\S+ = insertelement <\d+ x (.+?)> .+, \2 )"
                   r"(%[\w.$-]+|%\"[^\"]+\")(, i(?:32|64) .*)$")
+# %v = bitcast double %x to <2 x i32>: a number that becomes lanes in another way.
+CAST = re.compile(r"^(\s*%\S+ = bitcast (double|float|i64|i32) )(%[\w.$-]+|%\"[^\"]+\")( to <.*)$")
 # %v = load <3 x double>, <3 x double>* %p, align 8: the lanes beyond whole registers are loaded as numbers.
 PART = re.compile(r"^\s*(%\S+) = load (<(\d+) x (double|float|i64|i32|i16|i8)>), <.*>\* "
                   r"(%[\w.$-]+|%\"[^\"]+\"), align (\d+)")
@@ -47,7 +49,7 @@ def by_number(text):
 def guarded(text):
     count = 0
     for line in by_number(text):
-        found = LANE.match(line.rstrip("\n"))
+        found = LANE.match(line.rstrip("\n")) or CAST.match(line.rstrip("\n"))
         if not found:
             yield line
             continue
