@@ -4,8 +4,13 @@
 
 // The shared library (BUILD_SHARED_LIBS) exports the classes and functions marked ONCOLLIDE_API, all of them in
 // installed headers. ONCOLLIDE_LOCAL hides a member class of an exported class.
+#ifdef __GNUC__
 #define ONCOLLIDE_API __attribute__((visibility("default")))
 #define ONCOLLIDE_LOCAL __attribute__((visibility("hidden")))
+#else
+#define ONCOLLIDE_API
+#define ONCOLLIDE_LOCAL
+#endif
 
 namespace oncollide {
 

@@ -1,4 +1,4 @@
-# For a system whose other libraries Debian does not have: WebAssembly. Libraries that are headers alone are taken from this
+# For systems whose other libraries Debian does not have: WebAssembly, Windows. Libraries that are headers alone are taken from this
 # machine; they are linked into a folder of their own, because the rest of /usr/include is for this machine. Qhull is compiled
 # from its source: ./dev unpacks Debian's in build/qhull; -DONCOLLIDE_QHULL= names another one.
 set(ONCOLLIDE_HOST_INCLUDE /usr/include CACHE PATH "Has the headers fmt/, nlohmann/, eigen3/ and, for tests, boost/")
@@ -19,11 +19,15 @@ foreach(library IN ITEMS Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json)
 endforeach()
 target_compile_definitions(fmt::fmt INTERFACE FMT_HEADER_ONLY)
 
-file(GLOB unpacked ${PROJECT_SOURCE_DIR}/build/qhull/qhull-*)
-set(ONCOLLIDE_QHULL "${unpacked}" CACHE PATH "Source of Qhull 2020.2")
-if(NOT EXISTS ${ONCOLLIDE_QHULL}/src/libqhull_r/libqhull_r.c)
-  message(FATAL_ERROR "the source of Qhull is missing; './dev build --preset ...' unpacks it, or set ONCOLLIDE_QHULL")
-endif()
+# Sets VARIABLE to the folder of a library's source, which has FILE.
+function(oncollide_source variable name file)
+  file(GLOB unpacked ${PROJECT_SOURCE_DIR}/build/${name}/${name}-*)
+  set(${variable} "${unpacked}" CACHE PATH "Source of ${name}")
+  if(NOT EXISTS ${${variable}}/${file})
+    message(FATAL_ERROR "the source of ${name} is missing; './dev build --preset ...' unpacks it, or set ${variable}")
+  endif()
+endfunction()
+oncollide_source(ONCOLLIDE_QHULL qhull src/libqhull_r/libqhull_r.c)
 file(GLOB qhull_sources ${ONCOLLIDE_QHULL}/src/libqhull_r/*_r.c)
 list(FILTER qhull_sources EXCLUDE REGEX "rbox")
 add_library(oncollide_qhull STATIC ${qhull_sources})
@@ -32,3 +36,34 @@ set_target_properties(oncollide_qhull PROPERTIES UNITY_BUILD OFF C_VISIBILITY_PR
 target_compile_definitions(oncollide_qhull PRIVATE qh_NOtrace) # messages for its own development, a third of its code
 target_compile_options(oncollide_qhull PRIVATE -ffp-contract=off $<$<BOOL:${EMSCRIPTEN}>:-Os>)
 add_library(Qhull::qhull_r ALIAS oncollide_qhull)
+
+# The command needs more libraries.
+if(ONCOLLIDE_TOOLS)
+  foreach(name IN ITEMS CLI stb)
+    if(NOT EXISTS ${ONCOLLIDE_HOST_INCLUDE}/${name})
+      message(FATAL_ERROR "${ONCOLLIDE_HOST_INCLUDE}/${name} is missing; install libcli11-dev and libstb-dev, or set ONCOLLIDE_HOST_INCLUDE")
+    endif()
+    file(CREATE_LINK ${ONCOLLIDE_HOST_INCLUDE}/${name} ${headers}/${name} SYMBOLIC)
+  endforeach()
+  add_library(CLI11::CLI11 INTERFACE IMPORTED GLOBAL)
+  target_include_directories(CLI11::CLI11 SYSTEM INTERFACE ${headers})
+  set(STB_INCLUDE_DIR ${headers})
+  oncollide_source(ONCOLLIDE_MESHOPTIMIZER meshoptimizer src/meshoptimizer.h)
+  file(GLOB meshoptimizer_sources ${ONCOLLIDE_MESHOPTIMIZER}/src/*.cpp)
+  add_library(oncollide_meshoptimizer STATIC ${meshoptimizer_sources})
+  target_include_directories(oncollide_meshoptimizer SYSTEM PUBLIC ${ONCOLLIDE_MESHOPTIMIZER}/src)
+  set_target_properties(oncollide_meshoptimizer PROPERTIES UNITY_BUILD OFF)
+  target_compile_options(oncollide_meshoptimizer PRIVATE -ffp-contract=off)
+  add_library(meshoptimizer::meshoptimizer ALIAS oncollide_meshoptimizer)
+
+  # Their versions, for `oncollide doctor`.
+  file(STRINGS ${headers}/CLI/Version.hpp line REGEX "define CLI11_VERSION \"")
+  string(REGEX REPLACE ".*\"(.*)\".*" "\\1" CLI11_VERSION "${line}")
+  foreach(part IN ITEMS MAJOR MINOR PATCH)
+    file(STRINGS ${headers}/nlohmann/json.hpp line REGEX "define NLOHMANN_JSON_VERSION_${part} ")
+    string(REGEX REPLACE ".* ([0-9]+).*" "\\1" number "${line}")
+    list(APPEND numbers ${number})
+  endforeach()
+  list(JOIN numbers . nlohmann_json_VERSION)
+  string(REGEX REPLACE ".*qhull-" "" Qhull_VERSION "${ONCOLLIDE_QHULL}")
+endif()

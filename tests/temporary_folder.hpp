@@ -4,12 +4,11 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <random>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <vector>
-
-#include <unistd.h>
 
 namespace oncollide::test {
 
@@ -18,9 +17,12 @@ class TemporaryFolder {
 public:
     TemporaryFolder()
     {
-        std::string name = (std::filesystem::temp_directory_path() / "oncollide-test-XXXXXX").string();
-        if (::mkdtemp(name.data()) == nullptr) std::abort();
-        path_ = name;
+        std::random_device random;
+        for (int tries = 0; tries < 100; ++tries) {
+            path_ = std::filesystem::temp_directory_path() / ("oncollide-test-" + std::to_string(random()));
+            if (std::filesystem::create_directory(path_)) return;
+        }
+        std::abort();
     }
     ~TemporaryFolder()
     {
@@ -36,7 +38,8 @@ public:
     std::vector<std::string> list() const
     {
         std::vector<std::string> names;
-        for (const auto& entry : std::filesystem::directory_iterator(path_)) names.push_back(entry.path().filename());
+        for (const auto& entry : std::filesystem::directory_iterator(path_))
+            names.push_back(entry.path().filename().string());
         std::sort(names.begin(), names.end());
         return names;
     }

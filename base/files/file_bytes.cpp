@@ -4,7 +4,6 @@
 #include <array>
 #include <cctype>
 #include <cstdio>
-#include <cstring>
 
 #include <fmt/format.h>
 
@@ -120,11 +119,11 @@ void FileReader::read(char* bytes, std::size_t size)
 void check_readable(const fs::path& path)
 {
     const auto refuse_it = [&](const std::string& what) { fail(path, ErrorKind::no_input, what); };
-    if (std::strlen(path.c_str()) != path.native().size()) refuse_it("a name cannot hold a zero byte");
+    if (path.native().find(fs::path::value_type{}) != path.native().npos) refuse_it("a name cannot hold a zero byte");
     std::error_code error;
     const fs::file_status status = fs::status(path, error);
     if (status.type() == fs::file_type::not_found)
-        refuse_it(is_address(path.native()) ? "is an address; files are read from this machine only: save a copy of it"
+        refuse_it(is_address(path.string()) ? "is an address; files are read from this machine only: save a copy of it"
                                             : "no such file");
     if (status.type() == fs::file_type::none) refuse_it(fmt::format("cannot be read: {}", error.message()));
     if (fs::is_directory(status)) refuse_it("is a folder, not a file");

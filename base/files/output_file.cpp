@@ -1,5 +1,6 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/output_file.hpp>
+#include <oncollide/base/files/system_file.hpp>
 
 #include <array>
 #include <atomic>
@@ -8,46 +9,25 @@
 #include <random>
 #include <utility>
 
-#if __has_include(<unistd.h>)
-#include <sys/stat.h>
-#include <unistd.h>
-#endif
-
 namespace oncollide {
 namespace {
 
 namespace fs = std::filesystem;
-
-#if defined(__GLIBC__)
-constexpr const char *write_only = "wbe", *create = "wbxe"; // "e": child processes do not inherit the file
-#else
-constexpr const char *write_only = "wb", *create = "wbx";
-#endif
 
 [[noreturn]] void refuse(const fs::path& path, const std::string& why)
 {
     throw Error(ErrorKind::cannot_write, fmt::format("{}: cannot write: {}", path.string(), why));
 }
 
-/// Checks write permission of an existing file without opening it. True on systems without access(): there, opening
-/// the file reports the error.
-bool may_write([[maybe_unused]] const fs::path& path)
-{
-#if __has_include(<unistd.h>)
-    return ::access(path.c_str(), W_OK) == 0;
-#else
-    return true;
-#endif
-}
-
 /// Names of temporary files, readable by a signal handler, which cannot lock or allocate. Once all slots are used,
 /// further files are not listed, and the handler leaves them behind.
-std::array<std::atomic<const char*>, 64> unfinished{};
+using NativeName = const fs::path::value_type*;
+std::array<std::atomic<NativeName>, 64> unfinished{};
 
-int enlist(const char* name)
+int enlist(NativeName name)
 {
     for (std::size_t slot = 0; slot < unfinished.size(); ++slot)
-        if (const char* free = nullptr; unfinished[slot].compare_exchange_strong(free, name))
+        if (NativeName free = nullptr; unfinished[slot].compare_exchange_strong(free, name))
             return static_cast<int>(slot);
     return -1;
 }
@@ -55,11 +35,6 @@ int enlist(const char* name)
 void discharge(int& slot)
 {
     if (slot >= 0) unfinished[static_cast<std::size_t>(std::exchange(slot, -1))] = nullptr;
-}
-
-std::FILE* open(const fs::path& path, const char* how)
-{
-    return std::fopen(path.string().c_str(), how);
 }
 
 /// `path` with links followed, checked as far as is possible without opening it.
@@ -100,24 +75,25 @@ OutputFile::OutputFile(const fs::path& path) : TextSink(60'000), path_(path)
     auto [target, in_place] = resolve(path);
     target_ = target;
     if (in_place) {
-        file_ = open(target, write_only);
+        file_ = open_to_write(target, FileUse::write);
         if (!file_) fail(errno);
         return;
     }
     create_temporary();
-    take_over(target);
+    copy_permissions(target, file_);
 }
 
-/// The random number avoids the names of other runs, including killed ones. Mode "x" never follows a link planted
-/// there.
+/// The random number avoids the names of other runs, including killed ones. FileUse::create never follows a link
+/// planted there.
 void OutputFile::create_temporary()
 {
-    const std::string name = target_.filename().string().substr(0, 200); // file systems allow 255 bytes
+    const auto name = target_.filename().native().substr(0, 200); // file systems allow 255 characters
     std::random_device random;
     for (int tries = 0; !file_ && tries < 100; ++tries) {
-        temporary_ = target_.parent_path() / fmt::format(".{}.{:08x}.part", name, random());
+        temporary_ = target_.parent_path() / ".";
+        temporary_ += name, temporary_ += fmt::format(".{:08x}.part", random());
         slot_ = enlist(temporary_.c_str());
-        file_ = open(temporary_, create);
+        file_ = open_to_write(temporary_, FileUse::create);
         if (file_) return;
         const int error = errno;
         discharge(slot_);
@@ -127,35 +103,17 @@ void OutputFile::create_temporary()
     fail(EEXIST);
 }
 
-/// Change the owner first: chown clears the set-user-ID and set-group-ID bits.
-void OutputFile::take_over([[maybe_unused]] const fs::path& replaced)
-{
-#if __has_include(<unistd.h>)
-    struct stat old {};
-    if (::stat(replaced.c_str(), &old) != 0) return;
-    const int file = ::fileno(file_);
-    const bool owned = ::fchown(file, old.st_uid, old.st_gid) == 0;
-    [[maybe_unused]] const int ignored = ::fchmod(file, old.st_mode & (owned ? 07777 : 0777));
-#endif
-}
-
 OutputFile::~OutputFile()
 {
     if (file_ && file_ != stdout) std::fclose(file_);
-    if (!temporary_.empty()) std::remove(temporary_.string().c_str());
+    if (!temporary_.empty()) remove_in_handler(temporary_.c_str());
     discharge(slot_);
 }
 
 void remove_unfinished_files() noexcept
 {
-    for (const std::atomic<const char*>& name : unfinished)
-        if (const char* file = name.load()) {
-#if __has_include(<unistd.h>)
-            ::unlink(file);
-#else
-            std::remove(file);
-#endif
-        }
+    for (const std::atomic<NativeName>& name : unfinished)
+        if (const NativeName file = name.load()) remove_in_handler(file);
 }
 
 void OutputFile::flush()
@@ -173,7 +131,7 @@ void OutputFile::commit()
     // Some file systems report a full disk or an exceeded quota only here.
     if (std::fclose(std::exchange(file_, nullptr)) != 0) fail(errno);
     if (temporary_.empty()) return;
-    if (std::rename(temporary_.string().c_str(), target_.string().c_str()) != 0) fail(errno);
+    if (!replace_file(temporary_, target_)) fail(errno);
     discharge(slot_);
     temporary_.clear();
 }

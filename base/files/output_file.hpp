@@ -20,7 +20,6 @@ public:
 
 private:
     void create_temporary();
-    void take_over(const std::filesystem::path& replaced);
     void flush() override;
     [[noreturn]] void fail(int error) const;
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/text/utf8.hpp>
 
 namespace oncollide {
 
@@ -16,6 +17,26 @@ namespace {
 constexpr std::string_view local = "file://";
 
 } // namespace
+
+fs::path path_of(std::string_view name)
+{
+#ifdef _WIN32
+    for (std::string_view rest = name; !rest.empty();) {
+        const auto [code, bytes] = first_character(rest);
+        if (code == Utf8Character::none)
+            throw Error(ErrorKind::no_input, fmt::format("{}: a name of a file must be UTF-8", as_utf8(name)));
+        rest.remove_prefix(bytes);
+    }
+    return std::u8string_view(reinterpret_cast<const char8_t*>(name.data()), name.size());
+#else
+    return name;
+#endif
+}
+
+std::string portable_name(const fs::path& path)
+{
+    return path.generic_string();
+}
 
 fs::path absolute_path(const fs::path& path)
 {
@@ -77,7 +98,7 @@ fs::path file_in(const fs::path& folder, std::string_view name)
         throw Error(ErrorKind::no_input,
                     fmt::format("{}: is an address; files are read from this machine only: save a copy of it", name));
     if (name.starts_with(local)) name.remove_prefix(local.size());
-    const fs::path path = folder / name;
+    const fs::path path = folder / path_of(name);
     return path == "-" ? fs::path("./-") : path;
 }
 

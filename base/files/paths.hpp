@@ -1,12 +1,20 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace oncollide {
 
 // Replacements for functions of std::filesystem that throw exceptions of their own. These functions report every fault
 // as an Error that names the path. tests/builds/throwing_paths.py refuses the throwing functions elsewhere.
+
+/// The path that a text names. Texts of files are UTF-8 on every system. On Windows the constructor of
+/// std::filesystem::path takes a text for another code page. Throws Error{no_input} if a name on Windows is not UTF-8.
+std::filesystem::path path_of(std::string_view name);
+
+/// The text that names a path in files that other systems may read: UTF-8, with '/' between folders.
+std::string portable_name(const std::filesystem::path& path);
 
 /// The path from the root; an empty one is the current folder. Throws Error{no_input} if the current folder was
 /// removed, on which a relative path depends.

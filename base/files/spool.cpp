@@ -4,11 +4,7 @@
 #include <cstring>
 
 #include <oncollide/base/error.hpp>
-
-#if __has_include(<unistd.h>)
-#include <fcntl.h>
-#include <unistd.h>
-#endif
+#include <oncollide/base/files/system_file.hpp>
 
 namespace oncollide {
 
@@ -21,18 +17,6 @@ namespace {
 }
 
 } // namespace
-
-std::FILE* open_nameless([[maybe_unused]] const std::filesystem::path& folder)
-{
-#ifdef O_TMPFILE
-    std::error_code error;
-    for (const auto& place : {folder, std::filesystem::temp_directory_path(error)}) {
-        const int file = place.empty() ? -1 : ::open(place.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-        if (file >= 0) return ::fdopen(file, "w+b");
-    }
-#endif
-    return std::tmpfile();
-}
 
 void Spool::flush()
 {

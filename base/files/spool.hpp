@@ -8,10 +8,6 @@
 
 namespace oncollide {
 
-/// A new file without a name, for reading and writing: it disappears however the program ends. In `folder` if that is
-/// one on a file system with such files, else in the system's folder for temporary files. Null: errno says why.
-std::FILE* open_nameless(const std::filesystem::path& folder = {});
-
 /// Buffers text whose heading is known only later: a megabyte in memory, the rest in an unnamed file, which disappears
 /// however the program ends.
 class Spool final : public TextSink {

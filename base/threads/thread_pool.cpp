@@ -11,7 +11,7 @@
 #if defined(__linux__)
 #include <sched.h>
 #endif
-#if __has_include(<pthread.h>)
+#if __has_include(<pthread.h>) && !defined(_WIN32)
 #include <pthread.h>
 #endif
 
@@ -174,7 +174,7 @@ ThreadPool& make_pool()
     static OrderedMutex<LockRank::pool_making> making;
     std::lock_guard lock(making);
     if (ThreadPool* there = pool.load(std::memory_order_acquire)) return *there;
-#if __has_include(<pthread.h>)
+#if __has_include(<pthread.h>) && !defined(_WIN32)
     // After fork() the child has the pool's memory, but not its threads.
     [[maybe_unused]] static const int at_fork =
         pthread_atfork(nullptr, nullptr, [] { pool.store(nullptr, std::memory_order_relaxed); });

@@ -16,7 +16,7 @@ namespace oncollide {
 
 SharedFile::~SharedFile()
 {
-    if (file_ >= 0) ::close(file_);
+    if (file_ >= 0) ::close(int(file_));
 }
 
 void SharedFile::fail(int error) const
@@ -50,7 +50,7 @@ void SharedFile::open()
 void SharedFile::write(std::uint64_t offset, std::string_view bytes)
 {
     while (!bytes.empty()) {
-        const ssize_t written = ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+        const ssize_t written = ::pwrite(int(file_), bytes.data(), bytes.size(), static_cast<off_t>(offset));
         if (written < 0 && errno == EINTR) continue;
         if (written <= 0) fail(written < 0 ? errno : ENOSPC);
         bytes.remove_prefix(std::size_t(written)), offset += std::uint64_t(written);
@@ -59,19 +59,19 @@ void SharedFile::write(std::uint64_t offset, std::string_view bytes)
 
 void SharedFile::truncate(std::uint64_t size)
 {
-    if (::ftruncate(file_, static_cast<off_t>(size)) != 0) fail(errno);
+    if (::ftruncate(int(file_), static_cast<off_t>(size)) != 0) fail(errno);
 }
 
 std::uint64_t SharedFile::size() const
 {
     struct stat status {};
-    if (::fstat(file_, &status) != 0) fail(errno);
+    if (::fstat(int(file_), &status) != 0) fail(errno);
     return std::uint64_t(status.st_size);
 }
 
 void SharedFile::sync()
 {
-    if (::fsync(file_) != 0) fail(errno);
+    if (::fsync(int(file_)) != 0) fail(errno);
 }
 
 void SharedFile::rename()

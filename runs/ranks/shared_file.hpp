@@ -30,11 +30,11 @@ public:
     void remove() noexcept;
 
 private:
-    std::filesystem::path part() const { return path_.string() + ".part"; }
+    std::filesystem::path part() const { return std::filesystem::path(path_).concat(".part"); }
     [[noreturn]] void fail(int error) const;
 
     std::filesystem::path path_;
-    int file_ = -1;
+    std::intptr_t file_ = -1; ///< a file descriptor, or a HANDLE of Windows (windows/shared_file.cpp)
 };
 
 } // namespace oncollide

@@ -1,18 +1,14 @@
 #include <oncollide/scenes/cooked/cooked_file.hpp>
 
 #include <atomic>
-#include <cerrno>
 #include <cstring>
-
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/checksum.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
+#include <oncollide/base/files/random_access_file.hpp>
 
 namespace oncollide {
 
@@ -30,58 +26,40 @@ std::string_view text_of(std::span<const std::byte> bytes)
 
 } // namespace
 
-/// The file is read with pread, never mapped: truncating a mapped file ends the program (SIGBUS), and checked data
-/// could change afterwards.
 class CookedFile::Handle {
 public:
-    explicit Handle(const fs::path& path) : path_(path), at_(open_it()) {}
-    ~Handle() { close_it(); }
+    explicit Handle(const fs::path& path) : path_(path), file_(path) {}
+    ~Handle() { close(); }
     Handle(const Handle&) = delete;
     Handle& operator=(const Handle&) = delete;
 
     /// -1: unavailable.
-    std::int64_t size() const
-    {
-        struct stat about;
-        return at_ >= 0 && fstat(at_, &about) == 0 ? std::int64_t(about.st_size) : -1;
-    }
+    std::int64_t size() const { return file_.size(); }
     /// Keeps the file open, unless too many are, so that it stays readable after it is deleted.
     void keep()
     {
         if (kept_open.fetch_add(1) < most_kept_open)
             kept_ = true;
         else
-            kept_open.fetch_sub(1), close_it();
+            kept_open.fetch_sub(1), close();
     }
     /// Returns why reading failed; null: success.
     const char* read(std::uint64_t offset, std::span<std::byte> out) const
     {
-        const int file = at_ >= 0 ? at_ : open_it();
-        if (file < 0) return "the file can no longer be opened";
-        const char* why = nullptr;
-        while (!out.empty() && !why) {
-            const ssize_t got = pread(file, out.data(), out.size(), static_cast<off_t>(offset));
-            if (got > 0)
-                out = out.subspan(std::size_t(got)), offset += std::uint64_t(got);
-            else if (got == 0)
-                why = "the file ends before it";
-            else if (errno != EINTR)
-                why = "the disk cannot read it";
-        }
-        if (at_ < 0) close(file);
-        return why;
+        if (file_.is_open()) return file_.read(offset, out);
+        const RandomAccessFile again(path_);
+        return again.is_open() ? again.read(offset, out) : "the file can no longer be opened";
     }
 
 private:
-    int open_it() const { return ::open(path_.c_str(), O_RDONLY | O_CLOEXEC); }
-    void close_it()
+    void close()
     {
-        if (at_ >= 0) close(at_), at_ = -1;
+        file_.close();
         if (kept_) kept_open.fetch_sub(1), kept_ = false;
     }
 
     fs::path path_;
-    int at_;
+    RandomAccessFile file_;
     bool kept_ = false;
 };
 

@@ -50,7 +50,7 @@ Json entry_of(const Deformation& deformation, const std::filesystem::path& folde
                     fmt::format("geometry '{}': deforms by code, which a scene file cannot describe", geometry));
     Json entry = Json::parse(deformation.recipe);
     if (entry.contains("file"))
-        entry["file"] = path_from(folder, std::filesystem::path(entry["file"].get<std::string>())).string();
+        entry["file"] = portable_name(path_from(folder, path_of(entry["file"].get<std::string>())));
     return entry;
 }
 

@@ -245,7 +245,7 @@ void change_file(Json& entry, Change change)
         for (const char* key : {"file", "diagonals"})
             if (entry.contains(kind) && entry[kind].contains(key)) {
                 Json& file = entry[kind][key];
-                file = change(fs::path(file.get<std::string>())).string();
+                file = portable_name(change(path_of(file.get<std::string>())));
             }
 }
 
@@ -338,7 +338,7 @@ Json entry_of(const Geometry& geometry, const fs::path& folder, const std::strin
         return entry;
     }
     if (const auto* cooked = std::get_if<std::shared_ptr<const CookedMesh>>(&geometry.data))
-        return {{"mesh", {{"file", path_from(folder, (*cooked)->name()).string()}}}};
+        return {{"mesh", {{"file", portable_name(path_from(folder, path_of((*cooked)->name())))}}}};
     if (const Mesh* mesh = std::get_if<Mesh>(&geometry.data))
         return {{"mesh", {{"vertices", list_of(mesh->vertices)}, {"triangles", mesh->triangles}}}};
     if (const Terrain* terrain = std::get_if<Terrain>(&geometry.data))

@@ -20,7 +20,7 @@ public:
           source_(open_frames(file, 3, "vertices", std::numeric_limits<std::uint32_t>::max()))
     {
         frames = source_->frames;
-        Json entry{{"file", absolute_path(file.file).string()}};
+        Json entry{{"file", portable_name(absolute_path(file.file))}};
         if (!file.path.empty()) entry["path"] = file.path;
         try {
             recipe = entry.dump();

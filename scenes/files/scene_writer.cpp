@@ -84,7 +84,7 @@ Entry body_entry(const Scene& scene, std::size_t i)
 
 Entry recording_entry(const Recording& recording, const fs::path& folder)
 {
-    Entry entry = {{"file", absolute_path(recording.file).lexically_proximate(folder).string()}};
+    Entry entry = {{"file", portable_name(absolute_path(path_of(recording.file)).lexically_proximate(folder))}};
     if (!recording.path.empty()) entry["path"] = recording.path;
     if (recording.first) entry["first"] = recording.first;
     return entry;
@@ -167,7 +167,7 @@ void save_scene(const Scene& scene, const fs::path& path)
         const OccupancyMap* map = std::get_if<OccupancyMap>(&geometry.data);
         const Terrain* terrain = std::get_if<Terrain>(&geometry.data);
         if ((!map && !terrain) || !geometry.recipe.empty()) continue;
-        const fs::path made_file = path.parent_path() / made_files[i];
+        const fs::path made_file = path.parent_path() / path_of(made_files[i]);
         std::error_code ignored;
         const bool is_new = !fs::exists(made_file, ignored);
         map ? save_octomap(*map, made_file) : save_terrain(*terrain, made_file);

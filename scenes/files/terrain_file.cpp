@@ -122,7 +122,7 @@ Terrain load_terrain(const fs::path& path, const TerrainOptions& options)
 
 std::string diagonals_file(const std::string& path)
 {
-    return fs::path(path).replace_extension(".diagonals.npy").string();
+    return path_of(path).replace_extension(".diagonals.npy").string();
 }
 
 void save_terrain(const Terrain& terrain, const fs::path& path)
@@ -137,12 +137,13 @@ void save_terrain(const Terrain& terrain, const fs::path& path)
             }
     });
     if (!terrain.mixed_diagonals()) return;
-    write_npy(diagonals_file(path.string()), "|u1", terrain.cells_y(), terrain.cells_x(), [&](OutputFile& file) {
-        for (std::uint32_t y = 0; y < terrain.cells_y(); ++y)
-            for (std::uint32_t x = 0; x < terrain.cells_x(); ++x)
-                file.write(terrain.diagonal(x, y) == CellDiagonal::falling ? std::string_view("\1", 1)
-                                                                           : std::string_view("\0", 1));
-    });
+    write_npy(path_of(diagonals_file(path.string())), "|u1", terrain.cells_y(), terrain.cells_x(),
+              [&](OutputFile& file) {
+                  for (std::uint32_t y = 0; y < terrain.cells_y(); ++y)
+                      for (std::uint32_t x = 0; x < terrain.cells_x(); ++x)
+                          file.write(terrain.diagonal(x, y) == CellDiagonal::falling ? std::string_view("\1", 1)
+                                                                                     : std::string_view("\0", 1));
+              });
 }
 
 } // namespace oncollide

@@ -98,7 +98,7 @@ void save_tile_index(const fs::path& path, const std::vector<IndexedTile>& tiles
 
 IndexedTile index_tile(const fs::path& folder, const std::string& file)
 {
-    return {file, CookedMesh(folder / file).outline()};
+    return {file, CookedMesh(folder / path_of(file)).outline()};
 }
 
 void add_tiles(SceneBuilder& scene, const std::string& name, const fs::path& index, const BodyInit& like,
@@ -113,8 +113,8 @@ void add_tiles(SceneBuilder& scene, const std::string& name, const fs::path& ind
                                               : GeometryData(load_mesh(file));
         BodyInit body = like;
         body.name = fmt::format("{}/{}", name, file.stem().string());
-        body.geometry =
-            scene.add(body.name, std::move(mesh), Json{{"mesh", {{"file", absolute_path(file).string()}}}}.dump());
+        body.geometry = scene.add(body.name, std::move(mesh),
+                                  Json{{"mesh", {{"file", portable_name(absolute_path(file))}}}}.dump());
         body.is_static = true;
         scene.add_body(std::move(body));
         flat += tile.outline.zero_area;

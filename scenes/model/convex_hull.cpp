@@ -13,6 +13,7 @@ extern "C" {
 }
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/files/system_file.hpp>
 #include <oncollide/scenes/model/hull_slack.hpp>
 
 namespace oncollide {
@@ -20,10 +21,10 @@ namespace oncollide {
 namespace {
 
 /// One run of Qhull. Qhull reports errors by longjmp inside qh_new_qhull, which returns a code; nothing called after it
-/// can fail. Its output goes to /dev/null.
+/// can fail. Its output goes to the null device.
 class Qhull {
 public:
-    Qhull(std::vector<double>& coordinates, const char* options) : quiet_(std::fopen("/dev/null", "w"), &std::fclose)
+    Qhull(std::vector<double>& coordinates, const char* options) : quiet_(std::fopen(null_device, "w"), &std::fclose)
     {
         if (!quiet_) return;
         std::string command = options; // Qhull keeps a copy

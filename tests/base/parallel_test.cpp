@@ -8,8 +8,10 @@
 #include <oncollide/base/executor.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 
+#ifndef _WIN32
 #include <sys/wait.h>
 #include <unistd.h>
+#endif
 
 namespace oncollide {
 namespace {
@@ -138,7 +140,7 @@ TEST(ThreadPool, ServesManyThreadsAtOnce)
     EXPECT_EQ(wrong, 0);
 }
 
-#if !defined(__SANITIZE_THREAD__) // its runtime does not start threads after a fork
+#if !defined(__SANITIZE_THREAD__) && !defined(_WIN32) // its runtime does not start threads after a fork
 TEST(ThreadPool, WorksInAForkedProcess)
 {
     ASSERT_EQ(sum_in_parallel(64, 4), 64u * 63 / 2); // the parent's threads exist

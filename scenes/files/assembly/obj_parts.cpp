@@ -46,7 +46,7 @@ RawAssembly read_obj_parts(const MeshSource& source, const PartsReading& reading
     }
     RawAssembly assembly;
     for (std::uint32_t i = 0; i < names.size(); ++i) {
-        const std::string name = names[i].empty() ? std::filesystem::path(source.name).stem().string() : names[i];
+        const std::string name = names[i].empty() ? path_of(source.name).stem().string() : names[i];
         assembly.meshes.push_back(part_of(source, whole, std::move(triangles[i]), reading.scale));
         assembly.parts.push_back({i, i, Eigen::Isometry3d::Identity(), name, name, no_node});
     }

@@ -118,7 +118,7 @@ const std::string& GltfBuffers::beside(const Node& uri)
 {
     const std::string name = decode_percent(uri, uri.text());
     if (const auto found = files_.find(name); found != files_.end()) return found->second;
-    const std::filesystem::path folder = std::filesystem::path(document_.source().name).parent_path();
+    const std::filesystem::path folder = path_of(document_.source().name).parent_path();
     try {
         const std::string& bytes = files_[name] = read_file(file_in(folder, name), most_bytes - bytes_read_);
         bytes_read_ += bytes.size();

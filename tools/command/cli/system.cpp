@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <csignal>
-#include <filesystem>
 #include <fstream>
 
 #include <fmt/format.h>
@@ -98,6 +97,12 @@ void prepare_process()
         action.sa_flags = SA_RESTART;
         sigaction(signal, &action, nullptr);
     }
+}
+
+std::filesystem::path program_folder()
+{
+    std::error_code error;
+    return std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
 }
 
 std::string command_text()
@@ -214,6 +219,11 @@ void prepare_process()
             remove_unfinished_files();
             std::raise(number);
         });
+}
+
+std::filesystem::path program_folder()
+{
+    return {};
 }
 
 std::string command_text()

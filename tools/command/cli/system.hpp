@@ -1,8 +1,10 @@
 #pragma once
 #include <cstddef>
+#include <filesystem>
 #include <string>
 
-// Access to the operating system. Systems other than Linux support fewer of these functions; nothing depends on them.
+// Access to the operating system; Windows: windows/system.cpp. Systems other than Linux support fewer of these
+// functions; nothing depends on them.
 namespace oncollide::tools {
 
 /// Identifies a file independent of the name or link that leads to it; empty: the file does not exist.
@@ -27,6 +29,8 @@ constexpr int interrupted_code = 130;
 /// From now on these signals end the program at once again, because nothing polls interrupted() any more.
 void release_interrupts();
 
+/// The folder of this program; empty: unknown.
+std::filesystem::path program_folder();
 /// The command line of this process as one would type it, without the folder of the program; empty: not available.
 std::string command_text();
 /// The processor's name, or "unknown".

@@ -10,13 +10,16 @@
 #include "render/graphics_process.hpp"
 #include "view/three_js.hpp"
 
+#if defined(ONCOLLIDE_HDF5_LIBRARY) || defined(ONCOLLIDE_GDAL_LIBRARY)
+#include <dlfcn.h>
+#endif
+
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
 #include <sstream>
 
 #include <Eigen/Core>
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
@@ -87,6 +90,7 @@ std::string_view version_or_none(std::string_view version)
     return version.empty() ? "none" : version;
 }
 
+#if defined(ONCOLLIDE_HDF5_LIBRARY) || defined(ONCOLLIDE_GDAL_LIBRARY)
 /// The version of a library that is loaded when a file first needs it.
 template <class Version>
 std::string loaded_library(const char* what, const char* file, Version version)
@@ -95,6 +99,7 @@ std::string loaded_library(const char* what, const char* file, Version version)
     return library ? fmt::format("{} {}", what, version(library))
                    : fmt::format("{}: this build can use {}, which is not installed", what, file);
 }
+#endif
 
 /// Libraries that are optional at build time and at run time.
 void say_loaded_libraries([[maybe_unused]] Findings& found)
@@ -216,7 +221,7 @@ int doctor(const DoctorOptions& options, std::string (*peers)())
                     EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION,
                     version_or_none(ONCOLLIDE_FCL_VERSION), version_or_none(ONCOLLIDE_OCTOMAP_VERSION),
                     ONCOLLIDE_QHULL_VERSION, FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100,
-                    ONCOLLIDE_JSON_VERSION, ONCOLLIDE_CLI11_VERSION, ONCOLLIDE_PNG_VERSION, expat));
+                    ONCOLLIDE_JSON_VERSION, ONCOLLIDE_CLI11_VERSION, version_or_none(ONCOLLIDE_PNG_VERSION), expat));
     say_files(found);
     if (peers) say("peers", peers());
     say("self-test", fault.empty() ? "passed" : "FAILED: " + fault);

@@ -2,21 +2,18 @@
 
 #include <algorithm>
 #include <charconv>
-#include <filesystem>
 #include <numeric>
 #include <string_view>
-
-#include <link.h>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/files/paths.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 
 #include "cli/build_info.hpp"
 #include "cli/system.hpp"
+#include "fcl/fcl_pair.hpp"
 
 namespace oncollide::tools {
 double median(std::vector<double> values)
@@ -93,29 +90,11 @@ std::string describe(const Settings& s, const std::string& stand_in, bool one_ex
     return text;
 }
 
-/// The FCL that was loaded: the system's, or another one by its folder.
-std::string fcl_loaded()
-{
-    std::string path;
-    dl_iterate_phdr(
-        [](dl_phdr_info* info, std::size_t, void* out) {
-            if (std::string_view(info->dlpi_name).find("/libfcl.so") != std::string_view::npos)
-                *static_cast<std::string*>(out) = info->dlpi_name;
-            return 0;
-        },
-        &path);
-    if (path.empty() || path.starts_with("/usr/") || path.starts_with("/lib/")) return "as installed";
-    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-    return "from " + path_from(".", folder).string();
-}
-
 std::string describe_program(const std::string& backend)
 {
     return fmt::format("program    oncollide {}, {}; {}, flags '{}'; {}, one thread\n"
                        "machine    {}, {} hardware threads\n",
-                       version, backend, build_text(), build_flags(),
-                       *ONCOLLIDE_FCL_VERSION ? "FCL " ONCOLLIDE_FCL_VERSION " " + fcl_loaded() : "without FCL",
-                       processor_name(), hardware_threads());
+                       version, backend, build_text(), build_flags(), fcl_text(), processor_name(), hardware_threads());
 }
 
 std::vector<std::string> split(const std::string& list)

@@ -19,10 +19,12 @@
 #include <oncollide/base/files/file_bytes.hpp>
 #include <oncollide/base/files/paths.hpp>
 #include <oncollide/base/files/program_output.hpp>
-#include <oncollide/base/files/spool.hpp>
+#include <oncollide/base/files/system_file.hpp>
 #include <oncollide/base/text/file_warning.hpp>
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
+
+#include "cli/system.hpp"
 
 namespace oncollide::tools {
 namespace {
@@ -171,8 +173,7 @@ std::string find_program(const Converter& converter)
         if (is_program(named)) return named;
         throw Error(ErrorKind::no_input, fmt::format("{}={}: not a program", converter.variable, named));
     }
-    std::error_code error;
-    const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
+    const fs::path here = program_folder();
     std::vector<fs::path> folders;
     if (!here.empty()) folders = {here, here.parent_path() / "libexec/oncollide"};
     for (const fs::path& folder : folders)

@@ -14,6 +14,11 @@ namespace {
 
 } // namespace
 
+std::string fcl_text()
+{
+    return "without FCL";
+}
+
 FclGeometry make_fcl_geometry(const GeometryData&, FclNodes, std::shared_ptr<const octomap::OcTree>)
 {
     refuse_without_fcl();

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include <oncollide/base/function_ref.hpp>
 #include <oncollide/scenes/scene.hpp>
@@ -13,6 +14,9 @@ class CollisionGeometry;
 // FCL on single geometries and pairs. Its headers take seconds to compile, so only fcl_pair.cpp, fcl_world.cpp and
 // the peers of the laboratory include them.
 namespace oncollide::tools {
+
+/// The FCL that was loaded, with its version: the system's, or another one by its folder; or "without FCL".
+std::string fcl_text();
 
 /// The nodes of FCL's trees of triangles: OBB is the fastest for collision queries; only OBBRSS supports distances.
 enum class FclNodes { obb, obbrss };

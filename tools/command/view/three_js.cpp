@@ -8,6 +8,7 @@
 #include <oncollide/base/error.hpp>
 #include <oncollide/base/files/file_bytes.hpp>
 
+#include "cli/system.hpp"
 #include "view/page_text.hpp"
 
 namespace oncollide::tools {
@@ -27,7 +28,12 @@ ThreeJs read_three_js()
 {
     namespace fs = std::filesystem;
     const char* variable = std::getenv("ONCOLLIDE_THREE");
-    const fs::path folder = variable && *variable ? variable : "/usr/share/javascript/three";
+#ifdef _WIN32 // its package brings three.js
+    const fs::path usual = program_folder().parent_path() / "share/oncollide/three";
+#else
+    const fs::path usual = "/usr/share/javascript/three";
+#endif
+    const fs::path folder = variable && *variable ? fs::path(variable) : usual;
     const fs::path library = folder / "three.min.js", controls = folder / "examples/js/controls/OrbitControls.js";
     std::error_code error;
     for (const fs::path& file : {library, controls})
