@@ -46,6 +46,7 @@ struct Target {
 Target resolve(const fs::path& path)
 {
     if (path.empty()) refuse("(no name)", "the file name is empty");
+    if (is_reserved_for_device(path)) return {path, true};
     std::error_code error;
     const fs::file_status status = fs::status(path, error);
     if (status.type() == fs::file_type::none) refuse(path, error.message());

@@ -23,6 +23,11 @@ bool may_write(const fs::path& path)
     return ::access(path.c_str(), W_OK) == 0;
 }
 
+bool is_reserved_for_device(const fs::path&)
+{
+    return false;
+}
+
 /// Changes the owner first: chown clears the set-user-ID and set-group-ID bits.
 void copy_permissions(const fs::path& from, std::FILE* to)
 {

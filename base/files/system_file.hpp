@@ -16,6 +16,10 @@ std::FILE* open_to_write(const std::filesystem::path& path, FileUse use);
 /// Checks write permission of an existing file without opening it; false: see errno.
 bool may_write(const std::filesystem::path& path);
 
+/// True for a name that the system reserves for a device, as Windows reserves "NUL" in every folder. The status of a file
+/// shows the devices of other systems.
+bool is_reserved_for_device(const std::filesystem::path& path);
+
 /// Gives an open file the owner and permissions of an existing one, as far as the system allows it.
 void copy_permissions(const std::filesystem::path& from, std::FILE* to);
 

@@ -71,7 +71,7 @@ TEST(OutputFile, HasANameInUtf8)
     const fs::path path = folder.path() / path_of(name);
     save(path, "one"), save(path, "two");
     ASSERT_EQ(folder.list(), std::vector<std::string>{name});
-    EXPECT_EQ(read_file(path), "two");
+    EXPECT_EQ(read_file(path, 1000), "two");
     EXPECT_EQ(read_all(RandomAccessFile(path), 3), "two");
     const std::string longest = std::string(230, 'x') + ".stl";
     save(folder.path() / longest, "three");
@@ -84,7 +84,7 @@ TEST(OutputFile, WritesLineEndsAsGiven)
     const std::string text = "one\ntwo\r\n\x1a three\n";
     save(folder / "a", text);
     EXPECT_EQ(fs::file_size(folder / "a"), text.size());
-    EXPECT_EQ(read_file(folder / "a"), text);
+    EXPECT_EQ(read_file(folder / "a", 1000), text);
 }
 
 TEST(OutputFile, IsGoneOnceUnfinishedFilesAreRemoved)

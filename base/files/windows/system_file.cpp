@@ -50,6 +50,15 @@ bool may_write(const fs::path& path)
     return false;
 }
 
+bool is_reserved_for_device(const fs::path& path)
+{
+    const HANDLE file = CreateFileW(path.c_str(), 0, all_share, nullptr, OPEN_EXISTING, 0, nullptr);
+    if (file == INVALID_HANDLE_VALUE) return false;
+    const bool device = GetFileType(file) == FILE_TYPE_CHAR;
+    CloseHandle(file);
+    return device;
+}
+
 /// A new file has the permissions of its folder.
 void copy_permissions(const fs::path&, std::FILE*) {}
 
