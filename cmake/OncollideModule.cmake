@@ -128,6 +128,20 @@ function(oncollide_add_module name)
   endforeach()
 endfunction()
 
+# Sources that each operating system has for itself: FOLDER/NAME.cpp, or FOLDER/windows/NAME.cpp. A source of Windows is a
+# unit of its own, because <windows.h> has macros such as `near` and `far`.
+function(oncollide_add_system_sources target)
+  foreach(source IN LISTS ARGN)
+    if(WIN32)
+      get_filename_component(folder ${source} DIRECTORY)
+      get_filename_component(name ${source} NAME)
+      set(source ${folder}/windows/${name})
+      set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    endif()
+    target_sources(${target} PRIVATE ${source})
+  endforeach()
+endfunction()
+
 # A part of a module that ONCOLLIDE_<PART>=OFF leaves out: ABSENT then replaces SOURCES, with the same functions.
 function(oncollide_add_part module part)
   cmake_parse_arguments(arg "" "" "SOURCES;ABSENT;LINK" ${ARGN})

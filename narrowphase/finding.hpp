@@ -12,6 +12,10 @@
 #include <oncollide/base/aabb.hpp>
 #include <oncollide/scenes/model/occupancy_map.hpp>
 
+#ifdef near // a macro of <windows.h>
+#undef near
+#endif
+
 namespace oncollide {
 
 // The results of tests of two bodies.

@@ -8,9 +8,11 @@ command_hashes.py --write PROGRAM... writes hashes/command.txt
 import json
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 
 KNOWN = pathlib.Path(__file__).resolve().parent / "hashes" / "command.txt"
 INSTRUCTIONS = ("baseline", "avx2", "avx512")  # a processor takes its best instead of one that it lacks
@@ -91,6 +93,23 @@ def check_bytes(command, scene):
     expect(not rest, f"left behind: {rest}")
 
 
+def check_interrupt(command):
+    """Ctrl-C ends a run that would last for hours, and the results so far are written."""
+    folder, table = command.folder, "long.csv"
+    arguments = ["run", "many", "--bodies", "50", "--frames", "100000000", "--quiet", "--csv", table]
+    running = subprocess.Popen([*command.program, *arguments], cwd=folder, stderr=subprocess.PIPE,
+                               env={**os.environ, "ONCOLLIDE_DATA": ""})
+    try:
+        time.sleep(5)  # a busy machine takes a second to start it
+        running.send_signal(signal.SIGINT)
+        errors = running.communicate(timeout=60)[1]
+    finally:
+        running.kill()
+    expect(running.returncode == 130, f"exit code {running.returncode}, not 130, after Ctrl-C: {errors}")
+    lines = (folder / table).read_text(encoding="utf-8").splitlines()
+    expect(len(lines) > 2 and len({line.count(",") for line in lines}) == 1, f"{table} has {len(lines)} lines")
+
+
 def main():
     arguments = sys.argv[1:]
     with tempfile.TemporaryDirectory() as folder:
@@ -102,6 +121,7 @@ def main():
         command = Command(arguments, pathlib.Path(folder))
         check_hashes(command)
         check_bytes(command, check_names(command))
+        check_interrupt(command)
     print("as everywhere")
 
 

@@ -99,7 +99,7 @@ std::string link_from(const std::string& from, const std::string& file)
     namespace fs = std::filesystem;
     const fs::path folder = absolute_path(from).parent_path();
     std::string url;
-    for (const char c : absolute_path(file).lexically_relative(folder).string())
+    for (const char c : portable_name(absolute_path(file).lexically_relative(folder)))
         url +=
             std::isalnum(static_cast<unsigned char>(c)) || std::string_view("-_.~/").find(c) != std::string_view::npos
                 ? std::string(1, c)

@@ -163,12 +163,12 @@ int demo(const DemoOptions& options)
         throw Error(ErrorKind::cannot_write,
                     fmt::format("{}: cannot make the folder: {}", folder.string(), error.message()));
     OutputOptions outputs;
-    outputs.json = folder / "results.json";
-    outputs.csv = folder / "results.csv";
-    outputs.trace = folder / "trace.json";
-    outputs.picture = folder / "picture.svg";
+    outputs.json = (folder / "results.json").string();
+    outputs.csv = (folder / "results.csv").string();
+    outputs.trace = (folder / "trace.json").string();
+    outputs.picture = (folder / "picture.svg").string();
     check_outputs(outputs, "");
-    const fs::path page_file = folder / "page.html", collision = folder / "collision.png";
+    const std::string page_file = (folder / "page.html").string(), collision = (folder / "collision.png").string();
     check_files({{"--out", page_file}, {"--out", collision}});
 
     Scene scene = make_demo_scene();
@@ -209,7 +209,7 @@ int demo(const DemoOptions& options)
                                                 "  results.csv    the same pairs as a table\n"
                                                 "  trace.json     for https://ui.perfetto.dev or chrome://tracing\n"
                                                 "To open them: xdg-open {2}\n",
-                                                folder.string(), page_line, (page ? page_file : collision).string())));
+                                                folder.string(), page_line, page ? page_file : collision)));
     return code;
 }
 

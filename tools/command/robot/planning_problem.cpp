@@ -23,10 +23,10 @@ std::vector<PlanningProblem> load_problems(const fs::path& folder, std::size_t m
     std::vector<PlanningProblem> problems;
     std::map<std::string, std::size_t> counts;
     for (const fs::path& scene : scenes) {
-        if (most && ++counts[scene.parent_path()] > most) continue;
+        if (most && ++counts[scene.parent_path().string()] > most) continue;
         const std::string number = scene.filename().string().substr(5);
         PlanningProblem problem = read_problem(scene, scene.parent_path() / ("request" + number));
-        problem.set = scene.parent_path().filename(), problem.name = number.substr(0, number.find('.'));
+        problem.set = scene.parent_path().filename().string(), problem.name = number.substr(0, number.find('.'));
         problems.push_back(std::move(problem));
     }
     return problems;

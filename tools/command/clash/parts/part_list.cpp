@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/files/paths.hpp>
 #include <oncollide/base/text/listed.hpp>
 #include <oncollide/base/text/plain_number.hpp>
 #include <oncollide/base/threads/parallel.hpp>
@@ -103,7 +104,7 @@ std::string path_in(const std::vector<std::string>& inputs, const std::string& f
     for (const std::string& input : inputs) {
         std::error_code error;
         if (!fs::is_directory(input, error)) continue;
-        const std::string below = fs::path(file).lexically_relative(fs::path(input).lexically_normal()).string();
+        const std::string below = portable_name(fs::path(file).lexically_relative(fs::path(input).lexically_normal()));
         if (!below.empty() && !below.starts_with("..")) return below;
     }
     return fs::path(file).filename().string();
