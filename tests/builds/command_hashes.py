@@ -93,6 +93,12 @@ def check_bytes(command, scene):
     expect(not rest, f"left behind: {rest}")
 
 
+def seconds_of(process):
+    """The processor time that a process has used."""
+    times = pathlib.Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()
+    return (int(times[11]) + int(times[12])) / os.sysconf("SC_CLK_TCK")
+
+
 def check_interrupt(command):
     """Ctrl-C ends a run that would last for hours, and the results so far are written."""
     folder, table = command.folder, "long.csv"
@@ -100,9 +106,12 @@ def check_interrupt(command):
     running = subprocess.Popen([*command.program, *arguments], cwd=folder, stderr=subprocess.PIPE,
                                env={**os.environ, "ONCOLLIDE_DATA": ""})
     try:
-        time.sleep(5)  # a busy machine takes a second to start it
+        until = time.monotonic() + 120
+        while seconds_of(running.pid) < 0.8:  # the start takes less
+            expect(time.monotonic() < until and running.poll() is None, "the run does not start")
+            time.sleep(0.1)
         running.send_signal(signal.SIGINT)
-        errors = running.communicate(timeout=60)[1]
+        errors = running.communicate(timeout=300)[1]
     finally:
         running.kill()
     expect(running.returncode == 130, f"exit code {running.returncode}, not 130, after Ctrl-C: {errors}")
