@@ -6,6 +6,37 @@
 
 namespace oncollide {
 
+#ifdef _WIN32
+/// The std::once_flag of MinGW-w64 waits for ever after an exception: its pthread_once() does not expect one.
+struct OnceFlag {
+    enum State : int { none, running, done };
+    std::atomic<State> state = none;
+};
+
+template <class Make>
+void call_once(OnceFlag& flag, Make make)
+{
+    for (;;) {
+        OnceFlag::State seen = flag.state.load(std::memory_order_acquire);
+        if (seen == OnceFlag::done) return;
+        if (seen == OnceFlag::running) {
+            flag.state.wait(seen, std::memory_order_acquire);
+        } else if (flag.state.compare_exchange_strong(seen, OnceFlag::running, std::memory_order_acquire)) {
+            try {
+                make();
+            } catch (...) {
+                flag.state.store(OnceFlag::none, std::memory_order_release), flag.state.notify_all();
+                throw;
+            }
+            flag.state.store(OnceFlag::done, std::memory_order_release), flag.state.notify_all();
+        }
+    }
+}
+#else
+using OnceFlag = std::once_flag;
+using std::call_once;
+#endif
+
 /// A value that the first thread that needs it makes. If making throws, the next call tries again.
 template <class T>
 class Once {
@@ -15,7 +46,7 @@ public:
     T& get(Make make) const
     {
         if (T* const value = made()) return *value; // without the call that call_once costs
-        std::call_once(once_, [&] {
+        call_once(once_, [&] {
             value_.emplace(make());
             made_.store(true, std::memory_order_release);
         });
@@ -31,7 +62,7 @@ public:
     }
 
 private:
-    mutable std::once_flag once_;
+    mutable OnceFlag once_;
     mutable std::optional<T> value_;
     mutable std::atomic<bool> made_ = false;
 };
