@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/files/system_file.hpp>
 
 namespace oncollide {
 
@@ -120,6 +121,7 @@ void check_readable(const fs::path& path)
 {
     const auto refuse_it = [&](const std::string& what) { fail(path, ErrorKind::no_input, what); };
     if (path.native().find(fs::path::value_type{}) != path.native().npos) refuse_it("a name cannot hold a zero byte");
+    if (is_reserved_for_device(path)) refuse_it("is not a readable file: it is a device");
     std::error_code error;
     const fs::file_status status = fs::status(path, error);
     if (status.type() == fs::file_type::not_found)

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <oncollide/base/files/system_file.hpp>
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/samples/generators.hpp>
 
@@ -21,7 +22,7 @@ TEST(MeshFile, MissingFilesAndFoldersAreNoInput)
     };
     no_input(folder.path() / "missing.obj", "no such file");
     no_input(folder.path() / "folder.obj", "folder");
-    no_input("/dev/null", "not a readable file");
+    no_input(null_device, "not a readable file");
     no_input("", "no such file");
 }
 
