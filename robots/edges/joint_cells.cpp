@@ -76,7 +76,7 @@ bool JointCells::is_clear(const World& world, const Edge& edge, Level level, dou
             return false;
         index = index * static_cast<std::size_t>(side + 1) + static_cast<std::size_t>(cell[i]);
     }
-    std::call_once(cells.made, [&] {
+    call_once(cells.made, [&] {
         cells.count = 1;
         for (std::size_t i = 0; i < grid.axes.size(); ++i) cells.count *= static_cast<std::size_t>(side + 1);
         cells.words = std::make_unique<std::atomic<std::uint64_t>[]>(cells.count / 32 + 1);

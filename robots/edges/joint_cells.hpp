@@ -6,6 +6,7 @@
 #include <mutex>
 #include <vector>
 
+#include <oncollide/base/memory/once.hpp>
 #include <oncollide/robots/clearances.hpp>
 
 namespace oncollide {
@@ -65,7 +66,7 @@ private:
     /// Cells of two bits each.
     struct Cells {
         std::int64_t per_step = 1; ///< along an axis: a power of two
-        std::once_flag made;
+        OnceFlag made;
         std::unique_ptr<std::atomic<std::uint64_t>[]> words;
         std::size_t count = 0;
     };
