@@ -85,7 +85,7 @@ void sort_pairs(std::vector<BodyPair>& pairs, std::vector<BodyPair>& scratch, st
             for (BodyPair p : share_of(s)) scratch[next[s][p.a >> shift]++] = p;
     });
     parallel_chunks(most_buckets, 16, threads, [&](std::size_t first, std::size_t last, int) {
-        thread_local std::vector<std::uint32_t> ends;
+        std::vector<std::uint32_t> ends;
         for (std::size_t i = first; i < last; ++i)
             if (begins[i] < begins[i + 1])
                 sort_bucket(std::span(scratch).subspan(begins[i], begins[i + 1] - begins[i]), pairs.data() + begins[i],

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include <oncollide/base/error.hpp>
-#include <oncollide/base/text/utf8.hpp>
+#include <oncollide/base/utf8.hpp>
 
 namespace oncollide {
 

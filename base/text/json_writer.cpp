@@ -1,5 +1,5 @@
 #include <oncollide/base/text/json_writer.hpp>
-#include <oncollide/base/text/utf8.hpp>
+#include <oncollide/base/utf8.hpp>
 
 #include <algorithm>
 #include <cmath>

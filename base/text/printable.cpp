@@ -1,6 +1,6 @@
 #include <oncollide/base/text/listed.hpp>
 #include <oncollide/base/text/printable.hpp>
-#include <oncollide/base/text/utf8.hpp>
+#include <oncollide/base/utf8.hpp>
 
 #include <fmt/format.h>
 

@@ -8,7 +8,7 @@
 #include <oncollide/base/text/csv_writer.hpp>
 #include <oncollide/base/text/json_writer.hpp>
 #include <oncollide/base/text/svg.hpp>
-#include <oncollide/base/text/utf8.hpp>
+#include <oncollide/base/utf8.hpp>
 
 namespace oncollide {
 namespace {

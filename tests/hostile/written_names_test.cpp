@@ -3,7 +3,7 @@
 #include "tools/csv_rows.hpp"
 #include "tools/zip_files.hpp"
 #include <oncollide/base/text/printable.hpp>
-#include <oncollide/base/text/utf8.hpp>
+#include <oncollide/base/utf8.hpp>
 
 namespace oncollide::test {
 namespace {

@@ -24,8 +24,6 @@
 #include <oncollide/base/text/printable.hpp>
 #include <oncollide/scenes/files/geometry_file.hpp>
 
-#include "cli/system.hpp"
-
 namespace oncollide::tools {
 namespace {
 
@@ -173,7 +171,8 @@ std::string find_program(const Converter& converter)
         if (is_program(named)) return named;
         throw Error(ErrorKind::no_input, fmt::format("{}={}: not a program", converter.variable, named));
     }
-    const fs::path here = program_folder();
+    std::error_code error;
+    const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
     std::vector<fs::path> folders;
     if (!here.empty()) folders = {here, here.parent_path() / "libexec/oncollide"};
     for (const fs::path& folder : folders)

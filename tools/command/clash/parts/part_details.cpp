@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <oncollide/base/text/utf8.hpp>
+#include <oncollide/base/utf8.hpp>
 
 namespace oncollide::tools {
 

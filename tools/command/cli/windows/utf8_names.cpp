@@ -5,7 +5,7 @@
 #include <cwchar>
 #include <string_view>
 
-#include <oncollide/base/text/utf8.hpp>
+#include <oncollide/base/utf8.hpp>
 
 /// The function of the C standard, always from UTF-8 to UTF-16. A code beyond 16 bits needs two calls: the call with
 /// its first three bytes gives the first half, and the call with its last byte gives the second half, which `state`

@@ -1,4 +1,4 @@
-#include <oncollide/base/text/utf8.hpp>
+#include <oncollide/base/utf8.hpp>
 
 namespace oncollide {
 
