@@ -27,14 +27,17 @@ void sort_by_b(BodyPair* first, BodyPair* last)
 }
 
 /// Sorts a bucket, whose `a` are in [low, low + range), from `from` to `to`.
-void sort_bucket(std::span<const BodyPair> from, BodyPair* to, std::size_t low, std::size_t range,
-                 std::vector<std::uint32_t>& ends)
+void sort_bucket(std::span<const BodyPair> from, BodyPair* to, std::size_t low, std::size_t range)
 {
     if (from.size() * 4 < range) {
         std::copy(from.begin(), from.end(), to);
         return std::sort(to, to + from.size());
     }
-    ends.assign(range, 0);
+    constexpr std::size_t usual = 4096; // two million bodies
+    std::array<std::uint32_t, usual> on_stack;
+    std::vector<std::uint32_t> many(range > usual ? range : 0);
+    const std::span<std::uint32_t> ends = range > usual ? std::span(many) : std::span(on_stack).first(range);
+    std::ranges::fill(ends, 0);
     for (BodyPair p : from) ++ends[p.a - low];
     std::uint32_t sum = 0;
     for (std::uint32_t& end : ends) sum += std::exchange(end, sum);
@@ -85,11 +88,10 @@ void sort_pairs(std::vector<BodyPair>& pairs, std::vector<BodyPair>& scratch, st
             for (BodyPair p : share_of(s)) scratch[next[s][p.a >> shift]++] = p;
     });
     parallel_chunks(most_buckets, 16, threads, [&](std::size_t first, std::size_t last, int) {
-        std::vector<std::uint32_t> ends;
         for (std::size_t i = first; i < last; ++i)
             if (begins[i] < begins[i + 1])
                 sort_bucket(std::span(scratch).subspan(begins[i], begins[i + 1] - begins[i]), pairs.data() + begins[i],
-                            i << shift, std::size_t{1} << shift, ends);
+                            i << shift, std::size_t{1} << shift);
     });
     ONCOLLIDE_ASSERT(std::ranges::is_sorted(pairs));
 }
