@@ -1,10 +1,10 @@
 #pragma once
 #include <algorithm>
 #include <optional>
-#include <vector>
 
 #include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/broadphase/segment_part.hpp>
+#include <oncollide/narrowphase/rays/nearest_boxes.hpp>
 #include <oncollide/narrowphase/rays/tree/ray_kernel.hpp>
 #include <oncollide/narrowphase/rays/tree/ray_tree.hpp>
 
@@ -47,9 +47,7 @@ private:
     static RayHits hits(const RayTriangles& row, const Part& part, const float (&direction)[3]);
     void open(RayTree& tree, RayTree::Ref node, const RayLine& line, float last);
 
-    std::vector<Box> boxes_ = std::vector<Box>(64); ///< the first `waiting_` boxes are still to be visited, the last of
-                                                    ///< them next
-    std::size_t waiting_ = 0;
+    NearestBoxes<Box> waiting_;
 };
 
 inline RayWalk::Part::Part(const RayTree& tree, const Segment& segment, const SegmentPart& part)
@@ -72,14 +70,11 @@ inline RayWalk::Part::Part(const RayTree& tree, const Segment& segment, const Se
 inline void RayWalk::open(RayTree& tree, RayTree::Ref node, const RayLine& line, float last)
 {
     float entry[8];
-    const std::size_t first = waiting_;
-    if (boxes_.size() < first + 8) boxes_.resize(2 * boxes_.size());
+    waiting_.begin_node();
     for (unsigned met = ray_kernel().boxes(tree.node(node), line, last, entry); met; met &= met - 1) {
         const auto lane = static_cast<unsigned>(__builtin_ctz(met));
         tree.prefetch_child(node, lane);
-        std::size_t place = waiting_++;
-        for (; place > first && boxes_[place - 1].entry < entry[lane]; --place) boxes_[place] = boxes_[place - 1];
-        boxes_[place] = {entry[lane], lane, node};
+        waiting_.add({entry[lane], lane, node});
     }
 }
 
@@ -106,7 +101,7 @@ void RayWalk::walk(RayTree& tree, const Segment& segment, Take take, double reac
     const std::optional<SegmentPart> of_segment = part_in(segment, tree.tree().bounds());
     if (!of_segment) return;
     const Part part(tree, segment, *of_segment);
-    // A lower bound on the farthest t of interest, in floats.
+    // An upper bound of the farthest t of interest.
     const double length = of_segment->end - of_segment->begin;
     const auto last_of = [&](double allowed) {
         if (allowed < of_segment->begin) return -1.0f;
@@ -116,7 +111,7 @@ void RayWalk::walk(RayTree& tree, const Segment& segment, Take take, double reac
     float last = last_of(reach);
     if (last < 0) return;
     const float direction[3] = {float(part.direction.x()), float(part.direction.y()), float(part.direction.z())};
-    waiting_ = 0;
+    waiting_.clear();
     RayTree::Ref next = tree.root();
     for (;;) {
         if (RayTree::is_rows(next)) {
@@ -132,10 +127,12 @@ void RayWalk::walk(RayTree& tree, const Segment& segment, Take take, double reac
         } else {
             open(tree, next, part.line, last);
         }
+        Box box;
         do {
-            if (waiting_ == 0) return;
-        } while (boxes_[--waiting_].entry > last);
-        next = tree.child(boxes_[waiting_].node, boxes_[waiting_].lane);
+            if (waiting_.empty()) return;
+            box = waiting_.take();
+        } while (box.entry > last);
+        next = tree.child(box.node, box.lane);
     }
 }
 

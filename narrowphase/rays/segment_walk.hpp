@@ -1,11 +1,11 @@
 #pragma once
 #include <algorithm>
 #include <optional>
-#include <vector>
 
 #include <oncollide/broadphase/segment_part.hpp>
 #include <oncollide/narrowphase/obb/hierarchy.hpp>
 #include <oncollide/narrowphase/obb/oriented_box.hpp>
+#include <oncollide/narrowphase/rays/nearest_boxes.hpp>
 
 namespace oncollide {
 
@@ -44,9 +44,7 @@ private:
     }
     void open(Tree& tree, const typename Tree::Node& node, const SegmentLine& line, float last);
 
-    std::vector<Box> boxes_ = std::vector<Box>(64); ///< the first `waiting_` boxes are still to be visited, the last of
-                                                    ///< them next
-    std::size_t waiting_ = 0;
+    NearestBoxes<Box> waiting_;
 };
 
 /// Adds the boxes of a node that the segment meets, the nearest last.
@@ -63,8 +61,7 @@ void SegmentWalk<Tree>::open(Tree& tree, const typename Tree::Node& node, const 
         leaves = tree.open(node, nullptr, boxes).leaves;
         met = oriented_box_kernel().on_segment(boxes, line, entry);
     }
-    const std::size_t first = waiting_;
-    if (boxes_.size() < first + 8) boxes_.resize(2 * boxes_.size());
+    waiting_.begin_node();
     for (; met; met &= met - 1) {
         const auto lane = static_cast<unsigned>(__builtin_ctz(met));
         if (entry[lane] > last) continue;
@@ -75,9 +72,7 @@ void SegmentWalk<Tree>::open(Tree& tree, const typename Tree::Node& node, const 
             else
                 tree.prefetch_child(node, lane), tree.prefetch_order(node, lane);
         }
-        std::size_t place = waiting_++;
-        for (; place > first && boxes_[place - 1].entry < box.entry; --place) boxes_[place] = boxes_[place - 1];
-        boxes_[place] = box;
+        waiting_.add(box);
     }
 }
 
@@ -97,10 +92,10 @@ void SegmentWalk<Tree>::walk(Tree& tree, const Segment& segment, Take take, doub
     };
     float last = last_entry(reach);
     if (last < -1) return;
-    waiting_ = 0;
+    waiting_.clear();
     open(tree, first_node(tree), line, last);
-    while (waiting_) {
-        const Box box = boxes_[--waiting_];
+    while (!waiting_.empty()) {
+        const Box box = waiting_.take();
         if (std::max(box.entry, -1.0f) > last) continue;
         if (!box.leaf) {
             open(tree, tree.child(box.node, box.lane), line, last);

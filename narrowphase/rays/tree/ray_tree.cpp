@@ -114,7 +114,7 @@ std::span<RayTree::Item> RayTree::items_of(std::uint32_t begin, std::uint32_t co
 RayTree::Ref RayTree::node_over(ObbTree::Node boxes)
 {
     const Ref at = add_node();
-    auto& to = const_cast<RayNode&>(node(at));
+    auto& to = node_at(at);
     to.boxes = boxes;
     OpenBoxes open;
     tree_.open(boxes, nullptr, open);
@@ -143,7 +143,7 @@ RayTree::Ref RayTree::grow(Ref parent, unsigned k)
 {
     const std::lock_guard lock(growing_);
     if (const Ref child = grown(parent, k)) return child; // another segment grew it first
-    auto& above = const_cast<RayNode&>(node(parent));
+    auto& above = node_at(parent);
     const std::uint32_t count = tree_.count_of(above.boxes, k);
     const Ref child = count > most_in_node ? node_over(tree_.child(above.boxes, k))
                                            : part(items_of(tree_.begin_of(above.boxes, k), count));
@@ -157,7 +157,7 @@ RayTree::Ref RayTree::part(std::span<Item> items)
     const auto count = static_cast<std::uint32_t>(items.size());
     if (count <= 2 * row) return add_rows(items);
     const Ref at = add_node();
-    auto& node = const_cast<RayNode&>(this->node(at));
+    auto& node = node_at(at);
     const std::uint32_t most = count <= 8 * row ? row : 2 * row;
     unsigned lanes = 0;
     divide(node, lanes, items, most, (count + most - 1) / most);

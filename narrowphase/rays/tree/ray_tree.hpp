@@ -36,7 +36,7 @@ public:
     const ObbTree& tree() const { return tree_; }
     /// Bounds the rounding of coordinates relative to the centre, metres.
     double rounding() const { return rounding_; }
-    const RayNode& node(Ref ref) const { return reinterpret_cast<const RayNode&>(line(ref)); }
+    const RayNode& node(Ref ref) const { return node_at(ref); }
     const RayTriangles* rows(Ref ref) const { return reinterpret_cast<const RayTriangles*>(&line(ref & place_bits)); }
     /// The child of box k, grown if it does not exist yet.
     Ref child(Ref parent, unsigned k)
@@ -58,10 +58,11 @@ private:
     static constexpr Ref rows_bit = 1u << 31, two_bit = 1u << 30, place_bits = two_bit - 1;
     static constexpr std::uint32_t row = 8, most_in_node = 16 * row; ///< triangles
 
+    RayNode& node_at(Ref ref) const { return reinterpret_cast<RayNode&>(line(ref)); }
     NodeLine& line(Ref place) const { return blocks_[place / lines_per_block][place % lines_per_block]; }
     Ref grown(Ref parent, unsigned k) const
     {
-        return std::atomic_ref(const_cast<RayNode&>(node(parent)).child[k]).load(std::memory_order_acquire);
+        return std::atomic_ref(node_at(parent).child[k]).load(std::memory_order_acquire);
     }
     Ref grow(Ref parent, unsigned k);
     Ref add_lines(std::uint32_t count);
