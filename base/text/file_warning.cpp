@@ -6,18 +6,18 @@ namespace oncollide {
 
 namespace {
 
-void (*watcher)(const std::string&) = nullptr;
+void (*warning_watcher)(const std::string&) = nullptr;
 
 } // namespace
 
 void watch_file_warnings(void (*watch)(const std::string&))
 {
-    watcher = watch;
+    warning_watcher = watch;
 }
 
 void warn_of_file(const std::string& file, const std::string& what)
 {
-    if (watcher) watcher(printable(file + ": " + what));
+    if (warning_watcher) warning_watcher(printable(file + ": " + what));
 }
 
 } // namespace oncollide
