@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/base/numbers/outward.hpp>
 #include <oncollide/narrowphase/obb/oriented_box.hpp>
 
 namespace oncollide {
@@ -28,12 +29,6 @@ std::size_t most_lines(std::size_t triangles)
 {
     const std::size_t lines = node_lines + (node_lines + row_lines) * triangles;
     return lines + (lines / (lines_per_block - 2 * row_lines) + 1) * 2 * row_lines;
-}
-
-float below(double x)
-{
-    const float f = static_cast<float>(x);
-    return double(f) <= x ? f : std::nextafter(f, -infinite);
 }
 
 } // namespace
@@ -93,7 +88,7 @@ void RayTree::set_bounds(RayNode& to, unsigned k, const Aabb& box) const
 {
     for (int axis = 0; axis < 3; ++axis) {
         to.low[axis][k] = below(box.min[axis] - rounding_);
-        to.high[axis][k] = -below(-box.max[axis] - rounding_);
+        to.high[axis][k] = above(box.max[axis] + rounding_);
     }
 }
 
