@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include <oncollide/base/numbers/infinity.hpp>
 
 namespace oncollide {
 
@@ -56,7 +57,7 @@ double SphereCull::gap_of_parts(std::uint32_t a, std::uint32_t b)
 {
     const Placed *const of_a = spheres_of(a), *const of_b = spheres_of(b);
     const std::uint32_t count_a = robot_.parts[a].cover.count, count_b = robot_.parts[b].cover.count;
-    double least = std::numeric_limits<double>::infinity();
+    double least = infinity;
     for (std::uint32_t i = 1; i <= count_a && least > 0; ++i) {
         if (gap(of_a[i], of_b[0]) >= least) continue;
         for (std::uint32_t k = 1; k <= count_b; ++k) least = std::min(least, gap(of_a[i], of_b[k]));
@@ -88,7 +89,7 @@ double SphereCull::gap_of_part(std::uint32_t a, const PlacedBox& box)
         const double slack = 1e-12 * (at.cwiseAbs().sum() + middle.cwiseAbs().sum() + box.half.sum());
         return std::max(((p.cwiseAbs() - box.half).cwiseMax(0).norm() - slack) / stretch_ - ball.radius, 0.0);
     };
-    double least = std::numeric_limits<double>::infinity();
+    double least = infinity;
     for (std::uint32_t i = 1; i <= robot_.parts[a].cover.count && least > 0; ++i)
         least = std::min(least, gap_of(balls[i]));
     return std::max(least, gap_of(balls[0]));

@@ -19,7 +19,7 @@ constexpr std::uint32_t nothing = MeshLinks::none;
 constexpr std::size_t most_corners = 1000; ///< most corners of a polygon
 
 /// An edge of a polygon: the interior is to its left.
-struct Side {
+struct EdgeSide {
     std::uint32_t from, to, polygon;
 };
 
@@ -86,12 +86,12 @@ private:
                 if (beyond == nothing || polygon_of_[beyond] != polygon_of_[t])
                     sides_.push_back({corner(t, k), corner(t, (k + 1) % 3), polygon_of_[t]});
             }
-        std::ranges::sort(sides_, {}, [](const Side& s) { return std::tuple(s.polygon, s.from, s.to); });
+        std::ranges::sort(sides_, {}, [](const EdgeSide& s) { return std::tuple(s.polygon, s.from, s.to); });
         offsets_.assign(first_.size() + 1, 0);
-        for (const Side& s : sides_) ++offsets_[s.polygon + 1];
+        for (const EdgeSide& s : sides_) ++offsets_[s.polygon + 1];
         for (std::size_t p = 0; p < first_.size(); ++p) offsets_[p + 1] += offsets_[p];
     }
-    std::span<const Side> sides(std::uint32_t polygon) const
+    std::span<const EdgeSide> sides(std::uint32_t polygon) const
     {
         return std::span(sides_).subspan(offsets_[polygon], offsets_[polygon + 1] - offsets_[polygon]);
     }
@@ -100,7 +100,7 @@ private:
     {
         // The corners before and after each vertex.
         std::vector<std::array<std::uint32_t, 2>> beside(mesh_.vertices.size(), {nothing, nothing});
-        for (const Side& s : sides_) {
+        for (const EdgeSide& s : sides_) {
             for (const auto& [v, other] : {std::pair(s.from, s.to), std::pair(s.to, s.from)}) {
                 auto& [one, two] = beside[v];
                 if (one == other || two == other) continue;
@@ -141,7 +141,7 @@ private:
             for (std::size_t at = i; !used[at];) {
                 used[at] = true;
                 if (!droppable_[own[at].from]) loop.push_back(own[at].from);
-                const auto next = std::ranges::lower_bound(own, own[at].to, {}, &Side::from);
+                const auto next = std::ranges::lower_bound(own, own[at].to, {}, &EdgeSide::from);
                 if (next == own.end() || next->from != own[at].to) return {};
                 at = static_cast<std::size_t>(next - own.begin());
             }
@@ -220,7 +220,7 @@ private:
     std::vector<std::uint32_t> first_;                ///< for each polygon: its first triangle
     std::vector<std::vector<std::uint32_t>> members_; ///< its triangles
     std::vector<bool> whole_;                         ///< it stays as it is
-    std::vector<Side> sides_;                         ///< by polygon
+    std::vector<EdgeSide> sides_;                     ///< by polygon
     std::vector<std::size_t> offsets_;
     std::vector<bool> droppable_; ///< true for each vertex that may be dropped
     std::vector<Triangle> triangles_;

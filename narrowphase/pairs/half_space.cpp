@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <span>
 
+#include <oncollide/base/numbers/infinity.hpp>
 #include <oncollide/scenes/model/box_corners.hpp>
 #include <oncollide/scenes/model/map/map_access.hpp>
 
@@ -13,7 +13,6 @@ namespace oncollide {
 namespace half_space { // named, because lambdas of exported templates refer to it
 
 using Eigen::Vector3d;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The lowest corner, as placed.
 class Lowest {
@@ -35,7 +34,7 @@ private:
 
 namespace {
 
-using half_space::Lowest, half_space::infinity, Eigen::Vector3d;
+using half_space::Lowest, Eigen::Vector3d;
 
 /// Calls visit(primitive) for the primitives of a hierarchy that may be below cut(), lower boxes first.
 template <BoxHierarchy Hierarchy, class Cut, class Visit>
@@ -110,7 +109,7 @@ Vector3d lowest_of_shape(const Convex& c, const RelativePose& to_plane)
     // The lowest corner of a box minimises every product, rounding included: sums of larger products are not less.
     if (c.core != Convex::Core::points) return to_plane(c.support(-up));
     const Vector3d* lowest = c.points;
-    double least = std::numeric_limits<double>::infinity();
+    double least = infinity;
     for (const Vector3d& p : std::span(c.points, c.count)) {
         const double height =
             up.x() * p.x() + (up.y() * p.y() + up.z() * p.z()) + to_plane.translation.z(); // as placed

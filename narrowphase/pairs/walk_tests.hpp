@@ -3,11 +3,11 @@
 #pragma once
 #include <algorithm>
 #include <concepts>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include <oncollide/base/numbers/infinity.hpp>
 #include <oncollide/narrowphase/pairs/containment.hpp>
 #include <oncollide/narrowphase/pairs/pair_tests.hpp>
 #include <oncollide/narrowphase/pairs/pair_worker.hpp>
@@ -19,7 +19,6 @@ namespace oncollide::walk_tests {
 
 constexpr double rigid = 0x1p-18; ///< poses may deviate from rigid by 2^-20, so distances in A's frame have this
                                   ///< relative error
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// True for traversals whose leaf tests may be inconclusive because of rounding.
 template <class Walk>

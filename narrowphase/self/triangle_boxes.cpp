@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include <oncollide/base/numbers/infinity.hpp>
 #include <oncollide/base/numbers/outward.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/broadphase/tree/aabb_tree.hpp>
@@ -12,7 +13,6 @@ namespace oncollide {
 
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr std::size_t grain = 4096;
 constexpr int level_of_parts = 3; ///< 4,096 triangles
 
@@ -154,8 +154,8 @@ void TriangleBoxes::add_levels(std::uint32_t count)
         top = count <= 16;
         const std::size_t floats = std::size_t{(count + 15) / 16} * aabb_block;
         float* const blocks = blocks_.emplace_back(std::make_unique_for_overwrite<float[]>(floats)).get();
-        std::fill_n(blocks + floats - aabb_block, aabb_block / 2, infinity);
-        std::fill_n(blocks + floats - aabb_block / 2, aabb_block / 2, -infinity);
+        std::fill_n(blocks + floats - aabb_block, aabb_block / 2, float_infinity);
+        std::fill_n(blocks + floats - aabb_block / 2, aabb_block / 2, -float_infinity);
         std::vector<std::uint16_t>& there = there_.emplace_back((count + 15) / 16, 0xffff);
         if (count % 16) there.back() = static_cast<std::uint16_t>((1u << count % 16) - 1);
         view_.level[view_.levels++] = {blocks, count, there.data(), nullptr, nullptr, nullptr};

@@ -1,9 +1,10 @@
 #include <oncollide/narrowphase/shapes/convex.hpp>
 
 #include <algorithm>
-#include <limits>
 
 #include <Eigen/Geometry>
+
+#include <oncollide/base/numbers/infinity.hpp>
 
 namespace oncollide {
 
@@ -38,7 +39,7 @@ void set_inner_sphere(Convex& hull, const Mesh& surface)
     hull.centre.setZero();
     for (const Triangle& t : surface.triangles)
         for (std::uint32_t v : t) hull.centre += surface.vertices[v] / (3.0 * double(surface.triangles.size()));
-    double least = std::numeric_limits<double>::infinity();
+    double least = infinity;
     for (const Triangle& t : surface.triangles) {
         const Eigen::Vector3d& p = surface.vertices[t[0]];
         const Eigen::Vector3d u = surface.vertices[t[1]] - p, v = surface.vertices[t[2]] - p, n = u.cross(v);
@@ -114,7 +115,6 @@ bool Convex::holds(const Eigen::Vector3d& p, double ball) const
 
 double Convex::depth(const Eigen::Vector3d& p) const
 {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
     const double rounding = 0x1p-46 * (extent + radius + p.norm());
     const auto across = [&] { return std::hypot(p.x(), p.y()); };
     switch (core) {

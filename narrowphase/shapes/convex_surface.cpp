@@ -13,7 +13,7 @@ namespace {
 
 using Points = std::span<const Eigen::Vector3d>;
 
-bool outside(Points points, const Triangle& face, std::uint32_t p)
+bool is_outside(Points points, const Triangle& face, std::uint32_t p)
 {
     return orient3d(points[face[0]], points[face[1]], points[face[2]], points[p]) > 0;
 }
@@ -30,10 +30,11 @@ bool is_surface_of(const Hull& hull, Points points)
         for (std::uint32_t v : face) corner[v] = 1;
         for (std::uint32_t other : (*neighbours)[f])
             for (std::uint32_t v : hull.triangles[other])
-                if (outside(points, face, v)) return false;
+                if (is_outside(points, face, v)) return false;
     }
     for (std::uint32_t p = 0; p < points.size(); ++p)
-        if (!corner[p] && std::ranges::any_of(hull.triangles, [&](const Triangle& f) { return outside(points, f, p); }))
+        if (!corner[p] &&
+            std::ranges::any_of(hull.triangles, [&](const Triangle& f) { return is_outside(points, f, p); }))
             return false;
     return true;
 }
@@ -50,7 +51,7 @@ std::vector<Triangle> first_faces(Points points)
     if (c == count) return {};
     while (d < count && orient3d(points[a], points[b], points[c], points[d]) == 0) ++d;
     if (d == count) return {};
-    if (outside(points, {a, b, c}, d)) std::swap(b, c);
+    if (is_outside(points, {a, b, c}, d)) std::swap(b, c);
     return {{a, b, c}, {a, d, b}, {b, d, c}, {c, d, a}};
 }
 
@@ -59,7 +60,7 @@ std::vector<Triangle> first_faces(Points points)
 void add_point(std::vector<Triangle>& faces, Points points, std::uint32_t p)
 {
     const auto seen =
-        std::partition(faces.begin(), faces.end(), [&](const Triangle& f) { return !outside(points, f, p); });
+        std::partition(faces.begin(), faces.end(), [&](const Triangle& f) { return !is_outside(points, f, p); });
     if (seen == faces.end()) return;
     std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
     for (auto face = seen; face != faces.end(); ++face)

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/numbers/infinity.hpp>
 #include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/narrowphase/spheres/walk_kernel.hpp>
 
@@ -22,7 +22,6 @@ const WalkKernel& kernel()
 
 // Squares below this would leave float's normal range; equals a distance of 1e-18 m.
 constexpr double tiny2 = 1e-36;
-constexpr float float_infinity = std::numeric_limits<float>::infinity();
 
 double side(unsigned octant, int axis)
 {
@@ -104,7 +103,7 @@ double upper_bound(const WalkPair& pair, int steps, double rounding)
 
 double lower_bound(const WalkPair& pair, const WalkPlan& plan, const WalkState& state, double rounding)
 {
-    double lower = std::numeric_limits<double>::infinity();
+    double lower = infinity;
     Descent down(pair);
     for (int i = 0; i < plan.count; ++i) {
         bool open_a, open_b;
@@ -187,8 +186,7 @@ WalkResult Walker::start(const WalkPair& pair, std::uint32_t frame, ParkedWork& 
         return {WalkStatus::touching, upper_bound(pair, plan.count, rounding), pair.hint};
 
     stack_[0] = {0, 0, {plan.d[0], plan.d[1], plan.d[2]}, 0, root_cell, root_cell};
-    return run(pair, plan, rounding, 1, std::numeric_limits<double>::infinity(), patience_in(0, plan.count), false,
-               parked);
+    return run(pair, plan, rounding, 1, infinity, patience_in(0, plan.count), false, parked);
 }
 
 WalkResult Walker::resume(const WalkPair& pair, std::uint32_t frame, const Walker& from, const WalkResult& so_far,

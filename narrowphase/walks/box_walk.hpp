@@ -7,12 +7,12 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include <oncollide/base/aabb.hpp>
+#include <oncollide/base/numbers/infinity.hpp>
 #include <oncollide/narrowphase/obb/oriented_box.hpp>
 #include <oncollide/narrowphase/walks/open_nodes.hpp>
 #include <oncollide/narrowphase/walks/walk_frame.hpp>
@@ -92,7 +92,6 @@ private:
         leaves.nearest(pairs, 0.0, [](const Pair&, const NearestPoints&) {});
     };
     static constexpr std::size_t measured = measures_many ? 4 : 1, most_seeds = 2 * measured;
-    static constexpr double infinity = std::numeric_limits<double>::infinity();
     static constexpr double box_line_length = 1 - 0x1p-20;
 
     void begin(A& a, B& b, const RelativePose& b_to_a, const WalkFrame& frame, const typename B::Node& of_b = B::root)
@@ -106,7 +105,7 @@ private:
     }
     void reset()
     {
-        std::fill(std::begin(nearest_), std::end(nearest_), std::numeric_limits<float>::infinity());
+        std::fill(std::begin(nearest_), std::end(nearest_), float_infinity);
         top_ = 0, far_ = false;
     }
     void start(A& a, B& b, const RelativePose& b_to_a, const WalkFrame& frame)

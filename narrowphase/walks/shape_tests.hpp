@@ -1,9 +1,9 @@
 #pragma once
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <span>
 
+#include <oncollide/base/numbers/infinity.hpp>
 #include <oncollide/narrowphase/obb/map_tree.hpp>
 #include <oncollide/narrowphase/obb/shape_tree.hpp>
 #include <oncollide/narrowphase/shapes/convex_pair.hpp>
@@ -137,7 +137,6 @@ public:
     std::uint64_t tested = 0; ///< pairs
 
 private:
-    static constexpr double infinity = std::numeric_limits<double>::infinity();
     double least_ = infinity, open_bound_ = infinity;
     bool open_counts_ = false;
 };

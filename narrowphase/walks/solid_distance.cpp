@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
-#include <limits>
 
+#include <oncollide/base/numbers/infinity.hpp>
 #include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/narrowphase/walks/walk_frame.hpp>
 
@@ -13,8 +13,6 @@ namespace oncollide {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 const SolidGapKernel& solid_gap_kernel()
 {
@@ -75,7 +73,7 @@ public:
     DistanceBounds<Pair> find(double tolerance, double cutoff)
     {
         if (frame_.apart > cutoff) return {frame_.apart, infinity, {}};
-        std::fill(std::begin(nearest_), std::end(nearest_), std::numeric_limits<float>::infinity());
+        std::fill(std::begin(nearest_), std::end(nearest_), float_infinity);
         heap().clear();
         most_ = cutoff;
         dive(cutoff);
@@ -171,7 +169,7 @@ private:
         TerrainCells cells;
         tree_.open_cells(node, from_, cells);
         float gaps[2][8];
-        float apart = std::numeric_limits<float>::infinity();
+        float apart = float_infinity;
         unsigned near = solid_gap_kernel().of_cells(cells, reach_, line_, gap_limit, gaps, nearest_, apart);
         if (const double upper = std::max(apart * (1 + 0x1p-18) + above_centre_, 0.0); upper < most_)
             most_ = upper, gap_limit = gap_within(upper);

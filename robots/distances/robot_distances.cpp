@@ -1,5 +1,6 @@
 // Robot::distances(): per configuration, the pairs by their lower bounds, from balls around groups, then around parts;
 // the nearest are measured until no other can be nearer.
+#include <oncollide/base/numbers/infinity.hpp>
 #include <oncollide/robots/robot_impl.hpp>
 
 #include <algorithm>
@@ -17,9 +18,8 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr std::size_t chunk_size = 16;   // configurations; a chunk does not depend on the number of threads
-constexpr std::size_t most_listed = 256; // bodies: with more, the broad phase finds the near ones
-constexpr double endless = std::numeric_limits<double>::infinity();
+constexpr std::size_t configurations_per_chunk = 16; // configurations; a chunk does not depend on the number of threads
+constexpr std::size_t most_listed = 256;             // bodies: with more, the broad phase finds the near ones
 
 void check_options(const RobotDistanceOptions& options)
 {
@@ -190,14 +190,14 @@ private:
     /// nearest body in it is nearer than all beyond it.
     void measure_in_reach()
     {
-        const bool grows = limit() == endless;
+        const bool grows = limit() == infinity;
         for (double reach = grows ? 1 : limit();;) {
             if (grows) measured_.clear();
             list_bodies(reach);
             push_bodies();
             measure_open();
             if (!grows || limit() <= reach || reach >= half_space_end) return;
-            reach = limit() == endless ? 4 * reach : limit();
+            reach = limit() == infinity ? 4 * reach : limit();
         }
     }
 
@@ -251,7 +251,7 @@ private:
         if (with_body) d.body = tests_.body_at(bodies_[c.b].slot);
         const double cutoff = limit();
         const Distance found = tests_.distance(task, {.tolerance = options_.tolerance, .cutoff = cutoff});
-        if (found.lower > cutoff || found.upper == endless) return;
+        if (found.lower > cutoff || found.upper == infinity) return;
         d.lower = found.lower, d.upper = found.upper;
         d.point = found.point_a, d.other_point = found.point_b;
         if (found.lower <= 0)
@@ -270,7 +270,7 @@ private:
         const Manifold& manifold = tests_.manifold(task, {.margin = d.upper});
         if (manifold.regions.empty()) {
             if (d.upper > 0) d.normal = (d.other_point - d.point).normalized();
-            if (!manifold.complete) d.lower = -endless;
+            if (!manifold.complete) d.lower = -infinity;
             return;
         }
         const auto deepest = std::ranges::max_element(
@@ -346,12 +346,12 @@ void Robot::distances(const World& world, std::span<const double> configurations
     check_options(options);
     const std::size_t count = width() ? configurations.size() / width() : 0;
     p.check_numbers("distances", "configuration", *this, configurations, count);
-    std::vector<RobotDistances> parts((count + chunk_size - 1) / chunk_size);
+    std::vector<RobotDistances> parts((count + configurations_per_chunk - 1) / configurations_per_chunk);
     each_chunk(
-        world, count, chunk_size, [&] { return p.idle_finders->lease(p, world, options); },
+        world, count, configurations_per_chunk, [&] { return p.idle_finders->lease(p, world, options); },
         [&](DistanceFinder& finder, std::size_t first, std::size_t items) {
             finder.run(configurations.subspan(first * width(), items * width()), first, items,
-                       parts[first / chunk_size]);
+                       parts[first / configurations_per_chunk]);
         });
     found.offsets.assign(1, 0), found.pairs.clear(), found.gradients.clear();
     for (const RobotDistances& part : parts) {

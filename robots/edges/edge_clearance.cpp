@@ -13,7 +13,7 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::size_t edges_per_chunk = 4;
+constexpr std::size_t clearances_per_chunk = 4;
 
 } // namespace
 
@@ -174,7 +174,7 @@ void Robot::edge_clearance(const World& world, std::span<const double> from, std
                     found[i] = {0, d.upper, double(k) / (samples - 1), d.link, d.other, d.body};
     }
     each_chunk(
-        world, found.size(), edges_per_chunk, [&] { return std::make_unique<EdgeMeasure>(p, world, options); },
+        world, found.size(), clearances_per_chunk, [&] { return std::make_unique<EdgeMeasure>(p, world, options); },
         [&](EdgeMeasure& measure, std::size_t first, std::size_t count) {
             for (std::size_t i = first; i < first + count; ++i)
                 measure.run(&from[i * width()], &to[i * width()], found[i]);

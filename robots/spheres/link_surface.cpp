@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
+#include <oncollide/base/numbers/infinity.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 
 namespace oncollide {
@@ -45,7 +45,7 @@ double distance_of(const Shape& shape, const Vector3d& p)
         return std::hypot(across, std::max(0.0, std::abs(p.z()) - capsule->length / 2)) - capsule->radius;
     if (const auto* cylinder = std::get_if<Cylinder>(&shape))
         return outside_box(Eigen::Vector2d(across - cylinder->radius, std::abs(p.z()) - cylinder->length / 2));
-    return std::numeric_limits<double>::infinity();
+    return infinity;
 }
 
 } // namespace
@@ -75,7 +75,7 @@ LinkSurface::LinkSurface(const RobotLink& link)
 
 double LinkSurface::distance_squared(const Vector3d& point, std::size_t first, std::size_t end, Vector3d* nearest) const
 {
-    double least = std::numeric_limits<double>::infinity();
+    double least = infinity;
     for (std::size_t i = first; i < end; ++i) {
         const double to_sphere = (around_[i].centre - point).norm() - around_[i].radius;
         if (to_sphere > 0 && to_sphere * to_sphere >= least) continue;
@@ -123,7 +123,7 @@ bool LinkSurface::inside(const Vector3d& point, const Part& part) const
 
 double LinkSurface::signed_distance(const Vector3d& point) const
 {
-    double least = std::numeric_limits<double>::infinity();
+    double least = infinity;
     for (const Part& part : parts_) {
         const double slack = 1e-12 * (size_ + point.norm());
         if (const double own = part.shape ? distance_of(*part.shape, part.into * point) : HUGE_VAL; own < HUGE_VAL) {

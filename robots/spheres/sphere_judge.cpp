@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <queue>
 
+#include <oncollide/base/numbers/infinity.hpp>
 #include <oncollide/narrowphase/exact/triangle_distance.hpp>
 
 namespace oncollide {
@@ -13,7 +13,6 @@ namespace {
 
 using Corners = LinkSurface::Corners;
 using Eigen::Vector3d;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// How far a point is from a sphere; negative: inside.
 double beyond(const CoverSphere& sphere, const Vector3d& point)

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t most_lines = 32;
 constexpr std::string_view phase_names[] = {"move", "exchange", "step", "results"};
 
-struct Column {
+struct ReportColumn {
     const char* name;
     double (*value)(const RankStatistics&);
     bool bytes = false;
@@ -23,7 +23,7 @@ double mean_per_frame(double sum, const RankStatistics& r)
 {
     return r.frames ? sum / double(r.frames) : 0;
 }
-const Column columns[] = {
+const ReportColumn columns[] = {
     {"bodies", [](const RankStatistics& r) { return mean_per_frame(double(r.bodies), r); }},
     {"ghosts", [](const RankStatistics& r) { return mean_per_frame(double(r.ghosts), r); }},
     {"pairs", [](const RankStatistics& r) { return mean_per_frame(double(r.pairs), r); }},
@@ -39,7 +39,7 @@ template <class Of>
 std::string line(const std::string& name, Of of)
 {
     std::string text = fmt::format("{:<9}", name);
-    for (const Column& column : columns) {
+    for (const ReportColumn& column : columns) {
         const double value = of(column);
         text += fmt::format(" {:>11}", column.bytes   ? bytes_text(std::size_t(value))
                                        : value < 1000 ? fmt::format("{:.1f}", value)
@@ -53,14 +53,15 @@ std::string line(const std::string& name, Of of)
 std::string rank_table(const std::vector<RankStatistics>& ranks)
 {
     std::string text = fmt::format("{:<9}", "process");
-    for (const Column& column : columns) text += fmt::format(" {:>11}", column.name);
+    for (const ReportColumn& column : columns) text += fmt::format(" {:>11}", column.name);
     text += "   mean per frame\n";
     if (ranks.size() <= most_lines) {
         for (std::size_t rank = 0; rank < ranks.size(); ++rank)
-            text += line(fmt::format("{}", rank), [&](const Column& column) { return column.value(ranks[rank]); });
+            text +=
+                line(fmt::format("{}", rank), [&](const ReportColumn& column) { return column.value(ranks[rank]); });
     } else {
         const auto over_ranks = [&](auto take) {
-            return [&, take](const Column& column) {
+            return [&, take](const ReportColumn& column) {
                 std::vector<double> values;
                 for (const RankStatistics& r : ranks) values.push_back(column.value(r));
                 return take(values);

@@ -21,19 +21,19 @@ namespace {
 
 static_assert(no_node_above == no_node);
 
-struct Format {
+struct AssemblyFormat {
     const char* extension;
     RawAssembly (*read)(const MeshSource&, const PartsReading&);
 };
-constexpr Format formats[] = {
+constexpr AssemblyFormat assembly_formats[] = {
     {".glb", read_gltf_parts}, {".gltf", read_gltf_parts}, {".dae", read_collada_parts}, {".3mf", read_3mf_parts}};
 
 /// Null: another kind of file.
-const Format* format_of(const std::filesystem::path& path)
+const AssemblyFormat* format_of(const std::filesystem::path& path)
 {
-    if (is_converted_file(path)) return &formats[0];
+    if (is_converted_file(path)) return &assembly_formats[0];
     const std::string extension = lower_extension(path);
-    for (const Format& format : formats)
+    for (const AssemblyFormat& format : assembly_formats)
         if (extension == format.extension) return &format;
     return nullptr;
 }
@@ -43,7 +43,7 @@ std::shared_ptr<const Geometry> shared_geometry(std::string name, Mesh mesh)
     return std::make_shared<const Geometry>(Geometry{std::move(name), std::move(mesh), {}});
 }
 
-Assembly load_parts(const Format& format, const std::filesystem::path& path, const AssemblyOptions& options)
+Assembly load_parts(const AssemblyFormat& format, const std::filesystem::path& path, const AssemblyOptions& options)
 {
     const std::string file = path.string();
     RawAssembly raw;
@@ -88,7 +88,7 @@ Assembly load_assembly(const std::filesystem::path& path, const AssemblyOptions&
     if (!(scale > 0) || !std::isfinite(scale))
         throw Error(ErrorKind::usage,
                     fmt::format("{}: the scale is {}; it must be finite and above 0", path.string(), scale));
-    if (const Format* const format = format_of(path)) return load_parts(*format, path, options);
+    if (const AssemblyFormat* const format = format_of(path)) return load_parts(*format, path, options);
     if (options.objects && lower_extension(path) == ".obj") return load_parts({".obj", read_obj_parts}, path, options);
     const std::string name = path == "-" ? "standard input" : path.stem().string();
     return {{shared_geometry(path.string(), load_mesh(path, {.scale = scale}))},

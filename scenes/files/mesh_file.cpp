@@ -17,16 +17,16 @@ namespace oncollide {
 
 namespace {
 
-struct Format {
+struct MeshFormat {
     const char* extension;
     RawMesh (*read)(const MeshSource&);
     /// Reads a file of at most that size in pieces; null: the file must be in memory as a whole.
     RawMesh (*read_file)(const std::filesystem::path&, std::uintmax_t) = nullptr;
 };
-constexpr Format formats[] = {{"obj", read_obj},     {"stl", read_stl, read_stl_file},
-                              {"ply", read_ply},     {"off", read_off},
-                              {"gltf", read_gltf},   {"glb", read_gltf},
-                              {"dae", read_collada}, {"3mf", read_3mf}};
+constexpr MeshFormat mesh_formats[] = {{"obj", read_obj},     {"stl", read_stl, read_stl_file},
+                                       {"ply", read_ply},     {"off", read_off},
+                                       {"gltf", read_gltf},   {"glb", read_gltf},
+                                       {"dae", read_collada}, {"3mf", read_3mf}};
 
 /// Standard input has no extension; its first bytes decide.
 std::string extension_of(std::string_view bytes)
@@ -44,9 +44,9 @@ std::string extension_of(std::string_view bytes)
 }
 
 /// Null: unknown.
-const Format* format_of(std::string_view extension)
+const MeshFormat* format_of(std::string_view extension)
 {
-    for (const Format& format : formats)
+    for (const MeshFormat& format : mesh_formats)
         if (extension == std::string(".") + format.extension) return &format;
     return nullptr;
 }
@@ -56,7 +56,7 @@ RawMesh read_raw(const std::filesystem::path& path, const std::string& name)
     if (is_converted_file(path)) return read_gltf({name, converted_file(path)});
     constexpr std::uintmax_t most = std::uintmax_t{2} << 30; // bytes
     const std::string extension = lower_extension(path);
-    const Format* format = format_of(extension);
+    const MeshFormat* format = format_of(extension);
     if (format && format->read_file) return format->read_file(path, most);
     const FileBytes bytes = read_large_file(path, most);
     if (path == "-") format = format_of(extension_of(bytes));
@@ -106,7 +106,7 @@ Mesh load_mesh(const std::filesystem::path& path, const MeshOptions& options)
 std::vector<std::string> mesh_extensions()
 {
     std::vector<std::string> extensions = converted_extensions();
-    std::ranges::transform(formats, std::inserter(extensions, extensions.begin()), &Format::extension);
+    std::ranges::transform(mesh_formats, std::inserter(extensions, extensions.begin()), &MeshFormat::extension);
     return extensions;
 }
 

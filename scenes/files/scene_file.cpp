@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t most_bytes = std::uintmax_t(2) << 30;
+constexpr std::uintmax_t most_scene_bytes = std::uintmax_t(2) << 30;
 
 /// A mesh or a map instead of a scene file is a frequent mistake; an error about its JSON syntax would not help.
 void refuse_other_files(const fs::path& path)
@@ -282,7 +282,7 @@ void read_scene_file(const fs::path& path, Read read)
     const std::string file = path == "-" ? "standard input" : path.string();
     std::error_code ignored;
     if (fs::is_regular_file(path, ignored)) refuse_other_files(path);
-    const FileBytes bytes = read_large_file(path, most_bytes);
+    const FileBytes bytes = read_large_file(path, most_scene_bytes);
     const std::string_view json = without_byte_order_mark(bytes);
     try {
         SceneText text(file, json);

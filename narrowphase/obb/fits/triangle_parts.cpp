@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <limits>
 
+#include <oncollide/base/numbers/infinity.hpp>
 #include <oncollide/base/simd/prefetch.hpp>
 #include <oncollide/narrowphase/obb/fits/box_fit.hpp>
 
@@ -15,8 +15,6 @@ namespace {
 /// Up to this many triangles are halved at their median, as a better cut costs more than it saves. Up to most_sorted
 /// are sorted to try every cut. Above that, cuts between slices are tried.
 constexpr std::size_t most_halved = 16;
-
-constexpr float infinite = std::numeric_limits<float>::infinity();
 
 using F32x4 = float __attribute__((vector_size(16)));
 using I32x4 = std::int32_t __attribute__((vector_size(16)));
@@ -37,7 +35,8 @@ const std::size_t TriangleParts::bytes_each =
 
 /// Bounds of the items added so far.
 struct TriangleParts::Growing {
-    Eigen::Array4f low{infinite, infinite, infinite, 0}, high{-infinite, -infinite, -infinite, 0};
+    Eigen::Array4f low{float_infinity, float_infinity, float_infinity, 0},
+        high{-float_infinity, -float_infinity, -float_infinity, 0};
 
     void add(const auto& other) { low = low.min(other.low), high = high.max(other.high); }
     void add_point(const Eigen::Array4f& p) { low = low.min(p), high = high.max(p); }
@@ -105,7 +104,7 @@ void TriangleParts::split(std::span<Item> items, unsigned parts, std::size_t beg
         if (extent[axis] > extent[longest]) longest = axis;
     std::array<bool, 3> worth; // cuts across shorter axes are not tried
     for (int axis = 0; axis < 3; ++axis) worth[std::size_t(axis)] = extent[axis] > 0.5f * extent[longest];
-    Cut best{longest, half, infinite};
+    Cut best{longest, half, float_infinity};
     if (size > most_sorted) {
         const Cut cut = best_of_slices(items, least, most, places, worth);
         if (cut.cost < best.cost) best = cut;
@@ -122,7 +121,7 @@ void TriangleParts::split(std::span<Item> items, unsigned parts, std::size_t beg
             const Cut cut = best_of_few(items, least, most, axis, order);
             if (cut.cost < best.cost) best = cut, best_order = order;
         }
-        if (best.cost == infinite) sort(items, longest, best_order);
+        if (best.cost == float_infinity) sort(items, longest, best_order);
         arrange(items, best_order);
     }
     split(items.first(best.at), low_parts, begin, first);
@@ -197,7 +196,7 @@ void TriangleParts::sort(std::span<const Item> items, int axis, Order& order) co
     alignas(32) float along[most_sorted] = {};
     std::int32_t less[most_sorted];
     for (std::size_t i = 0; i < size; ++i) along[i] = items[i].place[static_cast<std::size_t>(axis)];
-    for (std::size_t i = size; i % 8; ++i) along[i] = infinite;
+    for (std::size_t i = size; i % 8; ++i) along[i] = float_infinity;
     box_fit_kernel().count_less(along, size, less);
     std::array<std::uint8_t, most_sorted> alike{};
     bool tie = false;
@@ -230,7 +229,7 @@ TriangleParts::Cut TriangleParts::best_of_few(std::span<const Item> items, std::
         areas_above[i] = above.area();
         if (i > 0) above.add(box(least + i - 1));
     }
-    Cut best{axis, least, infinite};
+    Cut best{axis, least, float_infinity};
     for (std::size_t at = least; at <= most; ++at) {
         const float cost = float(at) * below.area() + float(items.size() - at) * areas_above[at - least];
         if (cost < best.cost) best = {axis, at, cost};
@@ -267,7 +266,7 @@ TriangleParts::Cut TriangleParts::best_of_slices(std::span<const Item> items, st
             ++counts[axis][k];
         }
     }
-    Cut best{0, 0, infinite};
+    Cut best{0, 0, float_infinity};
     for (std::size_t axis = 0; axis < 3; ++axis)
         if (axes[axis]) try_slices(bounds[axis], counts[axis], static_cast<int>(axis), items.size(), least, most, best);
     return best;

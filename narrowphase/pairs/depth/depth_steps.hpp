@@ -1,16 +1,15 @@
 #pragma once
-#include <limits>
 #include <utility>
 
 #include <Eigen/Geometry>
 
+#include <oncollide/base/numbers/infinity.hpp>
 #include <oncollide/narrowphase/pairs/depth_bounds.hpp>
 
 namespace oncollide::depth_bounds {
 
 // The steps of depth_of_bounded().
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double rigid = 0x1p-18; ///< as in walk_tests.hpp
 
 struct Side {

@@ -49,8 +49,8 @@ void set_parting(const PairTask& task, Penetration& found)
         return;
     }
     const PlacedPair placed(task);
-    const LeastTranslation least = least_translation(
-        ConvexDifference(task.a->convex(), task.b->convex(), placed.b_to_a, placed.slack), depth_bounds::infinity);
+    const LeastTranslation least =
+        least_translation(ConvexDifference(task.a->convex(), task.b->convex(), placed.b_to_a, placed.slack), infinity);
     found.parting_lower = std::max(least.lower, 0.0) * (1 - placed.slack);
     found.parting_upper = std::max(least.upper, 0.0) * (1 + placed.slack);
     found.parting_along = task.pose_a->linear() * least.normal;

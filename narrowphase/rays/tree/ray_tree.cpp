@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <mutex>
 
 #include <fmt/format.h>
 
+#include <oncollide/base/numbers/infinity.hpp>
 #include <oncollide/base/numbers/outward.hpp>
 #include <oncollide/narrowphase/obb/oriented_box.hpp>
 
@@ -16,7 +16,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr float infinite = std::numeric_limits<float>::infinity();
 constexpr std::uint32_t node_lines = sizeof(RayNode) / sizeof(NodeLine),
                         row_lines = sizeof(RayTriangles) / sizeof(NodeLine);
 
@@ -79,7 +78,7 @@ RayTree::Ref RayTree::add_node()
     const Ref at = add_lines(node_lines);
     auto& node = *new (&line(at)) RayNode{};
     for (int axis = 0; axis < 3; ++axis)
-        for (int k = 0; k < 8; ++k) node.low[axis][k] = infinite, node.high[axis][k] = -infinite;
+        for (int k = 0; k < 8; ++k) node.low[axis][k] = float_infinity, node.high[axis][k] = -float_infinity;
     return at;
 }
 
@@ -220,7 +219,8 @@ RayTree::Ref RayTree::add_rows(std::span<const Item> items)
 
 std::string RayTree::validate() const
 {
-    std::vector<std::pair<Ref, Aabb>> waiting{{root_, {Vector3d::Constant(-infinite), Vector3d::Constant(infinite)}}};
+    std::vector<std::pair<Ref, Aabb>> waiting{
+        {root_, {Vector3d::Constant(-float_infinity), Vector3d::Constant(float_infinity)}}};
     std::vector<std::uint8_t> seen(tree_.mesh().triangles.size());
     bool whole = true;
     while (!waiting.empty()) {
@@ -229,7 +229,7 @@ std::string RayTree::validate() const
         if (!is_rows(ref)) {
             const RayNode& n = node(ref);
             for (unsigned k = 0; k < 8; ++k) {
-                if (n.low[0][k] == infinite) continue;
+                if (n.low[0][k] == float_infinity) continue;
                 if (!grown(ref, k)) {
                     whole = false;
                     continue;

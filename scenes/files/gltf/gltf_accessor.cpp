@@ -10,7 +10,7 @@ namespace oncollide {
 
 namespace {
 
-enum Type { int8 = 5120, uint8 = 5121, int16 = 5122, uint16 = 5123, uint32 = 5125, float32 = 5126 };
+enum ComponentType { int8 = 5120, uint8 = 5121, int16 = 5122, uint16 = 5123, uint32 = 5125, float32 = 5126 };
 
 std::size_t bytes_of(int type)
 {

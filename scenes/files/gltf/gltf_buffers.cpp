@@ -11,7 +11,7 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::uint64_t most_bytes = std::uint64_t(2) << 30; ///< most bytes of all files of buffers together
+constexpr std::uint64_t most_buffer_bytes = std::uint64_t(2) << 30; ///< most bytes of all files of buffers together
 
 int sextet(char c)
 {
@@ -120,7 +120,7 @@ const std::string& GltfBuffers::beside(const Node& uri)
     if (const auto found = files_.find(name); found != files_.end()) return found->second;
     const std::filesystem::path folder = path_of(document_.source().name).parent_path();
     try {
-        const std::string& bytes = files_[name] = read_file(file_in(folder, name), most_bytes - bytes_read_);
+        const std::string& bytes = files_[name] = read_file(file_in(folder, name), most_buffer_bytes - bytes_read_);
         bytes_read_ += bytes.size();
         return bytes;
     } catch (const Error& error) { // of any kind: the file that was requested exists, but is incomplete

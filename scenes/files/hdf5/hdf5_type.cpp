@@ -9,7 +9,7 @@ namespace {
 
 enum Class { fixed_point = 0, floating_point = 1, compound = 6, enumeration = 8, variable_length = 9 };
 
-struct Header {
+struct TypeHeader {
     unsigned version, kind, bits; ///< bits: their meaning depends on the kind
 };
 
@@ -20,7 +20,7 @@ bool is_number_size(std::uint64_t size)
     return size <= 8 && std::has_single_bit(size);
 }
 
-void read_whole(Hdf5Cursor& cursor, const Header& header, Hdf5Type& type)
+void read_whole(Hdf5Cursor& cursor, const TypeHeader& header, Hdf5Type& type)
 {
     constexpr unsigned big_endian = 1, with_sign = 8;
     const unsigned offset = cursor.u16(), precision = cursor.u16();
@@ -29,7 +29,7 @@ void read_whole(Hdf5Cursor& cursor, const Header& header, Hdf5Type& type)
 }
 
 /// Accepts only the layouts of IEEE 754.
-void read_real(Hdf5Cursor& cursor, const Header& header, Hdf5Type& type)
+void read_real(Hdf5Cursor& cursor, const TypeHeader& header, Hdf5Type& type)
 {
     constexpr unsigned big_endian = 1, vax = 0x40, normalisation = 0x30, implied_one = 0x20;
     const unsigned offset = cursor.u16(), precision = cursor.u16(), exponent_at = cursor.u8(), exponent = cursor.u8(),
@@ -45,14 +45,14 @@ void read_real(Hdf5Cursor& cursor, const Header& header, Hdf5Type& type)
 }
 
 /// Reads the name of a member; before version 3 it is padded to a multiple of eight bytes.
-std::string read_name(Hdf5Cursor& cursor, const Header& header)
+std::string read_name(Hdf5Cursor& cursor, const TypeHeader& header)
 {
     std::string name(cursor.text());
     if (header.version < 3) cursor.skip((8 - (name.size() + 1) % 8) % 8);
     return name;
 }
 
-void read_enumeration(Hdf5Cursor& cursor, const Header& header, Hdf5Type& type)
+void read_enumeration(Hdf5Cursor& cursor, const TypeHeader& header, Hdf5Type& type)
 {
     const Hdf5Type base = read_type(cursor, true);
     if (base.kind != Hdf5Type::Kind::whole || base.size != 1 || type.size != 1) return;
@@ -62,7 +62,7 @@ void read_enumeration(Hdf5Cursor& cursor, const Header& header, Hdf5Type& type)
     type.kind = Hdf5Type::Kind::enumeration;
 }
 
-void read_compound(Hdf5Cursor& cursor, const Header& header, Hdf5Type& type)
+void read_compound(Hdf5Cursor& cursor, const TypeHeader& header, Hdf5Type& type)
 {
     const unsigned offset_bytes = header.version < 3 ? 4 : (static_cast<unsigned>(std::bit_width(type.size)) + 7) / 8;
     for (unsigned i = header.bits & 0xffff; i > 0; --i) {
@@ -84,7 +84,7 @@ void read_compound(Hdf5Cursor& cursor, const Header& header, Hdf5Type& type)
 Hdf5Type read_type(Hdf5Cursor& cursor, bool is_member)
 {
     const unsigned first = cursor.u8();
-    const Header header{first >> 4, first & 15, static_cast<unsigned>(cursor.number(3))};
+    const TypeHeader header{first >> 4, first & 15, static_cast<unsigned>(cursor.number(3))};
     Hdf5Type type;
     type.size = cursor.u32();
     if (type.size == 0) cursor.damaged("values have no bytes");

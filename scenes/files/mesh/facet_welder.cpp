@@ -12,7 +12,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "keys are cut out of the file");
 
-constexpr std::size_t slots_a_line = 16, least_slots = 64, most_recent_lines = std::size_t{1} << 13;
+constexpr std::size_t slots_a_line = 16, least_facet_slots = 64, most_recent_lines = std::size_t{1} << 13;
 constexpr std::uint64_t no_key = 0x8000000080000000u; // -0 twice, which no key contains
 
 Eigen::Vector3d point_at(const char* corner)
@@ -34,7 +34,7 @@ FacetWelder::FacetWelder(std::size_t facets) : corners_(3 * batch), missing_(3 *
     // A closed surface has half as many points as triangles, an open one a few more; for unconnected triangles the
     // buffers grow. The system provides untouched pages only on use.
     reserve_large(points_, facets / 2 + facets / 16 + 3 * batch);
-    make_slots(std::bit_ceil(std::max(least_slots, facets / 2 * 8 / 5)));
+    make_slots(std::bit_ceil(std::max(least_facet_slots, facets / 2 * 8 / 5)));
     const std::size_t lines = std::bit_ceil(std::clamp<std::size_t>(facets / 4, 2, most_recent_lines));
     RecentLine empty;
     empty.entries.fill({{no_key, 0}, 0});

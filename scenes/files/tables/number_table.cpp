@@ -14,7 +14,7 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::uintmax_t most_bytes = std::uintmax_t{8} << 30;
+constexpr std::uintmax_t most_table_bytes = std::uintmax_t{8} << 30;
 
 NumberTable read_csv_table(const std::string& name, std::string_view text)
 {
@@ -69,7 +69,7 @@ NumberTable load_number_table(const std::filesystem::path& path, const std::stri
     if (kind == ".h5" || kind == ".hdf5") {
         table = read_hdf5_table(path, dataset);
     } else {
-        const FileBytes bytes = read_large_file(path, most_bytes);
+        const FileBytes bytes = read_large_file(path, most_table_bytes);
         table = kind == ".csv" ? read_csv_table(name, bytes) : read_npy_table(name, bytes);
     }
     if (table.rows() == 0) refuse(name, "the table has no row");

@@ -19,7 +19,7 @@ constexpr std::string_view core = "http://schemas.microsoft.com/3dmanufacturing/
 constexpr std::string_view production = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
 
 /// Extensions that a file may require: none affects the shape of a mesh, except production, which is supported.
-constexpr std::array known_extensions = {
+constexpr std::array supported_extensions = {
     production, std::string_view("http://schemas.microsoft.com/3dmanufacturing/material/2015/02"),
     std::string_view("http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07")};
 
@@ -133,9 +133,9 @@ private:
         }
         each_word((*tag_)["requiredextensions"].value_or(""), [&](std::string_view prefix) {
             const std::string& name = spaces_[std::string(prefix)];
-            if (std::ranges::find(known_extensions, name) == known_extensions.end())
+            if (std::ranges::find(supported_extensions, name) == supported_extensions.end())
                 fail(fmt::format("the extension {} ({}) is not supported; supported are {}", oncollide::quoted(prefix),
-                                 oncollide::quoted(name), fmt::join(known_extensions, ", ")));
+                                 oncollide::quoted(name), fmt::join(supported_extensions, ", ")));
         });
     }
 

@@ -14,8 +14,6 @@ namespace oncollide {
 
 namespace {
 
-constexpr std::uint32_t tile = Terrain::tile;
-
 /// Exponent of the lowest bit that is set; a large number for 0.
 int lowest_bit(double value)
 {
@@ -50,7 +48,7 @@ public:
         const int bytes = grid_.bytes ? grid_.bytes : fewest_bytes(heights);
         Terrain& t = terrain_;
         t.columns_ = grid_.columns, t.rows_ = grid_.rows;
-        t.tiles_x_ = (grid_.columns + tile - 1) / tile;
+        t.tiles_x_ = (grid_.columns + Terrain::tile - 1) / Terrain::tile;
         t.spacing_ = grid_.spacing, t.origin_ = grid_.origin, t.diagonal_ = grid_.diagonal;
         t.bytes_ = bytes, t.no_data_ = grid_.no_data;
         if (bytes == 1) heights_->samples = keep_whole<std::uint8_t>(heights);
@@ -88,13 +86,15 @@ private:
     void each_tile(Visit visit) const
     {
         std::size_t number = 0;
-        for (std::uint32_t row = 0; row < grid_.rows; row += tile)
-            for (std::uint32_t column = 0; column < grid_.columns; column += tile, ++number)
-                visit(number, column, std::min(column + tile, grid_.columns), row, std::min(row + tile, grid_.rows));
+        for (std::uint32_t row = 0; row < grid_.rows; row += Terrain::tile)
+            for (std::uint32_t column = 0; column < grid_.columns; column += Terrain::tile, ++number)
+                visit(number, column, std::min(column + Terrain::tile, grid_.columns), row,
+                      std::min(row + Terrain::tile, grid_.rows));
     }
     std::size_t tiles() const
     {
-        return std::size_t((grid_.columns + tile - 1) / tile) * ((grid_.rows + tile - 1) / tile);
+        return std::size_t((grid_.columns + Terrain::tile - 1) / Terrain::tile) *
+               ((grid_.rows + Terrain::tile - 1) / Terrain::tile);
     }
     std::size_t at(std::uint32_t column, std::uint32_t row) const { return std::size_t(row) * grid_.columns + column; }
 
@@ -223,15 +223,15 @@ template <class Sample, class Height>
 LargeVector<Sample> TerrainBuilder::keep_whole(std::span<const Height> heights)
 {
     constexpr Sample no_height = std::numeric_limits<Sample>::max();
-    LargeVector<Sample> samples(tiles() * tile * tile, no_height);
+    LargeVector<Sample> samples(tiles() * Terrain::tile * Terrain::tile, no_height);
     heights_->tiles.resize(tiles());
     each_tile([&](std::size_t number, std::uint32_t x0, std::uint32_t x1, std::uint32_t y0, std::uint32_t y1) {
         Range range;
-        std::int32_t units[tile * tile];
-        bool holes[tile * tile];
+        std::int32_t units[Terrain::tile * Terrain::tile];
+        bool holes[Terrain::tile * Terrain::tile];
         for (std::uint32_t y = y0; y < y1; ++y)
             for (std::uint32_t x = x0; x < x1; ++x) {
-                const std::uint32_t k = (y - y0) * tile + x - x0;
+                const std::uint32_t k = (y - y0) * Terrain::tile + x - x0;
                 const double height = heights[at(x, y)];
                 if ((holes[k] = holes_ && hole(height))) continue;
                 range.add(units[k] = whole(height));
@@ -243,10 +243,10 @@ LargeVector<Sample> TerrainBuilder::keep_whole(std::span<const Height> heights)
         while (rounded(range.size()) >= no_height) ++of.shift;
         for (std::uint32_t y = y0; y < y1; ++y)
             for (std::uint32_t x = x0; x < x1; ++x) {
-                const std::uint32_t k = (y - y0) * tile + x - x0;
+                const std::uint32_t k = (y - y0) * Terrain::tile + x - x0;
                 if (holes[k]) continue;
                 const auto q = static_cast<Sample>(rounded(std::int64_t(units[k]) - range.low));
-                samples[number * (tile * tile) + k] = q;
+                samples[number * (Terrain::tile * Terrain::tile) + k] = q;
                 if (whole_ && of.shift == 0) continue;
                 const double kept = unit_ * static_cast<double>(of.at(q));
                 terrain_.error_ = std::max(terrain_.error_, std::abs(kept - double(heights[at(x, y)])));
@@ -259,14 +259,14 @@ template <class Sample, class Height>
 LargeVector<Sample> TerrainBuilder::keep_real(std::span<const Height> heights)
 {
     constexpr Sample no_height = std::numeric_limits<Sample>::quiet_NaN();
-    LargeVector<Sample> samples(tiles() * tile * tile, no_height);
+    LargeVector<Sample> samples(tiles() * Terrain::tile * Terrain::tile, no_height);
     each_tile([&](std::size_t number, std::uint32_t x0, std::uint32_t x1, std::uint32_t y0, std::uint32_t y1) {
         for (std::uint32_t y = y0; y < y1; ++y)
             for (std::uint32_t x = x0; x < x1; ++x) {
                 const double height = heights[at(x, y)];
                 if (hole(height)) continue;
                 const auto kept = static_cast<Sample>(height);
-                samples[number * (tile * tile) + (y - y0) * tile + x - x0] = kept;
+                samples[number * (Terrain::tile * Terrain::tile) + (y - y0) * Terrain::tile + x - x0] = kept;
                 terrain_.error_ = std::max(terrain_.error_, std::abs(double(kept) - height));
             }
     });

@@ -19,8 +19,6 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 enum class Ground { level, slope, hills, rough, cliffs, holes, mixed };
 constexpr Ground every_ground[] = {Ground::level,  Ground::slope, Ground::hills, Ground::rough,
                                    Ground::cliffs, Ground::holes, Ground::mixed};

@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::uintmax_t most_bytes = std::uintmax_t(1) << 30;
+constexpr std::uintmax_t most_baseline_bytes = std::uintmax_t(1) << 30;
 
 struct OldClash {
     ResolvedClash clash;
@@ -58,7 +58,7 @@ OldReport read_report(const std::string& file)
     };
     OldReport old;
     try {
-        const json report = json::parse(read_file(file, most_bytes));
+        const json report = json::parse(read_file(file, most_baseline_bytes));
         if (!report.is_object() || report.value("schema", "") != "oncollide.clash")
             refuse_report("is not a clash report");
         const Unit* const unit = find_unit(report.value("unit", "mm"));

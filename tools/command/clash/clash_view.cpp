@@ -26,9 +26,9 @@ namespace {
 using Eigen::Vector3d;
 using nlohmann::json;
 
-constexpr std::size_t most_triangles = 3'000'000; ///< browsers draw this many easily
-constexpr std::size_t bytes_of_triangle = 15;     ///< indices, and half a vertex
-constexpr std::size_t most_of_clash = 30'000;     ///< triangles, and lines, of its common part
+constexpr std::size_t most_drawn_triangles = 3'000'000; ///< browsers draw this many easily
+constexpr std::size_t bytes_of_triangle = 15;           ///< indices, and half a vertex
+constexpr std::size_t most_of_clash = 30'000;           ///< triangles, and lines, of its common part
 
 json numbers_of(const Vector3d& v)
 {
@@ -157,7 +157,7 @@ public:
                                     "more",
                                     grouped(r_.parts.parts.size()), megabytes(least), (least + 999'999) / 1'000'000));
         std::size_t room = most_bytes_ - least;
-        meshes = meshes_of(r_.parts, std::min(room / 10 * 7 * 3 / 4 / bytes_of_triangle, most_triangles));
+        meshes = meshes_of(r_.parts, std::min(room / 10 * 7 * 3 / 4 / bytes_of_triangle, most_drawn_triangles));
         room -= std::min(room,
                          encoded_size(4 * meshes.positions.size() + 4 * meshes.wide.size() + 2 * meshes.narrow.size()));
         add_clashes(room);

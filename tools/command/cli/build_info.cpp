@@ -10,20 +10,20 @@
 namespace oncollide::tools {
 namespace {
 
-struct Part {
+struct BuildPart {
     const char* name;
     bool built;
 };
 
-constexpr Part parts[] = {{"OpenGL", ONCOLLIDE_HAS_GL},       {"FCL", ONCOLLIDE_HAS_FCL},
-                          {"OctoMap", ONCOLLIDE_HAS_OCTOMAP}, {"OpenMP", ONCOLLIDE_HAS_OPENMP},
-                          {"GDAL", ONCOLLIDE_HAS_GDAL},       {"HDF5", ONCOLLIDE_HAS_HDF5},
-                          {"XML", ONCOLLIDE_HAS_XML},         {"MPI", ONCOLLIDE_HAS_MPI}};
+constexpr BuildPart parts[] = {{"OpenGL", ONCOLLIDE_HAS_GL},       {"FCL", ONCOLLIDE_HAS_FCL},
+                               {"OctoMap", ONCOLLIDE_HAS_OCTOMAP}, {"OpenMP", ONCOLLIDE_HAS_OPENMP},
+                               {"GDAL", ONCOLLIDE_HAS_GDAL},       {"HDF5", ONCOLLIDE_HAS_HDF5},
+                               {"XML", ONCOLLIDE_HAS_XML},         {"MPI", ONCOLLIDE_HAS_MPI}};
 
 std::string parts_that(bool are_built)
 {
     std::string names;
-    for (const Part& part : parts)
+    for (const BuildPart& part : parts)
         if (part.built == are_built) names += (names.empty() ? "" : ", ") + std::string(part.name);
     return names;
 }

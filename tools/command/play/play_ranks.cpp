@@ -25,13 +25,13 @@ namespace fs = std::filesystem;
 
 /// Ends this process, and with it the job, if alive() is not called for `seconds`: another process hangs. Process 0
 /// ends first, the others 5 s later.
-class Watchdog {
+class RankWatchdog {
 public:
-    Watchdog(int seconds, int rank) : limit_(seconds + (rank ? 5 : 0)), rank_(rank)
+    RankWatchdog(int seconds, int rank) : limit_(seconds + (rank ? 5 : 0)), rank_(rank)
     {
         thread_ = std::thread([this] { watch(); });
     }
-    ~Watchdog()
+    ~RankWatchdog()
     {
         {
             const std::lock_guard lock(mutex_);
@@ -211,7 +211,7 @@ private:
     const SceneOptions& scene_;
     const OutputOptions& outputs_;
     const RankOptions& options_;
-    Watchdog watchdog_;
+    RankWatchdog watchdog_;
     bool speaks_;
     std::string title_;
 };

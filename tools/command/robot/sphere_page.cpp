@@ -24,7 +24,7 @@ namespace {
 using Corners = LinkSurface::Corners;
 
 constexpr int panel_side = 360; ///< pixels, of each of the two panels
-constexpr double view_angle = 0.35;
+constexpr double sphere_view_angle = 0.35;
 constexpr Colour covered_colour{170, 185, 200}, uncovered_colour{240, 130, 30}, bubble{60, 120, 200, 110},
     mark{200, 0, 40};
 
@@ -101,9 +101,10 @@ std::string draw(PainterProcess& painter, const JudgedLink& link)
         from = from.normalized() + Eigen::Vector3d(0.3, -0.3, 0.3); // turns the view away from the gap
     }
     picture.width = picture.height = panel_side;
-    picture.camera = {.eye = box.centre() + from.normalized() * (0.5 * box.diagonal() / std::sin(0.5 * view_angle)),
+    picture.camera = {.eye =
+                          box.centre() + from.normalized() * (0.5 * box.diagonal() / std::sin(0.5 * sphere_view_angle)),
                       .look_at = box.centre(),
-                      .view_angle = view_angle};
+                      .view_angle = sphere_view_angle};
     Image image = blank(2 * panel_side, panel_side);
     paste(painter.draw(picture), panel_side, image, 0);
     for (const CoverSphere& sphere : link.spheres) picture.balls.push_back({sphere.centre, sphere.radius, bubble});

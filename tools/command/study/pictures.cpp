@@ -18,7 +18,7 @@
 namespace oncollide::tools {
 namespace {
 
-constexpr int side = 360; ///< pixels, of each of the two panels
+constexpr int study_panel_side = 360; ///< pixels, of each of the two panels
 constexpr std::size_t most_misses = 4;
 
 struct Scenario {
@@ -88,17 +88,17 @@ PagePicture draw(StudyWorkload& workload, const Scenario& scenario, PainterProce
     ScenePicture picture = pictures.make(
         pipeline.world(), [&](GeometryId id) { return WorldAccess::tree(pipeline.world(), pipeline.model(id)); }, pairs,
         std::nullopt);
-    picture.width = picture.height = side;
-    Framing framing(side, side);
+    picture.width = picture.height = study_panel_side;
+    Framing framing(study_panel_side, study_panel_side);
     framing.add(picture);
     picture.camera = framing.camera();
-    Image image = blank(2 * side, side);
-    paste(painter.draw(picture), side, image, 0);
+    Image image = blank(2 * study_panel_side, study_panel_side);
+    paste(painter.draw(picture), study_panel_side, image, 0);
     if (const auto place = nearest_place(scene, pair)) {
         const Eigen::Vector3d back = (picture.camera.eye - picture.camera.look_at).normalized();
         const double size = std::max(4 * scenario.at.bound, 0.15 * framing.bounds().diagonal());
         picture.camera.look_at = *place, picture.camera.eye = *place + 2 * size * back;
-        paste(painter.draw(picture), side, image, side);
+        paste(painter.draw(picture), study_panel_side, image, study_panel_side);
     }
     const std::string what = scenario.miss ? "missed: they collide, but were reported separate"
                                            : fmt::format("false positive: {:.3g} m apart, certified within {:.3g} m",

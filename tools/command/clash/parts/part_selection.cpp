@@ -61,14 +61,14 @@ void PartSelection::choose(const AssemblyPart& from, Part& part)
 namespace {
 
 /// The parts of one group that are on one side of the comparison.
-struct Kind {
+struct PartKind {
     std::uint32_t group;
     std::uint8_t sets;
-    auto operator<=>(const Kind&) const = default;
+    auto operator<=>(const PartKind&) const = default;
 };
 
 /// True if parts of both kinds are compared; without sets, all parts are in both.
-bool compared(const Kind& a, const Kind& b, bool has_sets)
+bool compared(const PartKind& a, const PartKind& b, bool has_sets)
 {
     const bool crosses = (a.sets & 1 && b.sets & 2) || (a.sets & 2 && b.sets & 1);
     return (a.group == 0 || a.group != b.group) && (!has_sets || crosses);
@@ -78,7 +78,7 @@ bool compared(const Kind& a, const Kind& b, bool has_sets)
 
 void PartSelection::check_pairs() const
 {
-    std::map<Kind, std::size_t> kinds;
+    std::map<PartKind, std::size_t> kinds;
     std::size_t in_a = 0, in_b = 0, in_both = 0;
     for (const Part& part : list_.parts) {
         ++kinds[{part.group, part.sets}];

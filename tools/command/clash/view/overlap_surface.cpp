@@ -12,11 +12,11 @@ namespace oncollide::tools {
 namespace {
 
 using Eigen::Vector3d;
-using Corners = std::array<Vector3d, 3>;
+using TriangleCorners = std::array<Vector3d, 3>;
 using Segment = std::array<Vector3d, 2>;
 using Polygon = std::vector<Vector3d>; ///< convex, flat
 
-Corners corners_of(const PlacedMesh& placed, std::uint32_t triangle)
+TriangleCorners corners_of(const PlacedMesh& placed, std::uint32_t triangle)
 {
     const Triangle& t = placed.mesh.triangles[triangle];
     return {placed.pose * placed.mesh.vertices[t[0]], placed.pose * placed.mesh.vertices[t[1]],
@@ -114,12 +114,12 @@ public:
     void add(std::uint32_t face, const Segment& segment) { lines_[face].push_back(segment); }
 
     /// Appends the faces inside the other mesh. False if there are more than `most` triangles.
-    bool add_inside(std::vector<Corners>& triangles, std::size_t most)
+    bool add_inside(std::vector<TriangleCorners>& triangles, std::size_t most)
     {
         join_uncut();
         std::vector<std::int8_t> inside(own_.mesh.vertices.size(), -1); // by set of faces
         for (std::uint32_t face = 0; face < lines_.size(); ++face) {
-            const Corners corners = corners_of(own_, face);
+            const TriangleCorners corners = corners_of(own_, face);
             if (!near(corners) || !(area_of(corners).norm() > 0)) continue;
             if (lines_[face].empty()) {
                 std::int8_t& known = inside[set_of(own_.mesh.triangles[face][0])];
@@ -133,7 +133,7 @@ public:
     }
 
 private:
-    bool near(const Corners& corners) const
+    bool near(const TriangleCorners& corners) const
     {
         Aabb face;
         for (const Vector3d& p : corners) face.add(p);
@@ -165,7 +165,8 @@ private:
                                outward_ * std::min(0.01 * depth_, 0.01 * size) * area.normalized());
     }
 
-    void add_pieces(std::uint32_t face, const Corners& corners, std::vector<Corners>& triangles, std::size_t most)
+    void add_pieces(std::uint32_t face, const TriangleCorners& corners, std::vector<TriangleCorners>& triangles,
+                    std::size_t most)
     {
         const Vector3d area = area_of(corners), normal = area.normalized();
         std::vector<Polygon> pieces{Polygon(corners.begin(), corners.end())};
@@ -200,7 +201,7 @@ std::vector<std::array<Vector3d, 3>> overlap_surface(const PlacedMesh& a, const 
         side_a.add(contact.a.triangle, contact.ends);
         side_b.add(contact.b.triangle, contact.ends);
     }
-    std::vector<Corners> triangles;
+    std::vector<TriangleCorners> triangles;
     if (!side_a.add_inside(triangles, most) || !side_b.add_inside(triangles, most)) triangles.clear();
     return triangles;
 }
