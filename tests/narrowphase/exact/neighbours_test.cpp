@@ -144,10 +144,10 @@ TEST(Neighbours, AreCertainOnlyWhereRationalsSayThatNothingElseIsShared)
         auto [a, b] = draw_two(seed);
         b[0] = a[0];
         const bool corner = certainly_share_corner_only(a[0], a[1], a[2], b[1], b[2]);
-        if (corner) EXPECT_FALSE(truly_meet_beyond_shared(a, b)) << "seed " << seed;
+        EXPECT_FALSE(corner && truly_meet_beyond_shared(a, b)) << "seed " << seed;
         b[1] = a[1];
         const bool edge = certainly_share_edge_only(a[0], a[1], a[2], b[2]);
-        if (edge) EXPECT_FALSE(truly_meet_beyond_shared(a, b)) << "seed " << seed;
+        EXPECT_FALSE(edge && truly_meet_beyond_shared(a, b)) << "seed " << seed;
         certain += corner + edge, uncertain += !corner + !edge;
     }
     EXPECT_GT(certain, 500);

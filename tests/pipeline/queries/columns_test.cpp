@@ -49,7 +49,7 @@ TEST_P(EveryExactness, ColumnsOfAnyKindAnswerAsPairsAndSpaceDo)
         const BodyId body = both.world.bodies().add({.model = b.model, .pose = b.pose});
         const std::vector<QueryHit> hits = both.world.space().overlaps(a);
         EXPECT_EQ(columns[i].verdict == Verdict::separate, hits.empty()) << i;
-        if (!hits.empty()) EXPECT_EQ(columns[i], static_cast<const Finding&>(hits[0])) << i;
+        EXPECT_TRUE(hits.empty() || columns[i] == static_cast<const Finding&>(hits[0])) << i;
         near += !hits.empty();
         both.world.bodies().remove(body);
     }
