@@ -3,6 +3,7 @@
 #include <array>
 #include <concepts>
 
+#include <oncollide/narrowphase/pairs/closed_forms.hpp>
 #include <oncollide/narrowphase/pairs/depth_bounds.hpp>
 #include <oncollide/narrowphase/pairs/direct_tests.hpp>
 #include <oncollide/narrowphase/pairs/manifold_tests.hpp>
@@ -181,7 +182,25 @@ constexpr PairTests in_one_order()
 /// Two shapes, of which at most one is a box or a hull.
 constexpr PairTests two_shapes()
 {
-    return direct<TwoShapes, false>(TreesNeeded::never);
+    PairTests tests = direct<TwoShapes, false>(TreesNeeded::never);
+    tests.decide = [](PairWorker& worker, const PairTask& task, const PairOptions& options, PairMemory* memory) {
+        if (const std::optional<Finding> found = decide_by_centre(task, options.clearance)) return *found;
+        return direct<TwoShapes, false>(TreesNeeded::never).decide(worker, task, options, memory);
+    };
+    return tests;
+}
+
+/// A half-space and a shape.
+template <bool swapped>
+constexpr PairTests half_space_and_shape()
+{
+    PairTests tests = direct<OnHalfSpace<Solid>, swapped>(TreesNeeded::never);
+    tests.decide = [](PairWorker& worker, const PairTask& task, const PairOptions& options, PairMemory* memory) {
+        if (const std::optional<Finding> found = decide_by_height(task, swapped, options.clearance)) return *found;
+        return direct<OnHalfSpace<Solid>, swapped>(TreesNeeded::never).decide(worker, task, options, memory);
+    };
+    tests.penetration = half_space_depth<Solid, swapped>;
+    return tests;
 }
 
 /// Two boxes or hulls: their triangles decide kinds of contact only.
@@ -189,8 +208,13 @@ constexpr PairTests two_polytopes()
 {
     PairTests tests = direct<TwoShapes, false>(TreesNeeded::for_kinds);
     tests.decide = [](PairWorker& worker, const PairTask& task, const PairOptions& options, PairMemory* memory) {
-        return options.kinds ? surface_tests::decide<Polytope, Polytope>(worker, task, options, memory)
-                             : two_shapes().decide(worker, task, options, memory);
+        if (options.kinds) return surface_tests::decide<Polytope, Polytope>(worker, task, options, memory);
+        double depth = 0;
+        if (const std::optional<Finding> found = decide_by_axes(task, options.clearance, depth)) {
+            if (memory && depth > 0) memory->meet(depth, task.travel);
+            return *found;
+        }
+        return direct<TwoShapes, false>(TreesNeeded::never).decide(worker, task, options, memory);
     };
     return tests;
 }
@@ -231,8 +255,8 @@ constexpr Table make_table()
     on_half_space(Triangles(), mesh, TreesNeeded::always);
     on_half_space(Heights(), terrain, TreesNeeded::always);
     on_half_space(Cells(), map, TreesNeeded::always);
-    on_half_space(Solid(), polytope, TreesNeeded::never);
-    on_half_space(Solid(), round, TreesNeeded::never);
+    at(half_space, polytope) = at(half_space, round) = half_space_and_shape<false>();
+    at(polytope, half_space) = at(round, half_space) = half_space_and_shape<true>();
     at(half_space, half_space) = in_one_order<two_planes>();
     at(half_space, half_space).penetration = half_space_depth<Plane, false>;
     at(half_space, half_space).manifold = nullptr;

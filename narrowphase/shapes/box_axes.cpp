@@ -20,6 +20,12 @@ constexpr double parallel = 1e-8; ///< sine
 
 constexpr double unbounded_overlap = std::numeric_limits<double>::infinity();
 
+OverlapBoxes* overlap_kernel()
+{
+    static OverlapBoxes* const kernel = ONCOLLIDE_CHOOSE_TO_AVX2(overlap_boxes);
+    return kernel;
+}
+
 /// An axis of least overlap.
 struct Axis {
     double overlap = unbounded_overlap;
@@ -36,9 +42,34 @@ Vector3d edge_along(const Vector3d& half, const Vector3d& d, int axis)
 
 } // namespace
 
+BoxOverlap overlap_of_boxes(const Convex& a, const Convex& b, const RelativePose& b_to_a, double rounding)
+{
+    double ha[3], hb[3], t[3];
+    for (int k = 0; k < 3; ++k) ha[k] = 0.5 * (a.high[k] - a.low[k]), hb[k] = 0.5 * (b.high[k] - b.low[k]);
+    const Vector3d centre = b_to_a(0.5 * (b.low + b.high));
+    for (int k = 0; k < 3; ++k) t[k] = centre[k] - 0.5 * (a.low[k] + a.high[k]);
+    BoxOverlaps overlaps;
+    overlap_kernel()({ha, hb, b_to_a.rotation.data(), t}, rounding, overlaps);
+    const auto least_of = [](const double(&of)[4]) { return std::min(std::min(of[0], of[1]), of[2]); };
+    const double of_faces = std::min(least_of(overlaps.of_a), least_of(overlaps.of_b));
+    if (!(of_faces < unbounded_overlap)) return {-unbounded_overlap, unbounded_overlap}; // segments or points
+    BoxOverlap found{of_faces - rounding, of_faces + rounding};
+    for (unsigned open = overlaps.open; open; open &= open - 1) {
+        const int bit = std::countr_zero(open), i = bit % 4, j = bit / 4;
+        const double length2 = overlaps.length2[j][i];
+        if (length2 < parallel * parallel) {
+            found.lower -= 2 * std::sqrt(length2) * (a.extent + b.extent);
+            continue;
+        }
+        const double inverse = 1 / std::sqrt(length2), doubt = 2 * rounding * inverse;
+        const double overlap = overlaps.of_edges[j][i] * inverse;
+        found = {std::min(found.lower, overlap - doubt), std::min(found.upper, overlap + doubt)};
+    }
+    return found;
+}
+
 LeastTranslation translation_of_boxes(const ConvexDifference& cores, double rounding, double cutoff)
 {
-    static OverlapBoxes* const overlap = ONCOLLIDE_CHOOSE_TO_AVX2(overlap_boxes);
     const Convex &a = cores.a(), &b = cores.b();
     const Matrix3d& r = cores.b_to_a().rotation;
     const Vector3d ha = 0.5 * (a.high - a.low), hb = 0.5 * (b.high - b.low);
@@ -46,7 +77,7 @@ LeastTranslation translation_of_boxes(const ConvexDifference& cores, double roun
     const Vector3d t = cores.b_to_a()(0.5 * (b.low + b.high)) - centre_a;
     const double size = cores.size(), smaller = std::min(a.extent + a.radius, b.extent + b.radius);
     BoxOverlaps overlaps;
-    overlap({ha.data(), hb.data(), r.data(), t.data()}, rounding, overlaps);
+    overlap_kernel()({ha.data(), hb.data(), r.data(), t.data()}, rounding, overlaps);
     const auto &of_a = overlaps.of_a, &of_b = overlaps.of_b;
     LeastTranslation found{};
     const auto apart = [&](double most) {

@@ -7,6 +7,13 @@ namespace oncollide {
 /// Edges that are parallel to 1e-8 have no axis of their own, which costs `lower` as much of the sizes.
 LeastTranslation translation_of_boxes(const ConvexDifference& cores, double rounding, double cutoff);
 
+/// How far two boxes without a radius overlap along the separating axis where they overlap least, in metres, rounding
+/// included: at least `lower`, at most `upper`, which is below 0 if they are apart.
+struct BoxOverlap {
+    double lower, upper;
+};
+BoxOverlap overlap_of_boxes(const Convex& a, const Convex& b, const RelativePose& b_to_a, double rounding);
+
 /// A core that is a point or a segment along z.
 inline bool is_thin(const Convex& c)
 {
