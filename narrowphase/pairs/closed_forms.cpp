@@ -17,6 +17,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double most_slack = 0x1p-17; ///< poses may be 2^-20 from rigid
+constexpr double underflow = 0x1p-500; ///< metres: squares of less are 0
 
 /// A point around which a sphere is swept: the core has no extent.
 bool is_ball(const Convex& c)
@@ -126,9 +127,9 @@ std::optional<Finding> decide_by_centre(const PairTask& task, double clearance)
     // With u = 2^-53: the way errs by u of its length, its rotation by 6 u, the distance by 9 u of the sizes. The slack
     // covers the rotation's inverse, the frame's lengths and the radii.
     const double radius = a.radius + b.radius, size = way.lpNorm<1>() + other.extent + radius;
-    if (apart + (0x1p-47 + 2 * most_slack) * size <= radius)
+    if (apart + (0x1p-47 + 2 * most_slack) * size + underflow <= radius)
         return Finding{Verdict::colliding, ContactKind::unknown, 0};
-    const double slack = slack_of(task), off = (0x1p-47 + 2 * slack) * size + 0x1p-1000;
+    const double slack = slack_of(task), off = (0x1p-47 + 2 * slack) * size + underflow;
     if (apart + off <= radius) return Finding{Verdict::colliding, ContactKind::unknown, 0};
     if (apart - off > radius) return separate(apart - off - radius, slack, clearance);
     return {};
@@ -140,7 +141,7 @@ std::optional<Finding> decide_by_height(const PairTask& task, bool swapped, doub
     const Heights heights(swapped ? *task.pose_b : *task.pose_a, swapped ? *task.pose_a : *task.pose_b);
     const double height = lowest(c, heights);
     const auto doubt_at = [&](double slack) {
-        return c.flat_sided ? slack * c.radius : (slack + 0x1p-47) * c.extent + 0x1p-47 * heights.way;
+        return c.flat_sided ? slack * c.radius : (slack + 0x1p-47) * c.extent + 0x1p-47 * heights.way + underflow;
     };
     if (height <= c.radius - doubt_at(most_slack)) return Finding{Verdict::colliding, ContactKind::unknown, 0};
     const double slack = slack_of(task), doubt = doubt_at(slack);

@@ -150,6 +150,15 @@ TEST(ClosedForms, LeaveTouchesOpenAndDecideAllOthersByTheClearance)
     EXPECT_FALSE(decide_by_centre({0, &box, &box, &here, &near}, 0));
 }
 
+TEST(ClosedForms, LeaveLengthsOpenWhoseSquaresUnderflow)
+{
+    Model ball = model_of(Sphere{1e-200}), box = model_of(Box{{1e-200, 1e-200, 1e-200}}), plane = model_of(HalfSpace{});
+    Model grain = model_of(Ellipsoid{{1e-200, 1e-200, 1e-200}});
+    const Isometry3d here = Isometry3d::Identity(), near(Eigen::Translation3d(1e-180, 0, 0));
+    EXPECT_FALSE(decide_by_centre({0, &box, &ball, &here, &near}, 0));
+    EXPECT_FALSE(decide_by_height({0, &plane, &grain, &here, &here}, false, 0));
+}
+
 TEST(ClosedForms, DecideHeightsLikeTheGeneralTest)
 {
     Counts counts;
