@@ -14,6 +14,7 @@
 #include <oncollide/narrowphase/obb/fits/grid_split.hpp>
 #include <oncollide/narrowphase/obb/hierarchy.hpp>
 #include <oncollide/narrowphase/obb/mesh_chunks.hpp>
+#include <oncollide/narrowphase/obb/tree_growth.hpp>
 #include <oncollide/scenes/model/mesh.hpp>
 
 namespace oncollide {
@@ -164,6 +165,9 @@ public:
 
     /// The triangles at these positions of the tree's order, which traversals sort as they grow the tree.
     void copy_order(std::uint32_t begin, std::uint32_t count, std::vector<std::uint32_t>& to) const;
+    /// Overwrites `growth` with the parts that a copy of the first `from` lines lacks; 0: all. May run concurrently with
+    /// traversals. Not for a cooked mesh. Cost: O(nodes).
+    void copy_growth(std::uint32_t from, TreeGrowth& growth) const;
     /// Null if the tree counts in none.
     BoxTotals* totals() const { return totals_; }
     /// True if the vertices have moved.
@@ -173,6 +177,8 @@ public:
     void add_held(std::vector<Held>& to) const override;
     void drop(std::uint32_t of_chunks) override;
 
+    /// Lines of nodes in use. Not for a cooked mesh.
+    std::uint32_t lines() const { return lines_; }
     std::uint32_t nodes() const { return chunked_ ? chunked_->nodes() : nodes_.load(); }
     /// Unique to this tree, and renewed when it drops a chunk or divides its triangles anew: nodes of another tree,
     /// even of the same mesh, are not its nodes.

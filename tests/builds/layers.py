@@ -40,6 +40,7 @@ LAYERS = {
     "narrowphase/walks": ["exact", "exact/kernels", "shapes", "obb"],
     "narrowphase/spheres": [],
     "narrowphase/gl": ["spheres"],
+    "narrowphase/gl/walk": ["exact", "obb", "gl"],
     "narrowphase/hulls": ["exact", "shapes"],
     "narrowphase/inside": ["exact", "obb", "walks"],
     "narrowphase": ["exact", "shapes", "obb", "spheres", "hulls", "inside", "rays/tree", "fcl"],
