@@ -213,10 +213,9 @@ private:
         bind(slot::items, items_), bind(slot::out, out_);
         run(prepare_, 0, by_distance, static_cast<GLuint>((pairs_ + 63) / 64));
         clock_.mark(2);
-        // Enough groups to fill a GPU; teams take items until there are none. Few on a software renderer.
-        const auto wanted = static_cast<GLuint>((pairs_ + teams - 1) / teams);
-        const GLuint groups =
-            context_.info().software ? std::min<GLuint>(wanted, 16) : std::clamp<GLuint>(wanted, 512, 4096);
+        // Enough groups to fill a GPU; teams take items until there are none. llvmpipe ends a loop after some time, so
+        // a group must not have too many items.
+        const GLuint groups = std::clamp<GLuint>(static_cast<GLuint>((pairs_ + teams - 1) / teams), 64, 4096);
         for (GLuint round = 0; round < rounds; ++round) run(walk_, round, by_distance, groups);
         glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
         clock_.mark(3);
@@ -259,10 +258,11 @@ private:
             MeshWalkResult& result = results_[i];
             std::memcpy(&result.bound, words + 1, sizeof result.bound);
             result.a = words[2], result.b = words[3];
-            result.verdict = words[0] & state::met      ? MeshWalkVerdict::meets
-                             : words[0] & state::open   ? MeshWalkVerdict::open
-                             : words[0] & state::unsure ? MeshWalkVerdict::unsure
-                                                        : MeshWalkVerdict::apart;
+            const bool ended = words[0] < state::item;
+            result.verdict = words[0] & state::met              ? MeshWalkVerdict::meets
+                             : words[0] & state::open || !ended ? MeshWalkVerdict::open
+                             : words[0] & state::unsure         ? MeshWalkVerdict::unsure
+                                                                : MeshWalkVerdict::apart;
         }
     }
 

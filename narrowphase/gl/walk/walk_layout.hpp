@@ -29,9 +29,10 @@ constexpr std::uint32_t taken = 32;  ///< by round: items that teams took
 constexpr std::uint32_t result_words = 4; ///< state, bound, triangle a, triangle b
 constexpr std::uint32_t unsure_words = 3, wanted_words = 3;
 
-/// Bits of a pair's state.
+/// Bits of a pair's state. The rest of the word counts the pair's items that no team has ended yet. If a driver ends a
+/// shader too soon (llvmpipe ends loops after 65,535 passes), this count stays above 0, and the pair is open.
 namespace state {
-constexpr std::uint32_t met = 1, open = 2, unsure = 4;
+constexpr std::uint32_t met = 1, open = 2, unsure = 4, item = 256;
 }
 
 /// A tree, as in the shaders.

@@ -19,6 +19,7 @@ std::string constants()
     add("row_count", header::box_rows), add("triangle_count", header::triangles), add("dropped_count", header::dropped);
     add("queued", header::queued), add("taken", header::taken);
     add("state_met", state::met), add("state_open", state::open), add("state_unsure", state::unsure);
+    add("state_item", state::item);
     return text;
 }
 
@@ -70,6 +71,7 @@ void add_item(uint queue, uint pair, uint a, uint b)
         leave_open(pair);
         return;
     }
+    atomicAdd(results[result_of(pair)], state_item);
     at = 3u * (at + (queue & 1u) * item_room);
     items[at] = pair, items[at + 1u] = a, items[at + 2u] = b;
 }
@@ -274,6 +276,7 @@ void main()
             least = 1e37;
             if (lane == 0u) {
                 atomicAdd(results[row_count], my_rows), atomicAdd(results[triangle_count], tests[team]);
+                atomicAdd(results[result_of(pair)], 0u - state_item);
                 status[team] = idle;
             }
         }

@@ -237,6 +237,26 @@ TEST(MeshWalks, LosePairsToTheCpuWhereAQueueIsFull)
     expect_right(cases, decided);
 }
 
+TEST(MeshWalks, LosePairsToTheCpuWhereADriverEndsALoopTooSoon)
+{
+    MeshWalkOptions options;
+    options.edit_shader = [](std::string source) { // as llvmpipe does after 65,535 passes
+        const std::string loop = "for (;;) {\n        if (lane == 0u) {";
+        if (const auto at = source.find(loop); at != std::string::npos)
+            source.replace(at, loop.size(), "for (int pass = 0; pass < 200; ++pass) {\n        if (lane == 0u) {");
+        return source;
+    };
+    const auto walks = make_mesh_walks(options);
+    Grown plate(make_box_mesh({1, 1, 0.001}, 24));
+    std::vector<Case> cases;
+    for (int i = 0; i < 6; ++i)
+        cases.push_back({&plate.tree, &plate.tree, Isometry3d::Identity(),
+                         Isometry3d(Eigen::Translation3d(0.001 * i, 0, i % 2 ? 0.0021 : 0.0019))});
+    const Decided decided = decide(*walks, cases);
+    expect_right(cases, decided, true);
+    EXPECT_GT(std::ranges::count(decided.results, MeshWalkVerdict::open, &MeshWalkResult::verdict), 0);
+}
+
 TEST(MeshWalks, RefuseTreesWithoutRoom)
 {
     const auto walks = make_mesh_walks({.most_buffer_bytes = 1 << 19, .first_items = 64});
