@@ -110,12 +110,13 @@ struct TreeStats {
     std::size_t bytes = 0;              ///< nodes and triangle lists, float copies of the surfaces
 };
 
-/// One batch of cells given to the backend. Times are milliseconds since the frame began.
+/// One batch of cells given to the backend, or of pairs that the backend gl decides. Times are milliseconds since the
+/// frame began.
 struct Round {
     double submitted_ms = 0; ///< time at which the batch was handed over
     double waited_ms = 0;    ///< time at which the CPU had no other walks left, and waited
     double done_ms = 0;      ///< time at which the batch was finished and the trees had grown
-    std::uint64_t rows = 0;  ///< cells
+    std::uint64_t rows = 0;  ///< cells, or pairs
     double gpu_ms = 0;       ///< between the first and the last command of the batch, by the GPU's clock
     double wait_ms = 0;      ///< the CPU waited for it
     std::uint64_t bytes = 0; ///< bytes moved to the GPU and back

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::array<std::string_view, 4> exact_names{"off", "predicates", "fcl", "auto"};
 constexpr std::array<std::string_view, 2> mode_names{"surface", "solid"};
-constexpr std::array<std::string_view, 4> backend_names{"auto", "cpu", "gl-compute", "gl-query"};
+constexpr std::array<std::string_view, 5> backend_names{"auto", "cpu", "gl-compute", "gl-query", "gl"};
 constexpr std::array<std::string_view, 3> broad_names{"kd", "octree", "brute"};
 constexpr std::array<std::string_view, 3> bounding_volume_names{"auto", "sphere", "obb"};
 constexpr std::array<std::string_view, stage_count> stage_names{"bounds", "delimitation", "broad", "refine", "exact"};

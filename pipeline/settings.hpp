@@ -22,7 +22,9 @@ enum class BackendKind : std::uint8_t {
     automatic, ///< gl_compute on a hardware GPU, otherwise cpu
     cpu,
     gl_compute, ///< on a GPU; the same results as cpu
-    gl_query    ///< the paper's occlusion queries, for comparison: **not certified**, misses collisions
+    gl_query,   ///< the paper's occlusion queries, for comparison: **not certified**, misses collisions
+    gl ///< decides pairs of meshes on a GPU by their OBB trees; the same results as cpu, which takes over where
+       ///< there is no GPU
 };
 enum class BroadPhaseKind : std::uint8_t { kd_tree, octree, brute_force };
 
@@ -71,7 +73,7 @@ struct Settings {
     bool ignore_touching = false;
     Mode mode = Mode::surface;              ///< solid: a mesh's inside belongs to it; it must be closed
     bool open_as_surface = false;           ///< solid mode: take a mesh that is not closed as a surface
-    BackendKind backend = BackendKind::cpu; ///< builds the sphere-trees of meshes
+    BackendKind backend = BackendKind::cpu; ///< builds the sphere-trees of meshes; gl: decides pairs of meshes
     BoundingVolume bounding_volume = BoundingVolume::automatic;
     int gpu = -1;      ///< number in gpu_devices(); -1: the first device that is a GPU. GPU backends only
     int viewport = 16; ///< pixels per side that gl-query draws, 1 to 1024
@@ -97,13 +99,19 @@ struct Settings {
 /// A pair's error by default, as a share of the diagonal of the smaller body's box (in its own frame).
 constexpr double default_error = 0.01;
 
-/// The exact level that `settings` stand for. Automatic is off if an error, a clearance, spheres, a GPU or a memory
-/// budget is requested, and otherwise predicates.
+/// True for a backend that may build sphere-trees on a GPU.
+constexpr bool makes_spheres_on_gpu(BackendKind backend)
+{
+    return backend != BackendKind::cpu && backend != BackendKind::gl;
+}
+
+/// The exact level that `settings` stand for. Automatic is off if an error, a clearance, spheres, spheres on a
+/// GPU or a memory budget is requested, and otherwise predicates.
 inline ExactLevel exact_level(const Settings& s)
 {
     if (s.exact != ExactLevel::automatic) return s.exact;
     const bool bounded = s.depth || s.max_error || s.clearance > 0 || s.bounding_volume == BoundingVolume::sphere ||
-                         s.backend != BackendKind::cpu || s.memory_budget > 0;
+                         makes_spheres_on_gpu(s.backend) || s.memory_budget > 0;
     return bounded ? ExactLevel::off : ExactLevel::predicates;
 }
 

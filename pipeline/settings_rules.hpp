@@ -7,7 +7,7 @@ namespace oncollide {
 inline bool wants_obbs(const Settings& s)
 {
     if (s.bounding_volume != BoundingVolume::automatic) return s.bounding_volume == BoundingVolume::obb;
-    return exact_level(s) == ExactLevel::predicates || (!s.depth && s.backend == BackendKind::cpu);
+    return exact_level(s) == ExactLevel::predicates || (!s.depth && !makes_spheres_on_gpu(s.backend));
 }
 
 /// True if results distinguish touching from crossing.

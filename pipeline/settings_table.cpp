@@ -150,7 +150,7 @@ constexpr std::array table{
         {"--exact", accuracy, "auto|on|off|predicates|fcl",
          "decide exactly whether bodies collide, triangle by triangle: on (exact arithmetic; also called "
          "predicates), off (within an error), or fcl (a cross-check: only where FCL agrees)",
-         "auto: on, unless an error, a depth, a clearance, spheres, a GPU or a memory budget is requested"},
+         "auto: on, unless an error, a depth, a clearance, spheres, a GPU for spheres or a memory budget is requested"},
         [](const Settings& s) {
             if (s.exact == ExactLevel::fcl && !fcl_available())
                 throw Error(ErrorKind::usage,
@@ -182,9 +182,10 @@ constexpr std::array table{
         }),
     row<&Settings::backend>(
         "backend", "backend", name, true,
-        {"--backend", computation, "cpu|gl-compute|gl-query|auto",
-         "builds the sphere-trees of meshes (finds grey cells): cpu, gl-compute (a GPU, the same results), gl-query "
-         "(the paper's occlusion queries, which miss collisions), or auto: gl-compute on a real GPU, else cpu",
+        {"--backend", computation, "cpu|gl|gl-compute|gl-query|auto",
+         "cpu, or gl: a GPU decides pairs of meshes by OBB trees, with the same results; the CPU does where there is "
+         "no GPU. The others build the sphere-trees of meshes (find grey cells): gl-compute (a GPU, the same results), "
+         "gl-query (the paper's occlusion queries, which miss collisions), or auto: gl-compute on a real GPU, else cpu",
          "cpu"}),
     row<&Settings::gpu>("gpu", "gpu", whole, false,
                         {"--gpu", computation, "N", "number of the GPU in the list of 'oncollide doctor'", "the first"},
@@ -202,7 +203,7 @@ constexpr std::array table{
         "bounding_volume", "bounding_volume", name, true,
         {"--bounding-volume", computation, "auto|sphere|obb",
          "bounding volumes of a mesh's parts: obb (oriented boxes), or sphere, as in the paper, slower at equal error",
-         "auto: obb if results are exact, and on the cpu if the error is in metres; else sphere"}),
+         "auto: obb if results are exact, and with the backends cpu and gl if the error is in metres; else sphere"}),
     row<&Settings::broad_phase>(
         "broad_phase", "broad", name, true,
         {"--broad", computation, "kd|octree|brute",

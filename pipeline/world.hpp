@@ -45,7 +45,7 @@ struct WorldInfo {
     std::size_t bodies = 0, models = 0;
     std::uint64_t frames = 0;       ///< steps so far
     std::size_t bytes = 0;          ///< held for bodies, boxes, trees and joined faces; geometries are not counted
-    std::string backend;            ///< finds grey cells, e.g. "cpu (avx2)"
+    std::string backend;            ///< finds grey cells, e.g. "cpu (avx2)"; or gl, which decides pairs
     std::string renderer;           ///< GL_RENDERER of a GPU backend; empty otherwise
     std::string backend_note;       ///< why the backend is not the expected one; empty: it is
     std::vector<StageStats> totals; ///< sums over all frames, per stage
@@ -76,7 +76,7 @@ struct WorldInfo {
 /// geometry. Every call on a World that was moved from throws Error{usage}, except destruction and assignment.
 ///
 /// Const calls may run on many threads at once as long as no other call does. A World with a GPU backend belongs to the
-/// thread that made it.
+/// thread that made it; with gl other threads may call it, too, and the CPU then decides.
 class ONCOLLIDE_API World {
 public:
     /// Throws Error{usage} for settings out of range, Error{no_gpu} for a backend that cannot run here.
@@ -95,14 +95,15 @@ public:
     Space space() const; ///< queries of one thing against all bodies: overlaps, casts, distances
 
     /// Reports all pairs as the bodies are now. Throws Error{no_gpu} if a GPU backend that was requested by name was
-    /// lost in the frame before. That frame is complete: the CPU finished it. The CPU takes over with backend `auto`.
+    /// lost in the frame before. That frame is complete: the CPU finished it. The CPU takes over with the backends
+    /// `auto` and `gl`.
     FrameView step();
     /// Returns the manifolds of the last frame's pairs that meet or are at most the margin apart. A solver needs no
-    /// other call after step(). Valid until the next step() or manifolds(). Pairs whose bodies did not change since the frame
-    /// before are copied; if nothing changed, this costs nothing. Pairs::manifold() gives the same results. A warm
-    /// call allocates nothing for shapes. With a margin, set Settings::clearance to at least as much: only candidates
-    /// of the frame are looked at. Throws Error{usage} before the first step, if bodies or models changed since the
-    /// last one, and for options out of range.
+    /// other call after step(). Valid until the next step() or manifolds(). Pairs whose bodies did not change since the
+    /// frame before are copied; if nothing changed, this costs nothing. Pairs::manifold() gives the same results. A
+    /// warm call allocates nothing for shapes. With a margin, set Settings::clearance to at least as much: only
+    /// candidates of the frame are looked at. Throws Error{usage} before the first step, if bodies or models changed
+    /// since the last one, and for options out of range.
     const FrameManifolds& manifolds(const ManifoldOptions& options = {});
     /// Chooses which candidate pairs step() refines, where layers, groups and exclusions do not suffice; empty: all.
     /// Queries ignore it. Results are deterministic if the choice depends on the pair alone, not on the run that holds

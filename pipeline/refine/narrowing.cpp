@@ -5,9 +5,10 @@
 
 namespace oncollide {
 
-Narrowing::Narrowing(const Settings& settings, ModelStore& models, Level level)
+Narrowing::Narrowing(const Settings& settings, ModelStore& models, Level level, GpuPairs* gpu)
     : models_(models), level_(level), dispatch_(settings), spheres_(models), boxes_(models, ObbRefiner::Goal::near),
-      exact_(models, ObbRefiner::Goal::exact), fcl_(exact_), containment_(models)
+      exact_(models, ObbRefiner::Goal::exact), gpu_boxes_(boxes_, gpu), gpu_exact_(exact_, gpu), fcl_(exact_),
+      containment_(models)
 {
 }
 
@@ -73,8 +74,8 @@ void Narrowing::run_sorted(RefineContext& context, std::span<const PairTask> tas
                            std::span<Finding> results)
 {
     refine(Refiner::spheres, spheres_, context, tasks, cache, results);
-    refine(Refiner::obbs, boxes_, context, tasks, cache, results);
-    refine(Refiner::exact, exact_, context, tasks, cache, results);
+    refine(Refiner::obbs, gpu_boxes_, context, tasks, cache, results);
+    refine(Refiner::exact, gpu_exact_, context, tasks, cache, results);
     refine(Refiner::fcl, fcl_, context, tasks, cache, results);
     for (std::uint32_t i : taken_[static_cast<std::size_t>(Refiner::no_room)]) {
         if (results[i].verdict == Verdict::within) results[i].verdict = Verdict::undecided;

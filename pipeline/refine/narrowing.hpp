@@ -5,6 +5,7 @@
 #include <oncollide/pipeline/refine/containment_test.hpp>
 #include <oncollide/pipeline/refine/dispatch.hpp>
 #include <oncollide/pipeline/refine/fcl_refiner.hpp>
+#include <oncollide/pipeline/refine/gpu_refiner.hpp>
 #include <oncollide/pipeline/refine/obb_refiner.hpp>
 #include <oncollide/pipeline/refine/sphere_refiner.hpp>
 #include <oncollide/pipeline/settings_rules.hpp>
@@ -21,7 +22,8 @@ inline bool is_open(Verdict verdict)
 /// frames and queries.
 class Narrowing {
 public:
-    Narrowing(const Settings& settings, ModelStore& models, Level level);
+    /// @param gpu  decides pairs of meshes by OBB trees; null: the CPU does
+    Narrowing(const Settings& settings, ModelStore& models, Level level, GpuPairs* gpu = nullptr);
 
     /// Updates results[i] for tasks[i]. Pairs without a refiner keep their results, except that `within` becomes
     /// `undecided` if a budget has no room for an exact decision.
@@ -54,6 +56,7 @@ private:
     const Dispatch dispatch_;
     SphereRefiner spheres_;
     ObbRefiner boxes_, exact_;
+    GpuRefiner gpu_boxes_, gpu_exact_;
     FclRefiner fcl_;
     ContainmentTest containment_;
     std::vector<Refiner> refiners_;                               ///< by task
@@ -66,8 +69,9 @@ private:
 /// Both levels in sequence, for queries. step() runs them as two stages.
 class BothLevels {
 public:
-    BothLevels(const Settings& settings, ModelStore& models)
-        : settings_(settings), refine_(settings, models, Level::refine), exact_(settings, models, Level::exact),
+    BothLevels(const Settings& settings, ModelStore& models, GpuPairs* gpu = nullptr)
+        : settings_(settings), refine_(settings, models, Level::refine, gpu),
+          exact_(settings, models, Level::exact, gpu),
           exact_alone_(exact_runs(settings) && (refine_.leaves_to_exact() || settings.skip.contains(StageId::refine)))
     {
     }

@@ -179,7 +179,7 @@ void FetchAhead::after_pair(std::size_t i)
 Finding ObbRefiner::refine(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const
 {
     const Settings& settings = context.settings;
-    const double tolerance = goal_ == Goal::near ? models_.max_error(*task.a, *task.b) : 0;
+    const double tolerance = tolerance_of(task);
     const auto walk = [&](PairMemory* hints) {
         const PairTests& tests = tests_for(task);
         if (goal_ == Goal::near) return tests.near(worker.pairs, task, settings.clearance, tolerance, hints);
@@ -190,10 +190,7 @@ Finding ObbRefiner::refine(const RefineContext& context, const PairTask& task, P
     const double beyond = settings.clearance + tolerance;
     double gap = memory->gap(task.travel);
     const bool kept = gap > beyond && gap > surely_separate(task, beyond);
-    // near() returns the same if the error exceeds the effect of rounding.
-    const auto sure = [&] {
-        return goal_ == Goal::exact || tolerance >= 2 * rounding_of(task) + 0x1p-16 * settings.clearance;
-    };
+    const auto sure = [&] { return is_sure(context, task, tolerance); };
     const bool shapes = task.a->is_bounded_shape() && task.b->is_bounded_shape();
     const bool met = is_certain(task, memory->depth(task.travel));
     if (!kept && !wants_kinds(settings) && (shapes ? met : sure() && (met || inner_spheres_meet(task, *memory)))) {
@@ -211,12 +208,56 @@ Finding ObbRefiner::refine(const RefineContext& context, const PairTask& task, P
         return again.verdict == Verdict::separate ? Finding{Verdict::separate, ContactKind::unknown, gap} : again;
     }
     const Finding result = walk(settings.coherence ? memory : nullptr);
-    memory->walked_at = task.travel, memory->by_hulls = false;
-    memory->near = memory->meets = result.verdict != Verdict::separate;
+    remember(task, result, *memory);
+    return result;
+}
+
+/// Whether near() returns the same for all bodies that meet: the error exceeds the effect of rounding.
+bool ObbRefiner::is_sure(const RefineContext& context, const PairTask& task, double tolerance) const
+{
+    return goal_ == Goal::exact || tolerance >= 2 * rounding_of(task) + 0x1p-16 * context.settings.clearance;
+}
+
+/// Updates the memory after a traversal.
+void ObbRefiner::remember(const PairTask& task, const Finding& result, PairMemory& memory) const
+{
+    memory.walked_at = task.travel, memory.by_hulls = false;
+    memory.near = memory.meets = result.verdict != Verdict::separate;
     if (result.verdict == Verdict::separate)
-        memory->part(result.bound, task.travel);
+        memory.part(result.bound, task.travel);
     else
-        memory->hulls.walks = std::max<std::uint8_t>(memory->hulls.walks, 1);
+        memory.hulls.walks = std::max<std::uint8_t>(memory.hulls.walks, 1);
+}
+
+bool ObbRefiner::needs_walk(const RefineContext& context, const PairTask& task, const PairMemory* memory) const
+{
+    const double tolerance = tolerance_of(task), beyond = context.settings.clearance + tolerance;
+    if (!is_sure(context, task, tolerance)) return false;
+    if (!memory) return true;
+    const double gap = memory->gap(task.travel);
+    return !(gap > beyond && gap > surely_separate(task, beyond)) && !is_certain(task, memory->depth(task.travel));
+}
+
+double ObbRefiner::open_within(const RefineContext& context, const PairTask& task) const
+{
+    const double beyond = context.settings.clearance + tolerance_of(task);
+    return beyond > 0 ? surely_separate(task, beyond) * (1 + 0x1p-10) : 0;
+}
+
+Finding ObbRefiner::end_walk(const RefineContext& context, const PairTask& task, PairMemory* memory,
+                             const std::optional<TrianglePair>& met, double bound) const
+{
+    Finding result{Verdict::separate, ContactKind::unknown, bound};
+    if (met && goal_ == Goal::exact)
+        result = {Verdict::colliding, ContactKind::unknown, 0};
+    else if (met)
+        result = {Verdict::within, ContactKind::unknown, context.settings.clearance + tolerance_of(task)};
+    if (!memory) return result;
+    if (context.settings.coherence) {
+        memory->met = met.has_value();
+        if (met) memory->triangles = *met;
+    }
+    remember(task, result, *memory);
     return result;
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <vector>
 
 #include <oncollide/narrowphase/pairs/pair_worker.hpp>
@@ -20,6 +21,17 @@ public:
     void refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
                 std::span<Finding> results) override;
 
+    // GpuRefiner, which traverses pairs of meshes in another way, calls these functions.
+    /// True if the traversal of a pair of meshes decides it: its memory does not, and rounding is below its error.
+    bool needs_walk(const RefineContext& context, const PairTask& task, const PairMemory* memory) const;
+    /// A traversal decides the pair only if triangles meet, or no triangles are within this distance (m).
+    double open_within(const RefineContext& context, const PairTask& task) const;
+    /// The result of a traversal that decided the pair; updates the memory.
+    /// @param met    triangles that meet
+    /// @param bound  if none meet: a lower bound of the distance
+    Finding end_walk(const RefineContext& context, const PairTask& task, PairMemory* memory,
+                     const std::optional<TrianglePair>& met, double bound) const;
+
 private:
     /// One thread's working memory.
     struct Worker {
@@ -29,6 +41,12 @@ private:
         std::uint64_t by_inner_spheres = 0; ///< pairs decided by their inner spheres
     };
     Finding refine(const RefineContext& context, const PairTask& task, PairMemory* memory, Worker& worker) const;
+    void remember(const PairTask& task, const Finding& result, PairMemory& memory) const;
+    double tolerance_of(const PairTask& task) const
+    {
+        return goal_ == Goal::near ? models_.max_error(*task.a, *task.b) : 0;
+    }
+    bool is_sure(const RefineContext& context, const PairTask& task, double tolerance) const;
     Finding refine_there(const RefineContext& context, const PairTask& task, const Finding& known, PairMemory* memory,
                          Worker& worker) const;
 

@@ -1,5 +1,6 @@
 // The stages that decide pairs: refine, exact.
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include <oncollide/pipeline/refine/narrowing.hpp>
@@ -21,8 +22,8 @@ PairResult undecided(const BodyTable& bodies, BodyPair pair)
 /// Runs one level on some of the frame's results and updates them.
 class LevelRun {
 public:
-    LevelRun(const Settings& settings, ModelStore& models, Level level, StageId stage)
-        : level_(settings, models, level), stage_(stage)
+    LevelRun(const Settings& settings, ModelStore& models, GpuPairs* gpu, Level level, StageId stage)
+        : level_(settings, models, level, gpu), stage_(stage)
     {
     }
 
@@ -30,8 +31,11 @@ public:
     /// their memory, which must stay as if they had not been tested.
     void run(const BodyTable& bodies, Frame& frame, StageStats& stats, auto wanted)
     {
+        const std::size_t rounds = frame.context.rounds.size();
         decide(bodies, frame, frame.open, &frame.cache, stats, wanted);
         if (!frame.retested.empty()) decide(bodies, frame, frame.retested, nullptr, stats, wanted);
+        for (const Round& round : std::span(frame.context.rounds).subspan(rounds))
+            stats.gpu_ms += round.gpu_ms, stats.wait_ms += round.wait_ms;
     }
 
 private:
@@ -84,7 +88,8 @@ private:
 /// so if predicates decide, this stage passes such pairs on to the exact level.
 class RefineStage final : public Stage {
 public:
-    RefineStage(const Settings& settings, ModelStore& models) : level_(settings, models, Level::refine, StageId::refine)
+    RefineStage(const Settings& settings, ModelStore& models, GpuPairs* gpu)
+        : level_(settings, models, gpu, Level::refine, StageId::refine)
     {
     }
     StageId id() const override { return StageId::refine; }
@@ -100,7 +105,6 @@ public:
         level_.run(bodies, frame, stats, [](const PairResult&) { return true; });
         stats.in += frame.kept_counts.pairs + frame.swept.size();
         stats.out += frame.kept_counts.left_by_refine + frame.swept.size();
-        for (const Round& round : frame.context.rounds) stats.gpu_ms += round.gpu_ms, stats.wait_ms += round.wait_ms;
     }
 
     void skip(BodyTable& bodies, Frame& frame, StageStats& stats) override
@@ -196,7 +200,10 @@ private:
 /// Decides the remaining pairs: by predicates, or by FCL where FCL confirms the result.
 class ExactStage final : public Stage {
 public:
-    ExactStage(const Settings& settings, ModelStore& models) : level_(settings, models, Level::exact, StageId::exact) {}
+    ExactStage(const Settings& settings, ModelStore& models, GpuPairs* gpu)
+        : level_(settings, models, gpu, Level::exact, StageId::exact)
+    {
+    }
     StageId id() const override { return StageId::exact; }
     std::string_view unit() const override { return "pairs"; }
     std::string_view reason_to_skip(const BodyTable&, const Frame& frame) const override
@@ -225,13 +232,13 @@ private:
 
 } // namespace
 
-std::unique_ptr<Stage> make_refine_stage(const Settings& settings, ModelStore& models)
+std::unique_ptr<Stage> make_refine_stage(const Settings& settings, ModelStore& models, GpuPairs* gpu)
 {
-    return std::make_unique<RefineStage>(settings, models);
+    return std::make_unique<RefineStage>(settings, models, gpu);
 }
-std::unique_ptr<Stage> make_exact_stage(const Settings& settings, ModelStore& models)
+std::unique_ptr<Stage> make_exact_stage(const Settings& settings, ModelStore& models, GpuPairs* gpu)
 {
-    return std::make_unique<ExactStage>(settings, models);
+    return std::make_unique<ExactStage>(settings, models, gpu);
 }
 
 } // namespace oncollide

@@ -15,7 +15,8 @@ namespace oncollide {
 /// One query thread's working memory.
 struct WorldImpl::QueryWorker {
     /// @param settings  the settings, kept by reference
-    QueryWorker(WorldImpl& impl, const Settings& settings);
+    /// @param gpu  null: the CPU decides all pairs, on any thread
+    QueryWorker(WorldImpl& impl, const Settings& settings, GpuPairs* gpu = nullptr);
     BothLevels levels;
     RefineContext context;
     PairWorker pairs; ///< working memory for distances, contacts and penetrations

@@ -7,6 +7,8 @@
 
 namespace oncollide {
 
+class GpuPairs;
+
 // StageStats::note of a stage that the settings skip, and of a stage without input.
 constexpr std::string_view by_request = "by request", no_candidates = "no candidates";
 
@@ -31,7 +33,7 @@ public:
 std::unique_ptr<Stage> make_bounds_stage();
 std::unique_ptr<Stage> make_delimitation_stage(BroadPhase& broad);
 std::unique_ptr<Stage> make_broad_stage(BroadPhase& broad);
-std::unique_ptr<Stage> make_refine_stage(const Settings& settings, ModelStore& models);
-std::unique_ptr<Stage> make_exact_stage(const Settings& settings, ModelStore& models);
+std::unique_ptr<Stage> make_refine_stage(const Settings& settings, ModelStore& models, GpuPairs* gpu);
+std::unique_ptr<Stage> make_exact_stage(const Settings& settings, ModelStore& models, GpuPairs* gpu);
 
 } // namespace oncollide

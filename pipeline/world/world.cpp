@@ -172,6 +172,7 @@ std::string WorldImpl::note_on_backend() const
 {
     const std::string& lost = models.lost();
     std::string note = backend_note;
+    if (gpu) return gpu->note();
     if (!lost.empty())
         note = "the CPU took over when the GPU was lost: " + lost;
     else if (note.empty() && wants_obbs(settings) && models.backend().name().starts_with("gl"))

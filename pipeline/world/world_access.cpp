@@ -1,21 +1,33 @@
 #include <oncollide/pipeline/world/world_access.hpp>
 
+#include <oncollide/narrowphase/gl/walk/mesh_walks.hpp>
+
 #include <oncollide/pipeline/world/world_impl.hpp>
 
 namespace oncollide {
 
 World WorldAccess::make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
 {
-    return World(WorldImpl::make(settings, std::move(backend)));
+    return World(WorldImpl::make(settings, std::move(backend), {}));
+}
+World WorldAccess::make(const Settings& settings, const MeshWalkOptions& gpu_options)
+{
+    return World(WorldImpl::make(settings, nullptr, gpu_options));
+}
+MeshWalkCounts WorldAccess::gpu_counts(const World& world)
+{
+    const WorldImpl& p = world.impl();
+    return p.gpu ? p.gpu->counts() : MeshWalkCounts{};
 }
 
 std::string WorldAccess::backend(const World& world)
 {
-    return world.impl().models.backend().name();
+    return world.impl().name_of_backend();
 }
 std::string WorldAccess::renderer(const World& world)
 {
-    return world.impl().models.backend().renderer();
+    const WorldImpl& p = world.impl();
+    return p.gpu ? p.gpu->renderer() : p.models.backend().renderer();
 }
 std::string WorldAccess::backend_note(const World& world)
 {

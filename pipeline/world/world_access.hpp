@@ -11,11 +11,18 @@
 
 namespace oncollide {
 
+struct MeshWalkCounts;
+struct MeshWalkOptions;
+
 struct WorldAccess {
     class PlacedTests; // placed_tests.hpp
 
     /// A World with this backend in place of settings.backend.
     static World make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
+    /// A World with these options for the backend gl, except their `gpu`.
+    static World make(const Settings& settings, const MeshWalkOptions& gpu_options);
+    /// The work of the backend gl so far; all 0 with another backend.
+    static MeshWalkCounts gpu_counts(const World& world);
     // As in WorldInfo, without the cost of the rest. Do not call it while queries run.
     static std::string backend(const World& world);
     static std::string renderer(const World& world);

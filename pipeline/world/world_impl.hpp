@@ -2,6 +2,7 @@
 #include <atomic>
 
 #include <oncollide/base/threads/idle_objects.hpp>
+#include <oncollide/pipeline/refine/gpu_pairs.hpp>
 #include <oncollide/pipeline/refine/narrowing.hpp>
 #include <oncollide/pipeline/settings_rules.hpp>
 #include <oncollide/pipeline/world.hpp>
@@ -34,6 +35,7 @@ struct ONCOLLIDE_LOCAL WorldImpl {
     BodyTable bodies;
     std::vector<std::uint32_t> users; ///< by model slot: number of bodies that use it
     std::unique_ptr<BroadPhase> broad;
+    std::unique_ptr<GpuPairs> gpu; ///< decides pairs of meshes; null unless the backend is gl
 
     Frame frame;
     FrameManifoldCache frame_manifolds;
@@ -47,16 +49,18 @@ struct ONCOLLIDE_LOCAL WorldImpl {
     std::string backend_note;
     std::uint64_t hash = 0, frame_hash = 0; ///< hashes of all frames; of the last frame
 
-    struct QueryWorker;                // query_worker.hpp
-    WorldMutex guard;                  ///< guards the models' trees during const calls
-    std::atomic<bool> taken_in{false}; ///< true if all changes are in the boxes and the broad phase
+    struct QueryWorker;                      // query_worker.hpp
+    std::unique_ptr<QueryWorker> gpu_worker; ///< of the thread that owns the GPU
+    WorldMutex guard;                        ///< guards the models' trees during const calls
+    std::atomic<bool> taken_in{false};       ///< true if all changes are in the boxes and the broad phase
     /// For const calls: a model with its tree, until bodies or models change or a step ends. Spares a lock.
     std::atomic<const Model*> with_tree{nullptr};
     IdleObjects<QueryWorker, LockRank::query_workers> idle_workers;
 
     WorldImpl(const Settings& settings, std::unique_ptr<OcclusionBackend> backend, std::string note);
     ~WorldImpl();
-    static std::unique_ptr<WorldImpl> make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend);
+    static std::unique_ptr<WorldImpl> make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend,
+                                           const MeshWalkOptions& gpu_options);
 
     // Checks of arguments. Each throws before anything changes.
     std::uint32_t slot_of(BodyId id) const;
@@ -91,6 +95,7 @@ struct ONCOLLIDE_LOCAL WorldImpl {
 
     bool runs(StageId stage) const;
     std::string note_on_backend() const;
+    std::string name_of_backend() const { return gpu ? gpu->name() : models.backend().name(); }
 
     // Pairs of const queries.
     void check_side(const PairSide& side);                  ///< throws for an id or a pose that is refused
@@ -109,6 +114,9 @@ struct ONCOLLIDE_LOCAL WorldImpl {
     /// Makes the trees that contacts and distances are found with, where a walk does not make them.
     void need_trees(std::span<const PairTask> tasks);
     void decide(QueryWorker& worker);
+    /// Decides pairs on the GPU, many at a time. Returns false, and does nothing, if that does not pay or cannot be.
+    template <class Form>
+    bool decide_on_gpu(const Form& pairs, std::span<Finding> found);
     Distance distance(QueryWorker& worker, const PairTask& task, const DistanceOptions& options);
     /// The trees must be there.
     bool may_be_near(QueryWorker& worker, const PairTask& task, double reach);
@@ -143,6 +151,8 @@ struct ONCOLLIDE_LOCAL WorldImpl {
     std::optional<CastHit> cast(QueryWorker& worker, std::uint32_t slot, const Segment& segment, double reach);
     void find_casts(QueryWorker& worker, const Segment& segment, const CollisionFilter& filter, bool all);
     CastHit first_cast(QueryWorker& worker, const Segment& segment, const CollisionFilter& filter);
+    template <class Form>
+    void take_tasks(QueryWorker& worker, const Form& pairs, std::size_t first, std::size_t many);
     template <class Form, class Work>
     void in_batches(const char* call, const Form& pairs, std::size_t room, Work work);
     /// Passes the changes to the broad phase and lists the AABBs to update.

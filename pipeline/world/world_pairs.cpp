@@ -64,12 +64,12 @@ void same_room(const char* call, const char* items, std::size_t count, const cha
                     fmt::format("{}: {} {}, room for {} {}; must be of one length", call, count, items, room, results));
 }
 
-WorldImpl::QueryWorker::QueryWorker(WorldImpl& impl, const Settings& settings)
-    : levels(settings, impl.models), context{.settings = settings,
-                                             .trees = {},
-                                             .rounds = {},
-                                             .began = {},
-                                             .guard = &impl.guard}
+WorldImpl::QueryWorker::QueryWorker(WorldImpl& impl, const Settings& settings, GpuPairs* gpu)
+    : levels(settings, impl.models, gpu), context{.settings = settings,
+                                                  .trees = {},
+                                                  .rounds = {},
+                                                  .began = {},
+                                                  .guard = &impl.guard}
 {
 }
 
@@ -120,6 +120,23 @@ PairTask WorldImpl::task_of(const PairOfColumns& pairs, std::size_t i, Eigen::Is
     return {0, a, b, &poses[0], &poses[1]};
 }
 
+/// Sets worker.tasks to the pairs from `first` on.
+template <class Form>
+void WorldImpl::take_tasks(QueryWorker& worker, const Form& pairs, std::size_t first, std::size_t many)
+{
+    constexpr bool columns = std::is_same_v<Form, PairOfColumns>;
+    worker.tasks.clear();
+    if constexpr (columns) worker.poses.resize(2 * many);
+    for (std::size_t i = 0; i < many; ++i) {
+        if constexpr (columns) {
+            worker.tasks.push_back(task_of(pairs, first + i, &worker.poses[2 * i]));
+        } else {
+            worker.tasks.push_back(task_of(pairs[first + i].a, pairs[first + i].b));
+        }
+        worker.tasks.back().number = static_cast<std::uint32_t>(i);
+    }
+}
+
 /// Calls work(worker, first), whose worker.tasks are pairs `first` and following, on the World's threads. Throws unless
 /// there is room for their results.
 template <class Form, class Work>
@@ -138,16 +155,7 @@ void WorldImpl::in_batches(const char* call, const Form& pairs, std::size_t room
         Lease worker(*this);
         for (std::size_t k = begin; k < end; ++k) {
             const std::size_t first = k * batch, many = std::min(batch, count - first);
-            worker->tasks.clear();
-            if constexpr (columns) worker->poses.resize(2 * many);
-            for (std::size_t i = 0; i < many; ++i) {
-                if constexpr (columns) {
-                    worker->tasks.push_back(task_of(pairs, first + i, &worker->poses[2 * i]));
-                } else {
-                    worker->tasks.push_back(task_of(pairs[first + i].a, pairs[first + i].b));
-                }
-                worker->tasks.back().number = static_cast<std::uint32_t>(i);
-            }
+            take_tasks(*worker, pairs, first, many);
             work(*worker, first);
         }
     });
@@ -200,9 +208,31 @@ Finding Pairs::decide(PairSide a, PairSide b) const
     return worker->refined.front();
 }
 
+template <class Form>
+bool WorldImpl::decide_on_gpu(const Form& pairs, std::span<Finding> found)
+{
+    constexpr std::size_t worth_a_batch = 256;
+    const std::size_t count = count_of("decide", pairs);
+    if (!gpu || !gpu->walks() || count < worth_a_batch || found.size() != count) return false;
+    if (!gpu_worker) gpu_worker = std::make_unique<QueryWorker>(*this, settings, gpu.get());
+    QueryWorker& worker = *gpu_worker;
+    worker.context.frame = frame.number, worker.context.threads = frame.context.threads;
+    const ExecutorScope scope(settings.executor);
+    if constexpr (!std::is_same_v<Form, PairOfColumns>) check_pairs(pairs);
+    for (std::size_t first = 0; first < count; first += MeshWalks::most_pairs) {
+        const std::size_t many = std::min(MeshWalks::most_pairs, count - first);
+        take_tasks(worker, pairs, first, many);
+        worker.context.trees = {}, worker.context.rounds.clear();
+        decide(worker);
+        std::ranges::copy(worker.refined, found.begin() + static_cast<std::ptrdiff_t>(first));
+    }
+    return true;
+}
+
 void Pairs::decide(PairSpan pairs, std::span<Finding> found) const
 {
     pairs.visit([&](const auto& form) {
+        if (world_->decide_on_gpu(form, found)) return;
         world_->in_batches("decide", form, found.size(), [&](WorldImpl::QueryWorker& worker, std::size_t first) {
             world_->decide(worker);
             std::ranges::copy(worker.refined, found.begin() + static_cast<std::ptrdiff_t>(first));

@@ -114,7 +114,9 @@ std::unique_ptr<BroadPhase> make_broad_phase(BroadPhaseKind kind, const BroadPha
 } // namespace
 
 /// @param backend  null: as the settings say
-std::unique_ptr<WorldImpl> WorldImpl::make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend)
+/// @param gpu_options  for the backend gl; its gpu is replaced by the settings'
+std::unique_ptr<WorldImpl> WorldImpl::make(const Settings& settings, std::unique_ptr<OcclusionBackend> backend,
+                                           const MeshWalkOptions& gpu_options)
 {
     check(settings);
     std::string note;
@@ -125,13 +127,18 @@ std::unique_ptr<WorldImpl> WorldImpl::make(const Settings& settings, std::unique
 
     WorldImpl& p = *made;
     p.requested_exact = settings.exact;
+    if (settings.backend == BackendKind::gl) {
+        MeshWalkOptions options = gpu_options;
+        options.gpu = settings.gpu;
+        p.gpu = std::make_unique<GpuPairs>(options);
+    }
     p.broad =
         make_broad_phase(settings.broad_phase, {.margin = settings.clearance, .threads = p.frame.context.threads});
     p.stages.push_back(make_bounds_stage());
     p.stages.push_back(make_delimitation_stage(*p.broad));
     p.stages.push_back(make_broad_stage(*p.broad));
-    p.stages.push_back(make_refine_stage(p.settings, p.models));
-    p.stages.push_back(make_exact_stage(p.settings, p.models));
+    p.stages.push_back(make_refine_stage(p.settings, p.models, p.gpu.get()));
+    p.stages.push_back(make_exact_stage(p.settings, p.models, p.gpu.get()));
     for (auto* stats : {&p.stats, &p.totals, &p.blank}) stats->resize(p.stages.size());
     for (std::size_t i = 0; i < p.stages.size(); ++i) {
         p.skipped.push_back(!p.runs(p.stages[i]->id()));
@@ -143,7 +150,7 @@ std::unique_ptr<WorldImpl> WorldImpl::make(const Settings& settings, std::unique
     return made;
 }
 
-World::World(const Settings& settings) : impl_(WorldImpl::make(settings, nullptr)) {}
+World::World(const Settings& settings) : impl_(WorldImpl::make(settings, nullptr, {})) {}
 
 bool WorldImpl::runs(StageId stage) const
 {
@@ -326,8 +333,8 @@ WorldInfo World::inspect() const
             .frames = p.frame.number,
             .bytes = p.bodies.bytes() + p.broad->bytes() + p.models.bytes() + p.models.links_bytes() +
                      p.frame.cache.bytes() + p.frame_manifolds.bytes(),
-            .backend = p.models.backend().name(),
-            .renderer = p.models.backend().renderer(),
+            .backend = p.name_of_backend(),
+            .renderer = p.gpu ? p.gpu->renderer() : p.models.backend().renderer(),
             .backend_note = p.note_on_backend(),
             .totals = p.totals,
             .regions = p.frame.delimitation.empty() ? std::vector<DelimitedRegion>{} : p.broad->regions(),

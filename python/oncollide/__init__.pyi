@@ -108,7 +108,7 @@ class World:
         mode: Literal["surface", "solid"] = "surface",
         open_as_surface: bool = False,
         threads: int = 1,
-        backend: Literal["auto", "cpu", "gl-compute", "gl-query"] = "cpu",
+        backend: Literal["auto", "cpu", "gl-compute", "gl-query", "gl"] = "cpu",
         gpu: int | None = None,
         viewport: int = 16,
         bounding_volume: Literal["auto", "sphere", "obb"] = "auto",

@@ -216,7 +216,7 @@ TEST_F(CommandLine, EveryLengthMayHaveAUnit)
 TEST_F(CommandLine, ErrorsOfNamesListEveryValidWord)
 {
     expect_error(64, {"run", "many", "--exact", "yes"}, {"valid: auto, on, off, predicates, fcl"});
-    expect_error(64, {"run", "many", "--backend", "gpu"}, {"valid: auto, cpu, gl-compute, gl-query\n"});
+    expect_error(64, {"run", "many", "--backend", "gpu"}, {"valid: auto, cpu, gl-compute, gl-query, gl\n"});
     const std::string formats = ".json, .gltf, .glb, .dae or .3mf";
     expect_error(64, {"run", "x.urdf"}, {"x.urdf", formats, "scene --list"});
     folder_.write("x.urdf", "<robot/>");

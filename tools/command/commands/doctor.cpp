@@ -212,7 +212,7 @@ int doctor(const DoctorOptions& options, std::string (*peers)())
     say("processor", processor_name());
     say("instructions", fmt::format("{}; backend: {}", instruction_sets_text(), backend));
     say_gpus(found);
-    say("backends", "cpu, gl-compute: certified; gl-query, the paper's method: not certified, for comparison only");
+    say("backends", "cpu, gl, gl-compute: certified; gl-query, the paper's method: not certified, for comparison only");
     say("threads", fmt::format("{} usable", hardware_threads()));
     say("data", data(options.data));
     const std::string expat = *ONCOLLIDE_EXPAT_VERSION ? ", Expat " ONCOLLIDE_EXPAT_VERSION : "";

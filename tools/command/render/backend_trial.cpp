@@ -15,7 +15,7 @@
 namespace oncollide::tools {
 namespace {
 
-/// Plays two crossing pyramids, whose trees grow through all of the driver. Returns why `auto`
+/// Plays two crossing pyramids, whose trees grow through all of the driver. Returns why `auto` or `gl`
 /// chose the CPU; empty: it did not.
 std::string play_two_bodies(const Settings& like)
 {
@@ -34,6 +34,11 @@ struct Tried {
     std::string note;    ///< why the CPU was chosen
 };
 
+bool may_become_cpu(BackendKind backend)
+{
+    return backend == BackendKind::automatic || backend == BackendKind::gl;
+}
+
 Tried tried(const Settings& settings)
 {
     try {
@@ -41,8 +46,8 @@ Tried tried(const Settings& settings)
             GraphicsProcess([&](std::string_view) { return play_two_bodies(settings); }).request({});
         return {.passed = note.empty(), .note = note};
     } catch (const Error& error) {
-        if (error.kind() != ErrorKind::no_gpu || settings.backend != BackendKind::automatic) throw;
-        return {.note = fmt::format("auto: the CPU was chosen; {}", error.what())};
+        if (error.kind() != ErrorKind::no_gpu || !may_become_cpu(settings.backend)) throw;
+        return {.note = fmt::format("{}: the CPU was chosen; {}", name_of(settings.backend), error.what())};
     }
 }
 
@@ -56,7 +61,7 @@ Settings with_tried_backend(Settings settings)
     static std::map<std::tuple<BackendKind, int, int>, Tried> all;
     const auto [at, fresh] = all.try_emplace({settings.backend, settings.gpu, settings.viewport});
     if (fresh) at->second = tried(settings);
-    if (settings.backend != BackendKind::automatic || at->second.passed) return settings;
+    if (!may_become_cpu(settings.backend) || at->second.passed) return settings;
     if (fresh) log(LogLevel::note, at->second.note);
     settings.backend = BackendKind::cpu;
     return settings;

@@ -98,9 +98,10 @@ Tally try_crowd(const std::vector<BodyCase>& cases, Mode mode, std::span<const i
             settings.broad_phase = broad;
             crowd.run(kind, std::string(name_of(broad)), settings);
         }
-        if (!gpu || settings.bounding_volume != BoundingVolume::sphere) continue;
-        settings.backend = BackendKind::gl_compute;
-        crowd.run(kind, "gl-compute", settings);
+        if (!gpu) continue;
+        const bool spheres = settings.bounding_volume == BoundingVolume::sphere;
+        settings.backend = spheres ? BackendKind::gl_compute : BackendKind::gl;
+        crowd.run(kind, std::string(name_of(settings.backend)), settings);
     }
     if (mode == Mode::surface)
         for (ExactLevel exact : levels)
