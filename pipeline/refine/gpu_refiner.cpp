@@ -130,6 +130,7 @@ void GpuRefiner::add(const RefineContext& context, const PairTask& task, PairMem
     const auto row = [&](unsigned side, const Model& model, const Eigen::Isometry3d& pose) {
         return poses_.row(side, &model, pose, [&] {
             const auto tree = gpu_->walks()->hold(*model.obb_tree(), context.frame);
+            if (tree && trees_.size() <= *tree) trees_.resize(*tree + std::size_t{1});
             if (tree) trees_[*tree] = model.obb_tree();
             return tree;
         });
@@ -202,8 +203,7 @@ void GpuRefiner::decide_unsure(RefineContext& context, std::span<const PairTask>
 void GpuRefiner::grow_wanted()
 {
     for (const WantedNode& wanted : gpu_->walks()->wanted())
-        if (const auto tree = trees_.find(wanted.tree); tree != trees_.end())
-            tree->second->child(wanted.node, wanted.box);
+        if (wanted.tree < trees_.size() && trees_[wanted.tree]) trees_[wanted.tree]->child(wanted.node, wanted.box);
 }
 
 /// Refines these tasks on the CPU.

@@ -1,5 +1,4 @@
 #pragma once
-#include <unordered_map>
 #include <vector>
 
 #include <oncollide/narrowphase/walks/triangle_tests.hpp>
@@ -45,7 +44,7 @@ private:
     PoseTable poses_;
     std::vector<MeshWalkPair> pairs_; ///< of the batch
     std::vector<UnsureTriangles> unsure_;
-    std::unordered_map<std::uint32_t, ObbTree*> trees_; ///< by number on the GPU
+    std::vector<ObbTree*> trees_; ///< of the batch, by number on the GPU; null: not in it
     std::vector<PairTask> tasks_;
     std::vector<Finding> results_;
 };

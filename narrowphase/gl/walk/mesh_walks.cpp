@@ -215,7 +215,8 @@ private:
         clock_.mark(2);
         // Enough groups to fill a GPU; teams take items until there are none. llvmpipe ends a loop after some time, so
         // a group must not have too many items.
-        const GLuint groups = std::clamp<GLuint>(static_cast<GLuint>((pairs_ + teams - 1) / teams), 64, 4096);
+        const GLuint most = context_.info().software ? 1024 : 4096;
+        const GLuint groups = std::clamp<GLuint>(static_cast<GLuint>((pairs_ + teams - 1) / teams), 64, most);
         for (GLuint round = 0; round < rounds; ++round) run(walk_, round, by_distance, groups);
         glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
         clock_.mark(3);

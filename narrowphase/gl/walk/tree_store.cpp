@@ -38,9 +38,8 @@ std::optional<std::uint32_t> TreeStore::hold(const ObbTree& tree, std::uint32_t 
     if (known != slots_.end()) {
         Held& held = held_[known->second];
         held.frame = frame;
-        if (update(held, tree)) return known->second;
-        drop(held), refused_.insert(tree.identity());
-        return {};
+        update(held, tree);
+        return known->second;
     }
     const std::uint32_t slot = free_slot();
     Held& held = held_[slot];
@@ -80,21 +79,24 @@ bool TreeStore::add(Held& held, const ObbTree& tree)
     return update(held, tree);
 }
 
-/// Copies the parts of the tree that grew.
+/// Copies the parts of the tree that grew. Returns false if there is no copy.
 bool TreeStore::update(Held& held, const ObbTree& tree)
 {
     const std::uint32_t nodes = tree.nodes(); // it may grow meanwhile; the rest follows the next time
     tree.copy_growth(held.lines, growth_);
+    held.nodes = nodes;
     if (const std::size_t words = growth_.lines * line_words; words > held.room) {
-        drop_nodes(held);
         const std::size_t room = std::max<std::size_t>(words + words / 2, 8 * line_words);
         const auto first = words_.add(room);
-        if (!first) return false;
+        if (first) tree.copy_growth(0, growth_);
+        if (!first || growth_.lines * line_words > room) { // no room, or other threads grew it in this moment
+            if (first) words_.remove(*first, room);
+            return held.lines > 0; // an old copy stays, as pairs of this batch may use it; it only lacks nodes
+        }
+        if (held.room) words_.remove(held.first, held.room);
         held.first = *first, held.room = room;
-        tree.copy_growth(0, growth_);
-        if (growth_.lines * line_words > room) return false; // other threads grew it in this moment
     }
-    held.nodes = nodes, held.lines = growth_.lines;
+    held.lines = growth_.lines;
     put_words(held.first + growth_.from * line_words, growth_.added.data(), growth_.added.size() * line_words);
     for (std::size_t i = 0; i < growth_.changed.size(); ++i)
         put_words(held.first + growth_.changed[i] * line_words, &growth_.contents[i], line_words);
@@ -115,15 +117,9 @@ bool TreeStore::update(Held& held, const ObbTree& tree)
     return true;
 }
 
-void TreeStore::drop_nodes(Held& held)
-{
-    if (held.room) words_.remove(held.first, held.room);
-    held.room = 0, held.lines = 0, held.nodes = 0;
-}
-
 void TreeStore::drop(Held& held)
 {
-    drop_nodes(held);
+    if (held.room) words_.remove(held.first, held.room);
     if (held.fixed_count) words_.remove(held.fixed, held.fixed_count);
     if (held.vertex_count) vertices_.remove(held.vertices, held.vertex_count);
     slots_.erase(held.identity);

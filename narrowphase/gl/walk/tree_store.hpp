@@ -47,7 +47,6 @@ private:
     bool add(Held& held, const ObbTree& tree);
     bool update(Held& held, const ObbTree& tree);
     void drop(Held& held);
-    void drop_nodes(Held& held);
     void put(const Heap* to, std::size_t byte, const void* data, std::size_t bytes);
     void put_words(std::size_t first, const void* data, std::size_t words) { put(&words_, 4 * first, data, 4 * words); }
 
