@@ -27,7 +27,15 @@ TEST_F(CommandLine, BenchGpuWritesOneTableAndOneJson)
             EXPECT_TRUE(row["what"].is_string() && row["backend"].is_string()) << row;
         }
     }
-    ASSERT_EQ(parts.size(), 9u);
+    ASSERT_EQ(parts.size(), 11u);
+    for (const char* part : {"frames", "batches"})
+        for (const nlohmann::json& row : parts[part]) {
+            EXPECT_EQ(row["equal"], true) << row;
+            EXPECT_EQ(row["renderer"], all["gpu"]["renderer"]) << row;
+            const bool gl = row["backend"].get<std::string>().starts_with("gl");
+            EXPECT_EQ(gl, row["gpu_pairs"] > 0) << row;
+            EXPECT_EQ(gl, row["bytes_down"] > 0) << row;
+        }
     EXPECT_EQ(parts["levels"].size(), 7u * 5);
     EXPECT_EQ(parts["correctness"].size(), 3u);
     for (const nlohmann::json& row : parts["correctness"]) EXPECT_EQ(row["equal"], true) << row;

@@ -1,6 +1,7 @@
 // oncollide-lab bench gpu: every measurement that needs a GPU, in one call, and each by itself: the paper's tables, the
 // backends of sphere-trees, and comparators of the paper's related work.
 #include "bench/common/benchmark.hpp"
+#include "bench/gpu/exact_frames.hpp"
 #include "bench/gpu/gpu_report.hpp"
 #include "bench/gpu/gpu_sizes.hpp"
 #include "bench/gpu/octant_candidate.hpp"
@@ -11,6 +12,7 @@
 #include <set>
 
 #include <oncollide/base/text/near_word.hpp>
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/pipeline/world/world_access.hpp>
 #include <oncollide/samples/generators.hpp>
 
@@ -37,7 +39,7 @@ public:
         for (const auto& [name, value] : limits) say("limit      {} {}\n", name, value);
         say("sizes      {}{}; no measurement begins after {} s\n", sizes_.name,
             sizes_.name == "small" ? ", for a software renderer or a test" : "", options_.limit_s);
-        correctness(), octants(), trees(), misses(), levels(), many(), paper(), rivals();
+        correctness(), exact(), octants(), trees(), misses(), levels(), many(), paper(), rivals();
         const double seconds = milliseconds_since(began_) / 1e3;
         say("\nfaults     {}; {:.0f} s in all\n", faults_, seconds);
         report_.commit();
@@ -113,16 +115,20 @@ private:
         }
     }
 
-    std::vector<OctantContender> contenders() const
+    /// Exact results by the backend gl.
+    void exact()
     {
-        std::vector<OctantContender> some = octant_contenders(options_.gpu);
-        if (!options_.all_backends)
-            std::erase_if(some, [](const OctantContender& c) {
-                return c.threads > 1 || (c.name.starts_with("gl-query") && c.name != "gl-query 16 px, soup" &&
-                                         c.name != "gl-query 16 px, inherited");
-            });
-        return some;
+        const ExactContest contest{options_.gpu, gpu_.renderer, hardware_threads()};
+        if (begin("frames", "exact frames by gl and by the cpu; per frame after the first two"))
+            for (const Cut& cut : sizes_.exact)
+                if (time_for(title(cut)))
+                    faults_ += exact_frames(contest, title(cut), scene_of(cut), cut.every, part_->table,
+                                            [this] { return late(); });
+        if (begin("batches", "one exact call for many poses of two meshes, the second time"))
+            if (time_for("batches")) faults_ += exact_batches(contest, sizes_.poses, part_->table);
     }
+
+    std::vector<OctantContender> contenders() const { return octant_contenders(options_.gpu, options_.all_backends); }
     NamedMesh mesh(std::size_t i) const { return mesh_or_knot(data_, sizes_.meshes[i].first, sizes_.meshes[i].second); }
 
     void octants()
@@ -364,7 +370,8 @@ void add_gpu(Arguments bench)
         "backend, the paper's tables, comparators (CULLIDE, viewing volumes)",
         bench_gpu);
     b.option("--part LIST", b->parts,
-             "only these parts: correctness, octants, trees, misses, levels, many, paper, timeline, comparators");
+             "only these parts: correctness, frames, batches, octants, trees, misses, levels, many, paper, timeline, "
+             "comparators");
     b.option("--sizes SIZES", b->sizes, "full, small, or auto: small on a software renderer, else full (default auto)");
     b.option("--limit S", b->limit_s, "seconds after which no further measurement begins (default 420)");
     b.option("--batch-limit S", b->batch_s,

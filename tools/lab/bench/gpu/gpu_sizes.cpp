@@ -7,6 +7,12 @@ Sizes full_sizes()
 {
     return {.name = "full",
             .equal = {{"many", 1000, 10}, {"paper", {}, 2400, 4}, {"hard", {}, 3}},
+            .exact = {{"many", 1000, 20},
+                      {"many", 10000, 12},
+                      {"many", 100000, 6},
+                      {"paper", {}, 2400, 20},
+                      {"city", 20000, 20}},
+            .poses = 1'000'000,
             .meshes = {{"paper/lamp.obj", 600},
                        {"paper/bunny.obj", 1500},
                        {"paper/cow_5144.obj", 5144},
@@ -28,6 +34,8 @@ Sizes small_sizes()
 {
     return {.name = "small",
             .equal = {{"many", 100, 3}, {"paper", {}, 2400, 24}, {"hard", {}, 1}},
+            .exact = {{"many", 100, 4}, {"paper", {}, 2400, 150}},
+            .poses = 1000,
             .meshes = {{"paper/lamp.obj", 600}, {"paper/cow_5144.obj", 5144}},
             .tree_meshes = 1,
             .missed_meshes = 1,

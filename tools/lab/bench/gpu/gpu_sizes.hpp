@@ -12,8 +12,9 @@
 
 namespace oncollide::tools {
 
-constexpr std::array<std::string_view, 9> gpu_parts{"correctness", "octants", "trees",    "misses",     "levels",
-                                                    "many",        "paper",   "timeline", "comparators"};
+constexpr std::array<std::string_view, 11> gpu_parts{"correctness", "frames",   "batches",    "octants",
+                                                     "trees",       "misses",   "levels",     "many",
+                                                     "paper",       "timeline", "comparators"};
 
 struct GpuOptions : SharedOptions {
     std::string sizes = "auto";
@@ -37,6 +38,8 @@ struct Cut {
 struct Sizes {
     std::string name;
     std::vector<Cut> equal; ///< scenes whose hashes are compared
+    std::vector<Cut> exact; ///< scenes of exact frames
+    std::size_t poses;      ///< of a batch
     std::vector<std::pair<const char*, int>>
         meshes; ///< of octants; the last ones also of whole trees, the others of misses
     std::size_t tree_meshes, missed_meshes;

@@ -9,7 +9,7 @@
 
 namespace oncollide::tools {
 
-std::vector<OctantContender> octant_contenders(int gpu)
+std::vector<OctantContender> octant_contenders(int gpu, bool each)
 {
     using Query = GlQueryOptions;
     std::vector<OctantContender> all;
@@ -29,6 +29,11 @@ std::vector<OctantContender> octant_contenders(int gpu)
     }
     add("inherited", {.draw = Query::Draw::inherited});
     add("inherited, inflated", {.draw = Query::Draw::inherited, .inflated = true});
+    if (!each)
+        std::erase_if(all, [](const OctantContender& c) {
+            return c.threads > 1 || (c.name.starts_with("gl-query") && c.name != "gl-query 16 px, soup" &&
+                                     c.name != "gl-query 16 px, inherited");
+        });
     return all;
 }
 

@@ -19,7 +19,8 @@ struct OctantContender {
     bool lists = true; ///< false: it draws whole meshes, without using lists
 };
 
-std::vector<OctantContender> octant_contenders(int gpu);
+/// @param each  also several threads, and all viewports and primitives of gl-query
+std::vector<OctantContender> octant_contenders(int gpu, bool each);
 
 /// The least time of repeats.
 struct OctantTime {
