@@ -128,11 +128,10 @@ void WorldImpl::take_tasks(QueryWorker& worker, const Form& pairs, std::size_t f
     worker.tasks.clear();
     if constexpr (columns) worker.poses.resize(2 * many);
     for (std::size_t i = 0; i < many; ++i) {
-        if constexpr (columns) {
+        if constexpr (columns)
             worker.tasks.push_back(task_of(pairs, first + i, &worker.poses[2 * i]));
-        } else {
+        else
             worker.tasks.push_back(task_of(pairs[first + i].a, pairs[first + i].b));
-        }
         worker.tasks.back().number = static_cast<std::uint32_t>(i);
     }
 }
@@ -142,10 +141,9 @@ void WorldImpl::take_tasks(QueryWorker& worker, const Form& pairs, std::size_t f
 template <class Form, class Work>
 void WorldImpl::in_batches(const char* call, const Form& pairs, std::size_t room, Work work)
 {
-    constexpr bool columns = std::is_same_v<Form, PairOfColumns>;
     const std::size_t count = count_of(call, pairs);
     same_room(call, "pairs", count, "results", room);
-    if constexpr (!columns) check_pairs(pairs);
+    if constexpr (!std::is_same_v<Form, PairOfColumns>) check_pairs(pairs);
     const int threads = frame.context.threads;
     const std::size_t batch =
         threads == 1 ? largest_batch
@@ -154,9 +152,8 @@ void WorldImpl::in_batches(const char* call, const Form& pairs, std::size_t room
     parallel_chunks((count + batch - 1) / batch, 1, threads, [&](std::size_t begin, std::size_t end, int) {
         Lease worker(*this);
         for (std::size_t k = begin; k < end; ++k) {
-            const std::size_t first = k * batch, many = std::min(batch, count - first);
-            take_tasks(*worker, pairs, first, many);
-            work(*worker, first);
+            take_tasks(*worker, pairs, k * batch, std::min(batch, count - k * batch));
+            work(*worker, k * batch);
         }
     });
 }
@@ -211,17 +208,15 @@ Finding Pairs::decide(PairSide a, PairSide b) const
 template <class Form>
 bool WorldImpl::decide_on_gpu(const Form& pairs, std::span<Finding> found)
 {
-    constexpr std::size_t worth_a_batch = 256;
     const std::size_t count = count_of("decide", pairs);
-    if (!gpu || !gpu->walks() || count < worth_a_batch || found.size() != count) return false;
+    if (!gpu || !gpu->walks() || count < gpu->worth_pairs() || found.size() != count) return false;
+    if constexpr (!std::is_same_v<Form, PairOfColumns>) check_pairs(pairs);
     if (!gpu_worker) gpu_worker = std::make_unique<QueryWorker>(*this, settings, gpu.get());
     QueryWorker& worker = *gpu_worker;
     worker.context.frame = frame.number, worker.context.threads = frame.context.threads;
     const ExecutorScope scope(settings.executor);
-    if constexpr (!std::is_same_v<Form, PairOfColumns>) check_pairs(pairs);
     for (std::size_t first = 0; first < count; first += MeshWalks::most_pairs) {
-        const std::size_t many = std::min(MeshWalks::most_pairs, count - first);
-        take_tasks(worker, pairs, first, many);
+        take_tasks(worker, pairs, first, std::min(MeshWalks::most_pairs, count - first));
         worker.context.trees = {}, worker.context.rounds.clear();
         decide(worker);
         std::ranges::copy(worker.refined, found.begin() + static_cast<std::ptrdiff_t>(first));
