@@ -12,6 +12,7 @@
 #include <oncollide/samples/generators.hpp>
 
 #include "random_pose.hpp"
+#include "verify/cases/body_case.hpp"
 
 namespace oncollide::gpu_pairs_test {
 namespace {
@@ -183,6 +184,42 @@ TEST(GpuPairs, DecideTouchingBodiesInTheFrameOfTheFirst)
     EXPECT_GT(met, count / 10);
     EXPECT_LT(met, count - count / 10);
     EXPECT_GT(by_order, 10u);
+}
+
+TEST(GpuPairs, DecideTheHardCasesAsTheCpuDoes)
+{
+    const std::vector<tools::BodyCase> cases = tools::body_cases();
+    std::vector<Finding> found[2];
+    std::vector<Distance> distances;
+    for (const bool gl : {false, true}) {
+        World world({.backend = gl ? BackendKind::gl : BackendKind::cpu});
+        std::vector<PairOfModels> pairs;
+        for (const tools::BodyCase& c : cases) {
+            const ModelId a = world.models().add(c.a), b = world.models().add(c.b);
+            for (const Eigen::Isometry3d& pose : c.poses_b) {
+                pairs.push_back({{a, c.pose_a}, {b, pose}});
+                pairs.push_back({{b, pose}, {a, c.pose_a}});
+            }
+        }
+        found[gl].resize(pairs.size());
+        for (int call = 0; call < 6; ++call) world.pairs().decide(std::span<const PairOfModels>(pairs), found[gl]);
+        if (!gl) {
+            distances.resize(pairs.size());
+            world.pairs().distance(std::span<const PairOfModels>(pairs), {}, distances);
+            continue;
+        }
+        const MeshWalkCounts counts = WorldAccess::gpu_counts(world);
+        EXPECT_GT(counts.pairs, 4 * pairs.size());
+        EXPECT_GT(counts.unsure_pairs, 1000u);
+        EXPECT_EQ(world.inspect().backend_note, "");
+    }
+    ASSERT_GT(found[0].size(), 400u);
+    for (std::size_t i = 0; i < found[0].size(); ++i) {
+        EXPECT_EQ(found[1][i].verdict, found[0][i].verdict) << i;
+        if (found[1][i].verdict != Verdict::separate) continue;
+        EXPECT_EQ(found[1][i].bound > 0, found[0][i].bound > 0) << i; // 0: doubles cannot express the gap
+        EXPECT_LE(found[1][i].bound, distances[i].upper) << i;
+    }
 }
 
 TEST(GpuPairs, BelongToTheThreadThatMadeTheWorld)
