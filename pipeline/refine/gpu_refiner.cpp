@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <oncollide/base/simd/prefetch.hpp>
 #include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/narrowphase/pairs/placed_pair.hpp>
 #include <oncollide/narrowphase/walks/walk_frame.hpp>
@@ -21,6 +22,9 @@ bool on_gpu(const Model& model)
 {
     return model.kind() == Kind::mesh && !model.file() && model.obb_tree() && !model.obb_tree()->deformed();
 }
+
+constexpr std::size_t pairs_at_once = 512;
+constexpr std::size_t prefetched_ahead = 8; ///< pairs whose memory is prefetched
 
 float rounded_up(double x)
 {
@@ -42,16 +46,17 @@ void GpuRefiner::refine(RefineContext& context, std::span<const PairTask> tasks,
 /// Divides the tasks between the GPU and the CPU.
 void GpuRefiner::sort(const RefineContext& context, std::span<const PairTask> tasks, PairCache* cache)
 {
+    walks_.resize(tasks.size());
+    parallel_chunks(tasks.size(), pairs_at_once, context.threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (cache && i + prefetched_ahead < end) prefetch_all_of((*cache)[tasks[i + prefetched_ahead].number]);
+            const PairTask& task = tasks[i];
+            walks_[i] = on_gpu(*task.a) && on_gpu(*task.b) &&
+                        cpu_.needs_walk(context, task, cache ? &(*cache)[task.number] : nullptr);
+        }
+    });
     mine_.clear(), rest_.clear();
-    for (std::uint32_t i = 0; i < tasks.size(); ++i) {
-        const PairTask& task = tasks[i];
-        const bool walks = on_gpu(*task.a) && on_gpu(*task.b) &&
-                           cpu_.needs_walk(context, task, cache ? &(*cache)[task.number] : nullptr);
-        if (walks)
-            mine_.push_back(i);
-        else
-            rest_.push_back(i);
-    }
+    for (std::uint32_t i = 0; i < tasks.size(); ++i) (walks_[i] ? mine_ : rest_).push_back(i);
 }
 
 void GpuRefiner::run_batches(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
@@ -80,7 +85,7 @@ void GpuRefiner::batch(RefineContext& context, std::span<const PairTask> tasks, 
 {
     MeshWalks& walks = *gpu_->walks();
     const std::size_t end = std::min(next + MeshWalks::most_pairs, mine_.size());
-    poses_.clear(2 * (end - next)), pairs_.clear(), in_batch_.clear(), trees_.clear();
+    poses_.clear(2 * (end - next)), pairs_.clear(), in_batch_.clear(), trees_.clear(), held_.fill({});
     std::vector<std::uint32_t> without_tree;
     for (std::size_t k = next; k < end; ++k) {
         const PairTask& task = tasks[mine_[k]];
@@ -101,11 +106,16 @@ void GpuRefiner::batch(RefineContext& context, std::span<const PairTask> tasks, 
     round.done_ms = context.clock_ms();
     unsure_.assign(walks.unsure().begin(), walks.unsure().end());
     const MeshWalkCounts now = walks.counts();
-    for (std::size_t i = 0; i < found.size(); ++i) {
-        const std::uint32_t number = in_batch_[i];
-        const PairTask& task = tasks[number];
-        take(context, task, cache ? &(*cache)[task.number] : nullptr, number, found[i], results[number]);
-    }
+    parallel_chunks(found.size(), pairs_at_once, context.threads, [&](std::size_t from, std::size_t to, int) {
+        for (std::size_t i = from; i < to; ++i) {
+            if (cache && i + prefetched_ahead < to)
+                prefetch_all_of((*cache)[tasks[in_batch_[i + prefetched_ahead]].number]);
+            const PairTask& task = tasks[in_batch_[i]];
+            take(context, task, cache ? &(*cache)[task.number] : nullptr, found[i], results[in_batch_[i]]);
+        }
+    });
+    for (std::size_t i = 0; i < found.size(); ++i)
+        if (found[i].verdict == MeshWalkVerdict::open) open_.push_back(in_batch_[i]);
     decide_unsure(context, tasks, cache, found, results);
     grow_wanted();
     open_.insert(open_.end(), without_tree.begin(), without_tree.end());
@@ -129,9 +139,12 @@ void GpuRefiner::add(const RefineContext& context, const PairTask& task, PairMem
 {
     const auto row = [&](unsigned side, const Model& model, const Eigen::Isometry3d& pose) {
         return poses_.row(side, &model, pose, [&] {
+            HeldModel& held = held_[model.number() % held_.size()]; // of this batch
+            if (held.model == &model) return held.tree;
             const auto tree = gpu_->walks()->hold(*model.obb_tree(), context.frame);
             if (tree && trees_.size() <= *tree) trees_.resize(*tree + std::size_t{1});
             if (tree) trees_[*tree] = model.obb_tree();
+            held = {&model, tree};
             return tree;
         });
     };
@@ -146,12 +159,12 @@ void GpuRefiner::add(const RefineContext& context, const PairTask& task, PairMem
     pairs_.push_back(added), in_batch_.push_back(number);
 }
 
-void GpuRefiner::take(const RefineContext& context, const PairTask& task, PairMemory* memory, std::uint32_t number,
-                      const MeshWalkResult& found, Finding& result)
+/// Sets the result of a pair, unless it is open.
+void GpuRefiner::take(const RefineContext& context, const PairTask& task, PairMemory* memory,
+                      const MeshWalkResult& found, Finding& result) const
 {
     switch (found.verdict) {
     case MeshWalkVerdict::open:
-        open_.push_back(number);
         return;
     case MeshWalkVerdict::unsure: // decide_unsure() ends it
         result = {Verdict::separate, ContactKind::unknown, double(found.bound)};

@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <optional>
 #include <vector>
 
 #include <oncollide/narrowphase/walks/triangle_tests.hpp>
@@ -29,8 +31,8 @@ private:
     void add(const RefineContext& context, const PairTask& task, PairMemory* memory, std::uint32_t number);
     void batch(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache, std::span<Finding> results,
                std::size_t& next);
-    void take(const RefineContext& context, const PairTask& task, PairMemory* memory, std::uint32_t number,
-              const MeshWalkResult& found, Finding& result);
+    void take(const RefineContext& context, const PairTask& task, PairMemory* memory, const MeshWalkResult& found,
+              Finding& result) const;
     void decide_unsure(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
                        std::span<const MeshWalkResult> found, std::span<Finding> results);
     void grow_wanted();
@@ -41,10 +43,16 @@ private:
     GpuPairs* const gpu_;
     // Tasks, by index: for the GPU, for the CPU at once, for the CPU after the batch, and by pair of the batch.
     std::vector<std::uint32_t> mine_, rest_, open_, in_batch_;
+    std::vector<std::uint8_t> walks_; ///< by task: the GPU decides it
     PoseTable poses_;
     std::vector<MeshWalkPair> pairs_; ///< of the batch
     std::vector<UnsureTriangles> unsure_;
     std::vector<ObbTree*> trees_; ///< of the batch, by number on the GPU; null: not in it
+    struct HeldModel {
+        const Model* model = nullptr;
+        std::optional<std::uint32_t> tree;
+    };
+    std::array<HeldModel, 64> held_; ///< models of the batch, by number, that were looked up last
     std::vector<PairTask> tasks_;
     std::vector<Finding> results_;
 };
