@@ -59,8 +59,12 @@ if(ONCOLLIDE_TOOLS)
   # Their versions, for `oncollide doctor`.
   file(STRINGS ${headers}/CLI/Version.hpp line REGEX "define CLI11_VERSION \"")
   string(REGEX REPLACE ".*\"(.*)\".*" "\\1" CLI11_VERSION "${line}")
+  set(json_version ${headers}/nlohmann/detail/abi_macros.hpp)
+  if(NOT EXISTS ${json_version}) # before 3.11
+    set(json_version ${headers}/nlohmann/json.hpp)
+  endif()
   foreach(part IN ITEMS MAJOR MINOR PATCH)
-    file(STRINGS ${headers}/nlohmann/json.hpp line REGEX "define NLOHMANN_JSON_VERSION_${part} ")
+    file(STRINGS ${json_version} line REGEX "define NLOHMANN_JSON_VERSION_${part} ")
     string(REGEX REPLACE ".* ([0-9]+).*" "\\1" number "${line}")
     list(APPEND numbers ${number})
   endforeach()

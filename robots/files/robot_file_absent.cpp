@@ -5,10 +5,11 @@ namespace oncollide {
 
 RobotDescription load_robot(const std::filesystem::path& file, const RobotReading&)
 {
-    throw Error(ErrorKind::usage,
-                file.string() +
-                    ": this is a build without the readers of URDF and MJCF: install Debian's libexpat1-dev and "
-                    "libzip-dev and configure with -DONCOLLIDE_XML=ON");
+    throw Error(
+        ErrorKind::usage,
+        file.string() +
+            ": this is a build without the readers of URDF and MJCF; build on Linux with -DONCOLLIDE_XML=ON (Debian: "
+            "libexpat1-dev, libzip-dev)");
 }
 
 } // namespace oncollide

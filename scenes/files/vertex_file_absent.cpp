@@ -17,9 +17,10 @@ void VertexFile::close() {}
 
 void VertexFile::fail()
 {
-    throw Error(ErrorKind::usage, fmt::format("{}: this build cannot write HDF5; install Debian's libhdf5-dev and "
-                                              "configure with -DONCOLLIDE_HDF5=ON",
-                                              name_));
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: this build cannot write HDF5; build on Linux with -DONCOLLIDE_HDF5=ON "
+                            "(Debian: libhdf5-dev)",
+                            name_));
 }
 
 } // namespace oncollide

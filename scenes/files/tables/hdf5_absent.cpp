@@ -14,9 +14,10 @@ namespace {
 [[noreturn]] void fail(const std::filesystem::path& path)
 {
     check_readable(path);
-    throw Error(ErrorKind::usage, fmt::format("{}: this build cannot read HDF5; install Debian's libhdf5-dev and "
-                                              "configure with -DONCOLLIDE_HDF5=ON, or use another format",
-                                              path.string()));
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: this build cannot read HDF5; build on Linux with -DONCOLLIDE_HDF5=ON "
+                            "(Debian: libhdf5-dev), or use another format",
+                            path.string()));
 }
 
 } // namespace
@@ -50,9 +51,10 @@ void ResultsFile::close() {}
 
 void ResultsFile::fail()
 {
-    throw Error(ErrorKind::usage, fmt::format("{}: this build cannot write HDF5; install Debian's libhdf5-dev and "
-                                              "configure with -DONCOLLIDE_HDF5=ON, or use --csv",
-                                              name_));
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: this build cannot write HDF5; build on Linux with -DONCOLLIDE_HDF5=ON "
+                            "(Debian: libhdf5-dev), or use --csv",
+                            name_));
 }
 
 struct StoredResults::Open {};

@@ -8,10 +8,11 @@ namespace oncollide {
 HeightRaster read_with_gdal(const std::filesystem::path& path)
 {
     check_readable(path);
-    throw Error(ErrorKind::usage,
-                path.string() +
-                    ": this is a build without GDAL, which reads such files: install Debian's libgdal-dev, then "
-                    "configure with 'cmake --preset release -DONCOLLIDE_GDAL=ON' and build again");
+    throw Error(
+        ErrorKind::usage,
+        path.string() +
+            ": this is a build without GDAL, which reads such files; build on Linux with 'cmake --preset release "
+            "-DONCOLLIDE_GDAL=ON' (Debian: libgdal-dev), or convert the file to PGM or NPY");
 }
 
 } // namespace oncollide

@@ -8,10 +8,11 @@ namespace {
 
 [[noreturn]] void fail(const MeshSource& source)
 {
-    throw Error(ErrorKind::usage,
-                source.name +
-                    ": this is a build without the readers of COLLADA and 3MF: install Debian's libexpat1-dev "
-                    "and libzip-dev and configure with -DONCOLLIDE_XML=ON");
+    throw Error(
+        ErrorKind::usage,
+        source.name +
+            ": this is a build without the readers of COLLADA and 3MF; build on Linux with -DONCOLLIDE_XML=ON (Debian: "
+            "libexpat1-dev, libzip-dev), or export the file as glTF, OBJ or PLY");
 }
 
 } // namespace

@@ -291,7 +291,7 @@ void add_report_options(Arguments sub, ClashOptions* o)
     sub.add_option("--bcf-version 2.1|3.0", o->bcf_version, "version of BCF files (default 2.1)");
     sub.add_option("--view FILE.html", o->view,
                    "write a page in 3D: all parts, and the list of clashes that flies to each; .html reports link to "
-                   "it; needs Debian's libjs-three");
+                   "it; needs three.js (Debian: libjs-three)");
     add_view_limit(sub, o->view_limit);
     sub.add_option(
         "--group-by KEYS", o->group_by,

@@ -40,14 +40,16 @@ std::string build_flags()
     return ONCOLLIDE_BUILD_FLAGS;
 }
 
-std::string parts_built()
+std::string parts_text()
 {
-    return parts_that(true);
+    const std::string built = parts_that(true), without = parts_that(false);
+    if (without.empty()) return built;
+    return fmt::format("{}{}without {}", built, built.empty() ? "" : "; ", without);
 }
 
-std::string parts_left_out()
+bool has_gpu_backends()
 {
-    return parts_that(false);
+    return ONCOLLIDE_HAS_GL;
 }
 
 std::string instruction_sets_text()
@@ -60,10 +62,8 @@ std::string instruction_sets_text()
 
 std::string version_text()
 {
-    const std::string without = parts_left_out();
-    return fmt::format("{} {}\nbuild         {}, flags '{}'\nparts         {}{}\ninstructions  {}", program_name(),
-                       version, build_text(), build_flags(), parts_built(),
-                       without.empty() ? "" : fmt::format("; without {}", without), instruction_sets_text());
+    return fmt::format("{} {}\nbuild         {}, flags '{}'\nparts         {}\ninstructions  {}", program_name(),
+                       version, build_text(), build_flags(), parts_text(), instruction_sets_text());
 }
 
 } // namespace oncollide::tools

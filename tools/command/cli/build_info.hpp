@@ -7,10 +7,10 @@ namespace oncollide::tools {
 std::string build_text();
 /// The compiler's flags.
 std::string build_flags();
-/// The optional parts of the library that this build has: "GL, FCL, OctoMap, ..."; "" for none.
-std::string parts_built();
-/// The optional parts that this build lacks; "" for none.
-std::string parts_left_out();
+/// The optional parts of the library that this build has and lacks: "OpenGL, FCL, OctoMap; without GDAL, MPI".
+std::string parts_text();
+/// Whether this build has backends that run on a GPU.
+bool has_gpu_backends();
 /// The instruction sets of this processor for which hot code is compiled, and the one in use:
 /// "baseline, avx2, avx512 (in use: avx512)".
 std::string instruction_sets_text();

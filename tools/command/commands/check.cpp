@@ -318,8 +318,8 @@ void add_check(Arguments app)
     sub.add_option("--picture FILE.png", options->picture,
                    "with --self: draw the mesh with the triangles that meet in red, and the worst place close up");
     sub.add_option("--view FILE.html", options->view,
-                   "with --self: write the mesh as a page in 3D with the triangles that meet in red; needs Debian's "
-                   "libjs-three");
+                   "with --self: write the mesh as a page in 3D with the triangles that meet in red; needs three.js "
+                   "(Debian: libjs-three)");
     add_view_limit(sub, options->view_limit);
     sub.add_option("--distance", options->distance,
                    "also print the distance of two meshes or terrains as two bounds that differ by at most M metres; "

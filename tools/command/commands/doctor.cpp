@@ -135,12 +135,12 @@ void say_files(Findings& found)
         found.say("pages in 3D", missing.what());
     }
     const std::string zip = zip_version();
-    found.say("zip files",
-              zip.empty() ? "left out of this build (ONCOLLIDE_XML=OFF): no BCF, no 3MF" : "libzip " + zip);
+    found.say("zip files", zip.empty() ? "left out of this build (ONCOLLIDE_XML=OFF): no BCF, 3MF, COLLADA, URDF, MJCF"
+                                       : "libzip " + zip);
 #ifdef ONCOLLIDE_YAML_VERSION
     found.say("YAML files", "yaml-cpp " ONCOLLIDE_YAML_VERSION);
 #else
-    found.say("YAML files", "left out of this build (Debian's libyaml-cpp-dev)");
+    found.say("YAML files", "left out of this build (it needs yaml-cpp; Debian: libyaml-cpp-dev)");
 #endif
     say_loaded_libraries(found);
     for (const auto& [converter, what] : describe_converters()) found.say(converter, what);
@@ -207,12 +207,14 @@ int doctor(const DoctorOptions& options, std::string (*peers)())
     const auto say = [&](std::string_view topic, const std::string& what) { found.say(topic, what); };
     say("oncollide", std::string(version));
     say("build", build_text());
-    const std::string without = parts_left_out();
-    say("parts", parts_built() + (without.empty() ? "" : "; without " + without));
+    say("parts", parts_text());
     say("processor", processor_name());
     say("instructions", fmt::format("{}; backend: {}", instruction_sets_text(), backend));
     say_gpus(found);
-    say("backends", "cpu, gl, gl-compute: certified; gl-query, the paper's method: not certified, for comparison only");
+    say("backends",
+        has_gpu_backends()
+            ? "cpu, gl, gl-compute: certified; gl-query, the paper's method: not certified, for comparison only"
+            : "cpu: certified");
     say("threads", fmt::format("{} usable", hardware_threads()));
     say("data", data(options.data));
     const std::string expat = *ONCOLLIDE_EXPAT_VERSION ? ", Expat " ONCOLLIDE_EXPAT_VERSION : "";

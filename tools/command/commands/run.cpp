@@ -155,9 +155,9 @@ void add_run(Arguments app)
     sub.add_flag("--continuous", options->continuous,
                  "also find contacts on the way from frame to frame: each body moves in a straight line, and rotates "
                  "along the shorter arc, from each key of its motion to the next; meshes that deform are refused");
-    const Option view =
-        sub.add_option("--view FILE.html", options->view,
-                       "write one HTML page that shows the run in 3D, frame by frame; needs Debian's libjs-three");
+    const Option view = sub.add_option(
+        "--view FILE.html", options->view,
+        "write one HTML page that shows the run in 3D, frame by frame; needs three.js (Debian: libjs-three)");
     add_view_limit(sub, options->view_limit).needs(view);
     sub.add_option(
         "--pairs FILE.h5", options->outputs.pairs,

@@ -12,8 +12,9 @@ std::string zip_version()
 
 void check_zip(const std::string& option)
 {
-    throw Error(ErrorKind::usage, option + ": this is a build without libzip: install Debian's libexpat1-dev and "
-                                           "libzip-dev and configure with -DONCOLLIDE_XML=ON");
+    throw Error(ErrorKind::usage,
+                option + ": this is a build without libzip; build on Linux with -DONCOLLIDE_XML=ON (Debian: "
+                         "libexpat1-dev, libzip-dev)");
 }
 
 std::string zip_bytes(const std::vector<std::pair<std::string, std::string>>&, std::int64_t)

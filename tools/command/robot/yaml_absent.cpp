@@ -10,7 +10,7 @@ namespace {
 [[noreturn]] void fail(const std::string& path)
 {
     throw Error(ErrorKind::usage,
-                path + ": this build cannot read YAML; install Debian's libyaml-cpp-dev and configure again");
+                path + ": this build cannot read YAML; build on Linux with yaml-cpp (Debian: libyaml-cpp-dev)");
 }
 
 } // namespace

@@ -29,9 +29,11 @@ ThreeJs read_three_js()
     namespace fs = std::filesystem;
     const char* variable = std::getenv("ONCOLLIDE_THREE");
 #ifdef _WIN32 // its package brings three.js
-    const fs::path usual = program_folder().parent_path() / "share/oncollide/three";
+    const fs::path usual = program_folder().parent_path() / "share" / "oncollide" / "three";
+    constexpr const char* cure = "unpack the whole archive of oncollide, which holds three.js";
 #else
     const fs::path usual = "/usr/share/javascript/three";
+    constexpr const char* cure = "install Debian's package libjs-three";
 #endif
     const fs::path folder = variable && *variable ? fs::path(variable) : usual;
     const fs::path library = folder / "three.min.js", controls = folder / "examples/js/controls/OrbitControls.js";
@@ -39,10 +41,9 @@ ThreeJs read_three_js()
     for (const fs::path& file : {library, controls})
         if (!fs::is_regular_file(file, error))
             throw Error(ErrorKind::no_input,
-                        fmt::format("{}: not found; pages need three.js: install Debian's package libjs-three, or set "
-                                    "ONCOLLIDE_THREE to a folder that holds three.min.js (release 111) and "
-                                    "examples/js/controls/OrbitControls.js",
-                                    file.string()));
+                        fmt::format("{}: not found; pages need three.js: {}, or set ONCOLLIDE_THREE to a folder that "
+                                    "holds three.min.js (release 111) and examples/js/controls/OrbitControls.js",
+                                    file.string(), cure));
     return {folder.string(), std::string(page::three_licence_txt) + script_from(library), script_from(controls)};
 }
 

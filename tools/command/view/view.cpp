@@ -67,7 +67,7 @@ void add_view(Arguments app)
     auto o = std::make_shared<ViewOptions>();
     sub.add_option("results RESULTS.h5", o->results, "results file of 'oncollide run --pairs'").required();
     sub.add_option("scene SCENE.json|ASSEMBLY|NAME", o->scene, "scene of the run, if it has moved since");
-    sub.add_option("-o,--out PAGE.html", o->out, "page to write; needs Debian's libjs-three").required();
+    sub.add_option("-o,--out PAGE.html", o->out, "page to write; needs three.js (Debian: libjs-three)").required();
     sub.add_option("--from-frame N", o->from, "first frame to show (default: the first of the results)");
     sub.add_option("--to-frame N", o->to, "last frame to show (default: the last of the results)");
     add_view_limit(sub, o->limit);
