@@ -173,11 +173,10 @@ TEST(RayTree, GrowsUnderManyThreads)
     ObbTree alone(mesh), shared(mesh);
     RayTree tree(alone), of_all(shared);
     std::array<std::uint64_t, 4> sums{};
-    {
-        std::vector<std::jthread> threads;
-        for (std::size_t k = 0; k < sums.size(); ++k)
-            threads.emplace_back([&, k] { sums[k] = hits_of(of_all, 100 * k); });
-    }
+    std::vector<std::thread> threads;
+    for (std::size_t k = 0; k < sums.size(); ++k)
+        threads.emplace_back([&, k] { sums[k] = hits_of(of_all, 100 * k); });
+    for (std::thread& thread : threads) thread.join();
     for (std::size_t k = 0; k < sums.size(); ++k) EXPECT_EQ(sums[k], hits_of(tree, 100 * k));
     EXPECT_EQ(of_all.validate(), "");
 }
