@@ -17,7 +17,7 @@ export class Browser {
     browser.folder = mkdtempSync(join(tmpdir(), 'oncollide-browser-'));
     browser.process = spawn(chromium, ['--headless', '--no-sandbox', '--no-first-run', '--disable-background-networking', '--remote-debugging-pipe',
       '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--host-resolver-rules=MAP * ~NOTFOUND', `--user-data-dir=${browser.folder}`],
-    { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'] });
+    { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'], detached: true }); // a group of its own
     browser.process.stdio[4].on('data', (data) => browser.#take(String(data)));
     const { targetId } = await browser.send('Target.createTarget', { url: 'about:blank' });
     ({ sessionId: browser.session } = await browser.send('Target.attachToTarget', { targetId, flatten: true }));
@@ -70,8 +70,8 @@ export class Browser {
     return Buffer.from((await this.send('Page.captureScreenshot', { format: 'png' })).data, 'base64');
   }
   async close() {
-    this.process.kill('SIGKILL');
+    process.kill(-this.process.pid, 'SIGKILL'); // with its helpers, which write to the folder, too
     await new Promise((done) => this.process.on('close', done));
-    rmSync(this.folder, { recursive: true, force: true });
+    rmSync(this.folder, { recursive: true, force: true, maxRetries: 20, retryDelay: 100 });
   }
 }
