@@ -82,7 +82,9 @@ int expect_right(const std::vector<Case>& cases, const Decided& decided, bool so
         tests.start(*a, *b, b_to_a);
         const MeshWalkResult& result = decided.results[i];
         bool meets = result.verdict == MeshWalkVerdict::meets;
-        if (meets) EXPECT_TRUE(tests.meet({result.a, result.b})) << i;
+        if (meets) {
+            EXPECT_TRUE(tests.meet({result.a, result.b})) << i;
+        }
         bool listed_meets = false, any = false;
         for (const UnsureTriangles& u : decided.unsure) {
             if (u.pair != i) continue;
@@ -195,11 +197,15 @@ TEST(MeshWalks, LeaveTrianglesOpenThatAreNearEnough)
             const RelativePose b_to_a(cases[i].pose_a, cases[i].pose_b);
             const double distance = traversal.distance(knot.tree, knot.tree, b_to_a, 0).upper;
             EXPECT_NE(decided.results[i].verdict, MeshWalkVerdict::unsure);
-            if (decided.results[i].verdict == MeshWalkVerdict::meets) EXPECT_EQ(distance, 0);
+            if (decided.results[i].verdict == MeshWalkVerdict::meets) {
+                EXPECT_EQ(distance, 0);
+            }
             open += decided.results[i].verdict == MeshWalkVerdict::open;
             if (decided.results[i].verdict != MeshWalkVerdict::apart) continue;
             ++apart;
-            if (by_distance) EXPECT_GT(distance, 0.2);
+            if (by_distance) {
+                EXPECT_GT(distance, 0.2);
+            }
         }
         EXPECT_GT(apart, 5);
         EXPECT_GT(open, 5);

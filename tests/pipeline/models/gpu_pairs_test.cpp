@@ -142,7 +142,9 @@ TEST(GpuPairs, DecideColumnsOfPosesAsTheCpuDoes)
     for (std::size_t i = 0; i < count; ++i) {
         EXPECT_EQ(found[1][i].verdict, found[0][i].verdict) << i;
         met += found[1][i].verdict == Verdict::colliding;
-        if (found[1][i].verdict == Verdict::separate) EXPECT_GT(found[1][i].bound, 0) << i;
+        if (found[1][i].verdict == Verdict::separate) {
+            EXPECT_GT(found[1][i].bound, 0) << i;
+        }
     }
     EXPECT_GT(met, count / 10);
     EXPECT_LT(met, count / 2);
