@@ -71,11 +71,12 @@ BodyForm moved_form(BodyForm form, const char* name, const Isometry3d& motion)
 void find_truth(BodyForm& form)
 {
     const TruthModel a(form.a), b(form.b);
-    const auto fcl_a = make_fcl_model(form.a), fcl_b = make_fcl_model(form.b);
+    const bool with_fcl = fcl_available();
+    const auto fcl_a = with_fcl ? make_fcl_model(form.a) : nullptr, fcl_b = with_fcl ? make_fcl_model(form.b) : nullptr;
     for (std::size_t k = 0; k < form.poses_b.size(); ++k) {
         const Isometry3d &at_a = form.poses_a[k], &at_b = form.poses_b[k];
         PairTruth& truth = form.truths.emplace_back(truth_of(a, at_a, b, at_b));
-        truth.fcl_collide = fcl_collides(*fcl_a, Isometry3d::Identity(), *fcl_b, between(at_a, at_b));
+        if (with_fcl) truth.fcl_collide = fcl_collides(*fcl_a, Isometry3d::Identity(), *fcl_b, between(at_a, at_b));
     }
 }
 

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <oncollide/narrowphase/fcl/exact_fcl.hpp>
+
 #include "verify/trials/hard_trials.hpp"
 
 namespace oncollide::tools {
@@ -104,6 +106,8 @@ std::vector<Variant> all_variants()
 {
     std::vector<Variant> all;
     add_sets_of_stages(all), add_other_settings(all), add_clearances(all), add_solids(all), add_kinds(all);
+    if (!fcl_available())
+        std::erase_if(all, [](const Variant& v) { return exact_level(v.settings) == ExactLevel::fcl; });
     return all;
 }
 

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/narrowphase/fcl/exact_fcl.hpp>
 #include <oncollide/pipeline/world.hpp>
 
 #include "truth/judge.hpp"
@@ -64,7 +65,7 @@ void try_pair(const PlacedBody& a, const PlacedBody& b, const PairTruth& given, 
         tally.fault(&Tally::changed, fmt::format("in the other order: {}", what));
     run({.bounding_volume = BoundingVolume::obb}, "boxes");
     run({.depth = 5, .bounding_volume = BoundingVolume::sphere}, "spheres");
-    if (!truth.uncertain) run({.exact = ExactLevel::fcl}, "fcl");
+    if (!truth.uncertain && fcl_available()) run({.exact = ExactLevel::fcl}, "fcl");
 }
 
 } // namespace oncollide::tools
