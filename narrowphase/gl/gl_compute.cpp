@@ -70,12 +70,12 @@ public:
     {
         context_.use();
         if (trees_.size() <= tree) trees_.resize(tree + 1);
-        const std::size_t first = primitives_.add(surface.primitives);
+        const std::optional<std::size_t> first = primitives_.add(surface.primitives);
         context_.check("the upload of a surface");
         trees_[tree].emplace(Tree{surface.root,
                                   surface.boxes,
-                                  first != PrimitiveStore::no_room,
-                                  first,
+                                  first.has_value(),
+                                  first.value_or(0),
                                   surface.primitives.size(),
                                   surface.inside,
                                   {}});
@@ -87,7 +87,7 @@ public:
         if (!attached(tree)) return;
         Tree& t = *trees_[tree];
         if (!t.on_gpu) oversize_->detach(tree);
-        if (t.on_gpu) primitives_.remove(t.first, std::max<std::size_t>(t.count, 1));
+        if (t.on_gpu) primitives_.remove(t.first, t.count);
         for (ListId list : t.lists) lists_.release(list);
         trees_[tree].reset();
     }

@@ -1,30 +1,31 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
-#include <map>
+#include <optional>
 #include <span>
 
-#include <oncollide/narrowphase/gl/resources.hpp>
+#include <oncollide/narrowphase/gl/heap.hpp>
 #include <oncollide/narrowphase/spheres/primitive.hpp>
 
 namespace oncollide::gl {
 
-/// The primitives of all surfaces in one buffer. First-fit allocation; a freed range merges with its neighbours.
+/// The primitives of all surfaces in one buffer.
 class PrimitiveStore {
 public:
-    explicit PrimitiveStore(std::size_t most_bytes) : most_(most_bytes) {}
+    explicit PrimitiveStore(std::size_t most_bytes) : heap_(sizeof(Primitive), most_bytes) {}
 
-    static constexpr std::size_t no_room = ~std::size_t{0};
-    /// Uploads a surface. Returns the number of its first primitive, or no_room.
-    std::size_t add(std::span<const Primitive> primitives);
-    void remove(std::size_t first, std::size_t count);
-    const Buffer& buffer() const { return buffer_; }
-    std::size_t bytes() const { return used_ * sizeof(Primitive); }
+    /// Uploads a surface. Returns the number of its first primitive; none: there is no room.
+    std::optional<std::size_t> add(std::span<const Primitive> primitives);
+    /// @param count  as many as were added
+    void remove(std::size_t first, std::size_t count) { heap_.remove(first, room_for(count)); }
+    const Buffer& buffer() const { return heap_.buffer(); }
+    std::size_t bytes() const { return heap_.bytes(); }
 
 private:
-    std::size_t most_;
-    Buffer buffer_;
-    std::size_t used_ = 0;                    ///< primitives
-    std::map<std::size_t, std::size_t> free_; ///< first -> count
+    /// A surface without primitives has a place, too.
+    static std::size_t room_for(std::size_t count) { return std::max<std::size_t>(count, 1); }
+
+    Heap heap_; ///< units: primitives
 };
 
 } // namespace oncollide::gl

@@ -5,7 +5,7 @@
 #include <unordered_set>
 #include <vector>
 
-#include <oncollide/narrowphase/gl/walk/heap.hpp>
+#include <oncollide/narrowphase/gl/heap.hpp>
 #include <oncollide/narrowphase/gl/walk/walk_layout.hpp>
 #include <oncollide/narrowphase/obb/obb_tree.hpp>
 

@@ -1,10 +1,10 @@
-#include <oncollide/narrowphase/gl/walk/heap.hpp>
+#include <oncollide/narrowphase/gl/heap.hpp>
 
 #include <algorithm>
 #include <bit>
 #include <iterator>
 
-namespace oncollide::gl::walk {
+namespace oncollide::gl {
 
 std::optional<std::size_t> Heap::add(std::size_t count)
 {
@@ -25,7 +25,7 @@ std::optional<std::size_t> Heap::add(std::size_t count)
 
 bool Heap::enlarge(std::size_t count)
 {
-    const std::size_t room = std::min(std::max(std::bit_ceil(room_ + count), std::size_t{1} << 14), most_);
+    const std::size_t room = std::min(std::max(std::bit_ceil(room_ + count), std::size_t{4096}), most_);
     if (room < room_ + count) return false;
     Buffer larger(room * unit_, 0);
     if (room_ > 0)
@@ -55,4 +55,4 @@ void Heap::remove(std::size_t first, std::size_t count)
     free_.emplace(first, count);
 }
 
-} // namespace oncollide::gl::walk
+} // namespace oncollide::gl

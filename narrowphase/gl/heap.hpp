@@ -5,7 +5,7 @@
 
 #include <oncollide/narrowphase/gl/resources.hpp>
 
-namespace oncollide::gl::walk {
+namespace oncollide::gl {
 
 /// A buffer of which ranges are in use. First-fit allocation; a freed range merges with its neighbours. Ranges keep
 /// their place and content when the buffer grows.
@@ -29,4 +29,4 @@ private:
     std::map<std::size_t, std::size_t> free_; ///< first -> count
 };
 
-} // namespace oncollide::gl::walk
+} // namespace oncollide::gl
