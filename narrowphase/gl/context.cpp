@@ -157,21 +157,32 @@ EGLContext create(EGLDisplay display, const std::string& platform, bool& robust)
         if (!eglChooseConfig(display, wanted, &config, 1, &count) || count < 1)
             fail(fmt::format("{}: no configuration for OpenGL ({})", platform, egl_error()));
     }
-    for (const bool with_reset : {true, false}) {
-        const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
-                                     4,
-                                     EGL_CONTEXT_MINOR_VERSION,
-                                     5,
-                                     EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                     EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                     with_reset ? EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY : EGL_NONE,
-                                     EGL_LOSE_CONTEXT_ON_RESET,
-                                     EGL_NONE};
-        const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes);
-        robust = with_reset;
-        if (context != EGL_NO_CONTEXT) return context;
-    }
-    fail(fmt::format("{}: no OpenGL 4.5 core context ({})", platform, egl_error()));
+    for (const EGLint minor : {5, 3})
+        for (const bool with_reset : {true, false}) {
+            const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                                         4,
+                                         EGL_CONTEXT_MINOR_VERSION,
+                                         minor,
+                                         EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                         EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                         with_reset ? EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY : EGL_NONE,
+                                         EGL_LOSE_CONTEXT_ON_RESET,
+                                         EGL_NONE};
+            const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes);
+            robust = with_reset;
+            if (context != EGL_NO_CONTEXT) return context;
+        }
+    fail(fmt::format("{}: no OpenGL 4.3 core context ({})", platform, egl_error()));
+}
+
+/// Parts of OpenGL 4.4 and 4.5 that the code uses; most drivers of 4.3 have them.
+void need_extensions(const std::string& platform)
+{
+    if (epoxy_gl_version() >= 45) return;
+    for (const char* name : {"GL_ARB_buffer_storage", "GL_ARB_direct_state_access"})
+        if (!epoxy_has_gl_extension(name))
+            fail(fmt::format("{}: OpenGL {}.{} without {}", platform, epoxy_gl_version() / 10, epoxy_gl_version() % 10,
+                             name));
 }
 
 std::string text(GLenum name)
@@ -199,8 +210,10 @@ Context::Context(int gpu)
     display_ = open_display(chosen);
     context_ = create(display_, chosen.device.platform, robust_);
     use();
+    need_extensions(chosen.device.platform);
     info_.renderer = text(GL_RENDERER), info_.vendor = text(GL_VENDOR), info_.version = text(GL_VERSION);
     info_.platform = chosen.device.platform;
+    if (epoxy_gl_version() < 45 && !epoxy_has_gl_extension("GL_KHR_robustness")) robust_ = false; // no status of resets
     info_.software = is_software(info_.renderer);
     info_.start_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();
 }

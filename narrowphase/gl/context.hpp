@@ -9,7 +9,8 @@
 
 namespace oncollide::gl {
 
-/// An OpenGL 4.5 core context without a display or a window. Belongs to the thread that made it.
+/// An OpenGL core context without a display or a window: 4.5, or 4.3 with the extensions for buffers that are mapped
+/// while in use and for objects that are changed without binding them. Belongs to the thread that made it.
 class Context {
 public:
     /// @param gpu  the device, as for describe_gpu()

@@ -7,7 +7,7 @@ namespace {
 // An octant and its view volume have the same centre, so clip coordinates are the octant's coordinates, and the view
 // along an axis is a permutation that puts this axis last. Seen from the opposite side or mirrored, the mesh covers the
 // same number of pixels.
-constexpr const char* vertex_shader = R"(#version 450 core
+constexpr const char* vertex_shader = R"(#version 430 core
 layout(location = 0) in vec3 position;
 layout(location = 0) uniform vec3 centre;
 layout(location = 1) uniform vec3 half_extents;
@@ -18,7 +18,7 @@ void main()
     gl_Position = vec4(axis == 0 ? p.yzx : axis == 1 ? p.zxy : p, 1.0);
 }
 )";
-constexpr const char* fragment_shader = "#version 450 core\nvoid main() {}\n";
+constexpr const char* fragment_shader = "#version 430 core\nvoid main() {}\n";
 
 } // namespace
 

@@ -4,7 +4,7 @@ namespace oncollide::gl {
 
 namespace {
 
-constexpr const char* prelude = R"(#version 450 core
+constexpr const char* prelude = R"(#version 430 core
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Primitives { vec4 primitives[]; };
 layout(std430, binding = 1) buffer Entries { uint entries[]; };

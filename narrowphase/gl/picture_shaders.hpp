@@ -4,7 +4,7 @@
 namespace oncollide::gl {
 
 /// `n` must face the eye. The first light comes over the left shoulder, the second lifts the shadows from the right.
-inline constexpr const char* shading = R"(#version 450 core
+inline constexpr const char* shading = R"(#version 430 core
 vec3 shade(vec3 base, vec3 n)
 {
     float key = max(dot(n, normalize(vec3(-0.45, 0.75, 0.65))), 0.0);
@@ -13,7 +13,7 @@ vec3 shade(vec3 base, vec3 n)
 }
 )";
 
-inline constexpr const char* mesh_vertex = R"(#version 450 core
+inline constexpr const char* mesh_vertex = R"(#version 430 core
 layout(location = 0) uniform mat4 to_view;
 layout(location = 1) uniform mat4 projection;
 layout(location = 0) in vec3 position;
@@ -43,7 +43,7 @@ void main()
 )";
 
 /// A rectangle around a line, with the line's width, extended by half of it at each end.
-inline constexpr const char* line_vertex = R"(#version 450 core
+inline constexpr const char* line_vertex = R"(#version 430 core
 layout(location = 1) uniform mat4 projection;
 layout(location = 2) uniform vec2 half_picture; // pixels
 layout(location = 0) in vec3 from;
@@ -64,7 +64,7 @@ void main()
 }
 )";
 
-inline constexpr const char* line_fragment = R"(#version 450 core
+inline constexpr const char* line_fragment = R"(#version 430 core
 flat in vec4 colour;
 out vec4 pixel;
 void main()
@@ -74,7 +74,7 @@ void main()
 )";
 
 /// A square that faces the eye and covers the sphere's outline, which in perspective is wider than the sphere.
-inline constexpr const char* ball_vertex = R"(#version 450 core
+inline constexpr const char* ball_vertex = R"(#version 430 core
 layout(location = 1) uniform mat4 projection;
 layout(location = 0) in vec4 ball; // centre, radius
 layout(location = 1) in vec4 tint;

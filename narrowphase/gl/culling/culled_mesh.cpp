@@ -8,7 +8,7 @@ namespace oncollide::gl {
 
 namespace {
 
-constexpr const char* culling_vertices = R"(#version 450 core
+constexpr const char* culling_vertices = R"(#version 430 core
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 outward;
 layout(location = 0) uniform mat3 linear;
@@ -21,7 +21,7 @@ void main()
     gl_Position = vec4(axis == 0 ? p.yzx : axis == 1 ? p.zxy : p, 1.0);
 }
 )";
-constexpr const char* culling_fragments = "#version 450 core\nvoid main() {}\n";
+constexpr const char* culling_fragments = "#version 430 core\nvoid main() {}\n";
 
 /// Coordinates are relative to the centre of the mesh's bounds, in units of their largest half-extent.
 struct Vertex {
