@@ -11,7 +11,7 @@ namespace oncollide {
 GpuPairs::GpuPairs(const MeshWalkOptions& options) : worth_pairs_(std::max<std::size_t>(options.worth_pairs, 1))
 {
     try {
-        walks_ = make_mesh_walks(options);
+        walks_ = options.make ? options.make() : make_mesh_walks(options);
         renderer_ = walks_->info().renderer;
     } catch (const Error& error) {
         if (error.kind() != ErrorKind::no_gpu) throw;

@@ -1,10 +1,37 @@
 #pragma once
+#include <chrono>
 #include <memory>
 #include <string>
 
 #include <oncollide/narrowphase/gl/walk/mesh_walks.hpp>
 
 namespace oncollide {
+
+/// The CPU's part of the work with the GPU so far (ms), by stage.
+struct GpuHostTimes {
+    double tasks_ms = 0;     ///< reads columns of poses; on all threads
+    double sort_ms = 0;      ///< divides the pairs between the CPU's memory of them and walks; on all threads
+    double trees_ms = 0;     ///< finds the trees, and stages their new nodes
+    double fill_ms = 0;      ///< writes the pairs; on all threads
+    double submit_ms = 0;    ///< OpenGL's calls
+    double meanwhile_ms = 0; ///< refines the CPU's own pairs and grows boxes, while the GPU works; on all threads
+    double take_ms = 0;      ///< takes the results, and tests triangles that are not certain; on all threads
+    double rest_ms = 0;      ///< refines pairs that the GPU left open, after the batches
+};
+
+/// Adds the time until its end to a stage.
+class GpuStage {
+public:
+    explicit GpuStage(double& ms) : ms_(ms) {}
+    ~GpuStage() { ms_ += std::chrono::duration<double, std::milli>(Clock::now() - from_).count(); }
+    GpuStage(const GpuStage&) = delete;
+    GpuStage& operator=(const GpuStage&) = delete;
+
+private:
+    using Clock = std::chrono::steady_clock;
+    double& ms_;
+    Clock::time_point from_ = Clock::now();
+};
 
 /// The GPU that decides pairs of meshes, while it works. Where it does not, note() gives the reason and the CPU
 /// decides.
@@ -23,11 +50,13 @@ public:
     std::string name() const;
     std::string renderer() const { return renderer_; }
     MeshWalkCounts counts() const { return walks_ ? walks_->counts() : last_; }
+    GpuHostTimes& host() { return host_; }
 
 private:
     std::unique_ptr<MeshWalks> walks_;
     std::size_t worth_pairs_;
     MeshWalkCounts last_;
+    GpuHostTimes host_;
     std::string note_, renderer_;
 };
 

@@ -23,7 +23,7 @@ bool on_gpu(const Model& model)
     return model.kind() == Kind::mesh && !model.file() && model.obb_tree() && !model.obb_tree()->deformed();
 }
 
-constexpr std::size_t pairs_at_once = 512;
+constexpr std::size_t pairs_at_once = 256;
 constexpr std::size_t prefetched_ahead = 8; ///< pairs whose memory is prefetched
 
 float rounded_up(double x)
@@ -36,198 +36,242 @@ float rounded_up(double x)
 void GpuRefiner::refine(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
                         std::span<Finding> results)
 {
-    if (!gpu_ || !gpu_->walks() || wants_kinds(context.settings) || context.stopped())
+    const Call call{context, tasks, cache, results};
+    if (!gpu_ || !gpu_->walks() || wants_kinds(context.settings) || context.stopped() ||
+        find_walks(call) < gpu_->worth_pairs())
         return cpu_.refine(context, tasks, cache, results);
-    sort(context, tasks, cache);
-    if (mine_.size() < gpu_->worth_pairs()) return cpu_.refine(context, tasks, cache, results);
-    run_batches(context, tasks, cache, results);
-}
-
-/// Divides the tasks between the GPU and the CPU.
-void GpuRefiner::sort(const RefineContext& context, std::span<const PairTask> tasks, PairCache* cache)
-{
-    walks_.resize(tasks.size());
-    parallel_chunks(tasks.size(), pairs_at_once, context.threads, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t i = begin; i < end; ++i) {
-            if (cache && i + prefetched_ahead < end) prefetch_all_of((*cache)[tasks[i + prefetched_ahead].number]);
-            const PairTask& task = tasks[i];
-            walks_[i] = on_gpu(*task.a) && on_gpu(*task.b) &&
-                        cpu_.needs_walk(context, task, cache ? &(*cache)[task.number] : nullptr);
-        }
-    });
-    mine_.clear(), rest_.clear();
-    for (std::uint32_t i = 0; i < tasks.size(); ++i) (walks_[i] ? mine_ : rest_).push_back(i);
-}
-
-void GpuRefiner::run_batches(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-                             std::span<Finding> results)
-{
-    std::size_t next = 0; // of mine_; the pairs before it are decided or in open_
-    open_.clear();
     try {
-        gpu_->walks()->drop_unused(context.frame > kept_frames ? context.frame - kept_frames : 0);
-        while (next < mine_.size() && !context.stopped()) batch(context, tasks, cache, results, next);
+        divide(call);
+    } catch (const Error& error) {
+        if (error.kind() != ErrorKind::no_gpu) throw;
+        gpu_->lose(error.what());
+        return cpu_.refine(context, tasks, cache, results);
+    }
+    run_batches(call);
+}
+
+/// Sets walks_ and trees_. Returns the number of pairs that the GPU would decide.
+std::size_t GpuRefiner::find_walks(const Call& call)
+{
+    const GpuStage stage(gpu_->host().sort_ms);
+    walks_.resize(call.tasks.size()), trees_.resize(call.tasks.size());
+    parallel_chunks(call.tasks.size(), pairs_at_once, call.context.threads,
+                    [&](std::size_t begin, std::size_t end, int) {
+                        for (std::size_t i = begin; i < end; ++i) {
+                            if (call.cache && i + prefetched_ahead < end)
+                                prefetch_all_of(*call.memory_of(call.tasks[i + prefetched_ahead]));
+                            const PairTask& task = call.tasks[i];
+                            walks_[i] = on_gpu(*task.a) && on_gpu(*task.b) &&
+                                        cpu_.needs_walk(call.context, task, call.memory_of(task));
+                            trees_[i] = {task.a->number(), task.b->number()};
+                        }
+                    });
+    return static_cast<std::size_t>(std::ranges::count(walks_, 1));
+}
+
+/// Brings trees to the GPU, and divides the tasks between the GPU and the CPU.
+void GpuRefiner::divide(const Call& call)
+{
+    const GpuStage stage(gpu_->host().trees_ms);
+    MeshWalks& walks = *gpu_->walks();
+    const std::uint32_t frame = call.context.frame;
+    walks.drop_unused(frame > kept_frames ? frame - kept_frames : 0);
+    held_.begin();
+    mine_.clear(), rest_.clear(), open_.clear();
+    for (std::uint32_t i = 0; i < call.tasks.size(); ++i) {
+        if (!walks_[i]) {
+            rest_.push_back(i);
+            continue;
+        }
+        const std::uint32_t a = held_.hold(walks, trees_[i][0], call.tasks[i].a, frame),
+                            b = held_.hold(walks, trees_[i][1], call.tasks[i].b, frame);
+        trees_[i] = {a, b};
+        (a != GpuTrees::none && b != GpuTrees::none ? mine_ : rest_).push_back(i);
+    }
+}
+
+/// Keeps two batches under way while there are pairs.
+void GpuRefiner::run_batches(const Call& call)
+{
+    RefineContext& context = call.context;
+    GpuHostTimes& host = gpu_->host();
+    std::size_t submitted = 0, taken = 0; // of mine_; the pairs before `taken` are decided or in open_
+    const auto next = [&](std::size_t from) {
+        return std::span(mine_).subspan(from, std::min(MeshWalks::most_pairs, mine_.size() - from));
+    };
+    std::vector<Round> rounds;
+    try {
+        MeshWalks& walks = *gpu_->walks();
+        for (;;) {
+            while (submitted < mine_.size() && submitted - taken <= MeshWalks::most_pairs && !context.stopped()) {
+                const auto which = next(submitted);
+                fill(call, which, walks.begin(which.size()));
+                const GpuStage stage(host.submit_ms);
+                rounds.push_back({});
+                rounds.back().submitted_ms = context.clock_ms();
+                walks.submit(context.settings.clearance > 0);
+                submitted += which.size();
+            }
+            if (taken == submitted) break;
+            {
+                const GpuStage stage(host.meanwhile_ms);
+                refine_on_cpu(call, rest_);
+                rest_.clear();
+                held_.grow_missed(context.threads);
+            }
+            const auto which = next(taken);
+            take_batch(call, which, rounds[taken / MeshWalks::most_pairs]);
+            taken += which.size();
+        }
     } catch (const Error& error) {
         if (error.kind() != ErrorKind::no_gpu) throw;
         gpu_->lose(error.what());
     }
-    if (!context.stopped())
-        for (; next < mine_.size(); ++next) open_.push_back(mine_[next]);
-    if (!rest_.empty()) refine_on_cpu(context, tasks, cache, results, rest_);
-    std::ranges::sort(open_);
-    refine_on_cpu(context, tasks, cache, results, open_);
+    rounds.resize((taken + MeshWalks::most_pairs - 1) / MeshWalks::most_pairs);
+    context.rounds.insert(context.rounds.end(), rounds.begin(), rounds.end());
+    if (!context.stopped()) open_.insert(open_.end(), mine_.begin() + std::ptrdiff_t(taken), mine_.end());
+    const GpuStage stage(host.rest_ms);
+    refine_on_cpu(call, rest_);
+    refine_on_cpu(call, open_);
 }
 
-/// Runs the pairs from `next` on, up to the size of a batch, and moves `next` behind them once they are decided or
-/// open.
-void GpuRefiner::batch(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-                       std::span<Finding> results, std::size_t& next)
+/// Writes the pairs of tasks, each at its place in the batch.
+void GpuRefiner::fill(const Call& call, std::span<const std::uint32_t> which, std::span<MeshWalkPair> pairs) const
 {
+    const GpuStage stage(gpu_->host().fill_ms);
+    parallel_chunks(which.size(), pairs_at_once, call.context.threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i + prefetched_ahead < end) {
+                const PairTask& later = call.tasks[which[i + prefetched_ahead]];
+                prefetch_all_of(*later.pose_a), prefetch_all_of(*later.pose_b);
+                if (call.cache) prefetch(&call.memory_of(later)->met, sizeof(bool) + sizeof(TrianglePair));
+            }
+            pairs[i] = pair_of(call, which[i]);
+        }
+    });
+}
+
+MeshWalkPair GpuRefiner::pair_of(const Call& call, std::uint32_t number) const
+{
+    const PairTask& task = call.tasks[number];
+    MeshWalkPair pair(RelativePose(*task.pose_a, *task.pose_b), trees_[number][0], trees_[number][1]);
+    if (const double enough = cpu_.open_within(call.context, task); enough > 0) pair.enough = rounded_up(enough);
+    const PairMemory* const memory = call.memory_of(task);
+    if (memory && memory->met && call.context.settings.coherence) {
+        const auto& [of_a, of_b] = memory->triangles;
+        if (of_a < task.a->triangles() && of_b < task.b->triangles()) pair.hint_a = of_a, pair.hint_b = of_b;
+    }
+    return pair;
+}
+
+/// Waits for a batch of these tasks, and sets their results or adds them to open_.
+void GpuRefiner::take_batch(const Call& call, std::span<const std::uint32_t> which, Round& round)
+{
+    RefineContext& context = call.context;
     MeshWalks& walks = *gpu_->walks();
-    const std::size_t end = std::min(next + MeshWalks::most_pairs, mine_.size());
-    poses_.clear(2 * (end - next)), pairs_.clear(), in_batch_.clear(), trees_.clear(), held_.fill({});
-    std::vector<std::uint32_t> without_tree;
-    for (std::size_t k = next; k < end; ++k) {
-        const PairTask& task = tasks[mine_[k]];
-        const std::size_t before = pairs_.size();
-        add(context, task, cache ? &(*cache)[task.number] : nullptr, mine_[k]);
-        if (pairs_.size() == before) without_tree.push_back(mine_[k]);
-    }
-    Round round;
-    const MeshWalkCounts before = walks.counts();
-    round.submitted_ms = context.clock_ms();
-    walks.submit(poses_.poses(), pairs_, context.settings.clearance > 0);
-    if (!rest_.empty()) { // meanwhile
-        refine_on_cpu(context, tasks, cache, results, rest_);
-        rest_.clear();
-    }
     round.waited_ms = context.clock_ms();
     const std::span<const MeshWalkResult> found = walks.collect();
     round.done_ms = context.clock_ms();
-    unsure_.assign(walks.unsure().begin(), walks.unsure().end());
-    const MeshWalkCounts now = walks.counts();
-    parallel_chunks(found.size(), pairs_at_once, context.threads, [&](std::size_t from, std::size_t to, int) {
-        for (std::size_t i = from; i < to; ++i) {
-            if (cache && i + prefetched_ahead < to)
-                prefetch_all_of((*cache)[tasks[in_batch_[i + prefetched_ahead]].number]);
-            const PairTask& task = tasks[in_batch_[i]];
-            take(context, task, cache ? &(*cache)[task.number] : nullptr, found[i], results[in_batch_[i]]);
+    const GpuStage stage(gpu_->host().take_ms);
+    held_.miss(walks.wanted());
+    parallel_chunks(found.size(), pairs_at_once, context.threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (call.cache && i + prefetched_ahead < end)
+                prefetch_all_of(*call.memory_of(call.tasks[which[i + prefetched_ahead]]));
+            take(call, which[i], found[i]);
         }
     });
-    for (std::size_t i = 0; i < found.size(); ++i)
-        if (found[i].verdict == MeshWalkVerdict::open) open_.push_back(in_batch_[i]);
-    decide_unsure(context, tasks, cache, found, results);
-    grow_wanted();
-    open_.insert(open_.end(), without_tree.begin(), without_tree.end());
-    next = end;
-
-    round.rows = pairs_.size(), round.gpu_ms = now.gpu_ms() - before.gpu_ms(),
-    round.wait_ms = now.wait_ms - before.wait_ms;
-    round.bytes =
-        now.bytes_up + now.bytes_down + now.tree_bytes - before.bytes_up - before.bytes_down - before.tree_bytes;
-    context.rounds.push_back(round);
-    TreeStats& trees = context.trees;
-    trees.narrowed += static_cast<std::uint64_t>(
-        std::ranges::count_if(found, [](const MeshWalkResult& r) { return r.verdict != MeshWalkVerdict::open; }));
-    trees.gpu_bytes += round.bytes;
-    trees.node_pairs += now.box_rows - before.box_rows,
-        trees.triangle_pairs += now.triangle_pairs - before.triangle_pairs;
-}
-
-/// Adds a pair to the batch, if both trees are on the GPU.
-void GpuRefiner::add(const RefineContext& context, const PairTask& task, PairMemory* memory, std::uint32_t number)
-{
-    const auto row = [&](unsigned side, const Model& model, const Eigen::Isometry3d& pose) {
-        return poses_.row(side, &model, pose, [&] {
-            HeldModel& held = held_[model.number() % held_.size()]; // of this batch
-            if (held.model == &model) return held.tree;
-            const auto tree = gpu_->walks()->hold(*model.obb_tree(), context.frame);
-            if (tree && trees_.size() <= *tree) trees_.resize(*tree + std::size_t{1});
-            if (tree) trees_[*tree] = model.obb_tree();
-            held = {&model, tree};
-            return tree;
-        });
-    };
-    const PoseTable::Row a = row(0, *task.a, *task.pose_a), b = row(1, *task.b, *task.pose_b);
-    if (!a.tree || !b.tree) return;
-    MeshWalkPair added{a.pose, b.pose, *a.tree, *b.tree};
-    if (const double enough = cpu_.open_within(context, task); enough > 0) added.enough = rounded_up(enough);
-    if (memory && memory->met && context.settings.coherence) {
-        const auto& [of_a, of_b] = memory->triangles;
-        if (of_a < task.a->triangles() && of_b < task.b->triangles()) added.hint_a = of_a, added.hint_b = of_b;
+    decide_unsure(call, which, found);
+    std::uint64_t decided = found.size();
+    std::size_t listed = 0; // in begins_
+    for (std::uint32_t i = 0; i < found.size(); ++i) {
+        if (found[i].verdict() != MeshWalkVerdict::open) continue;
+        --decided;
+        while (listed < settled_.size() && unsure_[begins_[listed]].pair < i) ++listed;
+        const bool settled = listed < settled_.size() && unsure_[begins_[listed]].pair == i && settled_[listed];
+        if (!settled) open_.push_back(which[i]);
     }
-    pairs_.push_back(added), in_batch_.push_back(number);
+    const MeshWalkCounts& counts = walks.batch();
+    round.rows = found.size(), round.gpu_ms = counts.gpu_ms(), round.wait_ms = counts.wait_ms;
+    round.bytes = counts.bytes_up + counts.bytes_down + counts.tree_bytes;
+    context.trees.narrowed += decided, context.trees.gpu_bytes += round.bytes;
+    context.trees.node_pairs += counts.box_rows, context.trees.triangle_pairs += counts.triangle_pairs;
 }
 
 /// Sets the result of a pair, unless it is open.
-void GpuRefiner::take(const RefineContext& context, const PairTask& task, PairMemory* memory,
-                      const MeshWalkResult& found, Finding& result) const
+void GpuRefiner::take(const Call& call, std::uint32_t number, const MeshWalkResult& found) const
 {
-    switch (found.verdict) {
+    const PairTask& task = call.tasks[number];
+    Finding& result = call.results[number];
+    switch (found.verdict()) {
     case MeshWalkVerdict::open:
-        return;
     case MeshWalkVerdict::unsure: // decide_unsure() ends it
-        result = {Verdict::separate, ContactKind::unknown, double(found.bound)};
         return;
     case MeshWalkVerdict::meets:
-        result = cpu_.end_walk(context, task, memory, TrianglePair{found.a, found.b}, 0);
+        result = cpu_.end_walk(call.context, task, call.memory_of(task), TrianglePair{found.a, found.b}, 0);
         return;
     case MeshWalkVerdict::apart:
-        result = cpu_.end_walk(context, task, memory, {}, double(found.bound));
+        result = cpu_.end_walk(call.context, task, call.memory_of(task), {}, double(found.bound));
         return;
     }
 }
 
-/// Decides the pairs of which only some pairs of triangles are left, by exact predicates.
-void GpuRefiner::decide_unsure(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-                               std::span<const MeshWalkResult> found, std::span<Finding> results)
+/// Tests the triangles that are not certain by exact predicates. Decides the pairs of which only these are left, and
+/// open pairs of which two of them meet.
+void GpuRefiner::decide_unsure(const Call& call, std::span<const std::uint32_t> which,
+                               std::span<const MeshWalkResult> found)
 {
-    std::erase_if(unsure_, [&](const UnsureTriangles& u) { return found[u.pair].verdict != MeshWalkVerdict::unsure; });
+    const std::span<const UnsureTriangles> listed = gpu_->walks()->unsure();
+    unsure_.clear(), begins_.clear();
+    std::ranges::copy_if(listed, std::back_inserter(unsure_),
+                         [&](const UnsureTriangles& u) { return found[u.pair].verdict() != MeshWalkVerdict::meets; });
     std::ranges::sort(unsure_, {}, [](const UnsureTriangles& u) { return std::array{u.pair, u.a, u.b}; });
-    std::vector<std::size_t> begins;
     for (std::size_t i = 0; i < unsure_.size(); ++i)
-        if (i == 0 || unsure_[i].pair != unsure_[i - 1].pair) begins.push_back(i);
-    begins.push_back(unsure_.size());
-    parallel_chunks(begins.size() - 1, 8, context.threads, [&](std::size_t first, std::size_t last, int) {
+        if (i == 0 || unsure_[i].pair != unsure_[i - 1].pair) begins_.push_back(i);
+    settled_.assign(begins_.size(), 0);
+    begins_.push_back(unsure_.size());
+    parallel_chunks(settled_.size(), 8, call.context.threads, [&](std::size_t first, std::size_t last, int) {
         TriangleTests tests;
-        std::vector<TrianglePair> triangles;
         for (std::size_t k = first; k < last; ++k) {
-            const std::uint32_t number = in_batch_[unsure_[begins[k]].pair];
-            const PairTask& task = tasks[number];
-            triangles.clear();
-            for (std::size_t i = begins[k]; i < begins[k + 1]; ++i) triangles.push_back({unsure_[i].a, unsure_[i].b});
-            ObbTree &a = *task.a->obb_tree(), &b = *task.b->obb_tree();
-            const RelativePose b_to_a(*task.pose_a, *task.pose_b);
-            tests.start(a, b, b_to_a);
-            std::optional<TrianglePair> met;
-            tests.meeting(std::span<const TrianglePair>(triangles), [&](TrianglePair p) { return met = p, false; });
-            double bound = results[number].bound;
-            if (!met) {
-                const WalkFrame frame(a, b, b_to_a, any_distance);
-                bound = std::min(bound, frame.placed_at_least(tests.least_gap(frame.leaf_rounding)));
-            }
-            results[number] = cpu_.end_walk(context, task, cache ? &(*cache)[task.number] : nullptr, met, bound);
+            const auto of_pair = std::span(unsure_).subspan(begins_[k], begins_[k + 1] - begins_[k]);
+            const std::uint32_t pair = of_pair.front().pair;
+            settled_[k] = decide_unsure(call, which[pair], of_pair, found[pair], tests);
         }
     });
-    context.trees.unsure_pairs += unsure_.size();
+    call.context.trees.unsure_pairs += unsure_.size();
 }
 
-/// Grows the boxes that walks could not open.
-void GpuRefiner::grow_wanted()
+/// Returns false if the pair stays open.
+bool GpuRefiner::decide_unsure(const Call& call, std::uint32_t number, std::span<const UnsureTriangles> listed,
+                               const MeshWalkResult& found, TriangleTests& tests) const
 {
-    for (const WantedNode& wanted : gpu_->walks()->wanted())
-        if (wanted.tree < trees_.size() && trees_[wanted.tree]) trees_[wanted.tree]->child(wanted.node, wanted.box);
+    const PairTask& task = call.tasks[number];
+    std::vector<TrianglePair> triangles;
+    for (const UnsureTriangles& u : listed) triangles.push_back({u.a, u.b});
+    ObbTree &a = *task.a->obb_tree(), &b = *task.b->obb_tree();
+    const RelativePose b_to_a(*task.pose_a, *task.pose_b);
+    tests.start(a, b, b_to_a);
+    std::optional<TrianglePair> met;
+    tests.meeting(std::span<const TrianglePair>(triangles), [&](TrianglePair p) { return met = p, false; });
+    if (!met && found.verdict() == MeshWalkVerdict::open) return false;
+    double bound = double(found.bound);
+    if (!met) {
+        const WalkFrame frame(a, b, b_to_a, any_distance);
+        bound = std::min(bound, frame.placed_at_least(tests.least_gap(frame.leaf_rounding)));
+    }
+    call.results[number] = cpu_.end_walk(call.context, task, call.memory_of(task), met, bound);
+    return true;
 }
 
-/// Refines these tasks on the CPU.
-void GpuRefiner::refine_on_cpu(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
-                               std::span<Finding> results, std::vector<std::uint32_t>& which)
+/// Refines these tasks on the CPU, in their order.
+void GpuRefiner::refine_on_cpu(const Call& call, std::vector<std::uint32_t>& which)
 {
     if (which.empty()) return;
+    std::ranges::sort(which);
     tasks_.clear(), results_.clear();
-    for (const std::uint32_t i : which) tasks_.push_back(tasks[i]), results_.push_back(results[i]);
-    cpu_.refine(context, tasks_, cache, results_);
-    for (std::size_t k = 0; k < which.size(); ++k) results[which[k]] = results_[k];
+    for (const std::uint32_t i : which) tasks_.push_back(call.tasks[i]), results_.push_back(call.results[i]);
+    cpu_.refine(call.context, tasks_, call.cache, results_);
+    for (std::size_t k = 0; k < which.size(); ++k) call.results[which[k]] = results_[k];
 }
 
 } // namespace oncollide

@@ -1,9 +1,18 @@
 #include <oncollide/pipeline/refine/narrowing.hpp>
-#include <oncollide/pipeline/settings_rules.hpp>
 
 #include <algorithm>
+#include <atomic>
+
+#include <oncollide/base/threads/parallel.hpp>
+#include <oncollide/pipeline/settings_rules.hpp>
 
 namespace oncollide {
+
+namespace {
+
+constexpr std::size_t tasks_at_once = 1024;
+
+} // namespace
 
 Narrowing::Narrowing(const Settings& settings, ModelStore& models, Level level, GpuPairs* gpu)
     : models_(models), level_(level), dispatch_(settings), spheres_(models), boxes_(models, ObbRefiner::Goal::near),
@@ -16,27 +25,34 @@ Narrowing::Narrowing(const Settings& settings, ModelStore& models, Level level, 
 bool Narrowing::sort_if_there(const RefineContext& context, std::span<const PairTask> tasks)
 {
     const auto lock = context.walking();
-    if (!std::ranges::all_of(tasks, [&](const PairTask& t) { return dispatch_.there(level_, models_, *t.a, *t.b); }))
-        return false;
-    give_out(context, tasks);
-    return true;
+    std::atomic<bool> there{true};
+    parallel_chunks(tasks.size(), tasks_at_once, context.threads, [&](std::size_t begin, std::size_t end, int) {
+        if (there && !std::ranges::all_of(tasks.subspan(begin, end - begin), [&](const PairTask& t) {
+                return dispatch_.there(level_, models_, *t.a, *t.b);
+            }))
+            there = false;
+    });
+    if (there) give_out(context, tasks, context.threads);
+    return there;
 }
 
 void Narrowing::sort_out(const RefineContext& context, std::span<const PairTask> tasks)
 {
-    if (context.guard && sort_if_there(context, tasks)) return;
+    if ((context.guard || context.threads > 1) && sort_if_there(context, tasks)) return;
     const auto alone = context.changing();
-    give_out(context, tasks);
+    give_out(context, tasks, 1);
 }
 
-void Narrowing::give_out(const RefineContext& context, std::span<const PairTask> tasks)
+/// @param threads  1 unless all trees exist
+void Narrowing::give_out(const RefineContext& context, std::span<const PairTask> tasks, int threads)
 {
     refiners_.resize(tasks.size());
+    parallel_chunks(tasks.size(), tasks_at_once, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i)
+            refiners_[i] = dispatch_.of(level_, models_, *tasks[i].a, *tasks[i].b, context.frame);
+    });
     for (auto& list : taken_) list.clear();
-    for (std::uint32_t i = 0; i < tasks.size(); ++i) {
-        refiners_[i] = dispatch_.of(level_, models_, *tasks[i].a, *tasks[i].b, context.frame);
-        taken_[static_cast<std::size_t>(refiners_[i])].push_back(i);
-    }
+    for (std::uint32_t i = 0; i < tasks.size(); ++i) taken_[static_cast<std::size_t>(refiners_[i])].push_back(i);
 }
 
 void Narrowing::refine(Refiner which, PairRefiner& refiner, RefineContext& context, std::span<const PairTask> tasks,
@@ -86,6 +102,7 @@ void Narrowing::run_sorted(RefineContext& context, std::span<const PairTask> tas
             if (result.verdict == Verdict::within && result.kind == ContactKind::unknown)
                 result.verdict = Verdict::undecided;
 
+    if (context.settings.mode != Mode::solid) return;
     apart_.resize(tasks.size());
     for (std::size_t i = 0; i < tasks.size(); ++i)
         apart_[i] = decided(i) && (results[i].verdict == Verdict::separate || results[i].kind == ContactKind::near);

@@ -46,7 +46,7 @@ private:
     bool sort_if_there(const RefineContext& context, std::span<const PairTask> tasks);
     void run_sorted(RefineContext& context, std::span<const PairTask> tasks, PairCache* cache,
                     std::span<Finding> results);
-    void give_out(const RefineContext& context, std::span<const PairTask> tasks);
+    void give_out(const RefineContext& context, std::span<const PairTask> tasks, int threads);
     void tell_unreadable(const Settings& settings, const PairTask& task, Finding& result) const;
     void refine(Refiner which, PairRefiner& refiner, RefineContext& context, std::span<const PairTask> tasks,
                 PairCache* cache, std::span<Finding> results);

@@ -1,14 +1,19 @@
 // The stages that decide pairs: refine, exact.
 #include <algorithm>
+#include <atomic>
+#include <iterator>
 #include <span>
 #include <utility>
 
+#include <oncollide/base/threads/parallel.hpp>
 #include <oncollide/pipeline/refine/narrowing.hpp>
 #include <oncollide/pipeline/world/stage.hpp>
 
 namespace oncollide {
 
 namespace {
+
+constexpr std::size_t results_at_once = 1024;
 
 /// The result of a pair of which only the boxes are known.
 PairResult undecided(const BodyTable& bodies, BodyPair pair)
@@ -46,22 +51,35 @@ private:
             stats.in += pairs.size(), stats.out += pairs.size();
             return;
         }
-        tasks_.clear(), refined_.clear();
-        tasks_.reserve(pairs.size()), refined_.reserve(pairs.size());
-        for (const std::uint32_t i : pairs)
-            if (wanted(frame.results[i])) add(bodies, frame.results[i], i);
+        wanted_.clear();
+        std::ranges::copy_if(pairs, std::back_inserter(wanted_),
+                             [&](std::uint32_t i) { return wanted(frame.results[i]); });
+        tasks_.resize(wanted_.size()), refined_.resize(wanted_.size());
+        parallel_chunks(wanted_.size(), results_at_once, frame.context.threads,
+                        [&](std::size_t begin, std::size_t end, int) {
+                            for (std::size_t i = begin; i < end; ++i)
+                                tasks_[i] = task_of(bodies, frame.results[wanted_[i]], wanted_[i]),
+                                refined_[i] = frame.results[wanted_[i]];
+                        });
         level_.run(frame.context, tasks_, cache, refined_);
         stats.in += tasks_.size();
-        for (std::size_t i = 0; i < tasks_.size(); ++i) {
-            PairResult& result = frame.results[tasks_[i].number];
-            const Finding& refined = refined_[i];
-            static_cast<Finding&>(result) = refined;
-            if (level_.decided(i)) {
-                result.stage = stage_;
-                stats.undecided += refined.verdict == Verdict::undecided;
-            }
-            stats.out += refined.verdict != Verdict::separate;
-        }
+        std::atomic<std::size_t> undecided{0}, out{0};
+        parallel_chunks(tasks_.size(), results_at_once, frame.context.threads,
+                        [&](std::size_t begin, std::size_t end, int) {
+                            std::size_t undecided_here = 0, out_here = 0;
+                            for (std::size_t i = begin; i < end; ++i) {
+                                PairResult& result = frame.results[tasks_[i].number];
+                                const Finding& refined = refined_[i];
+                                static_cast<Finding&>(result) = refined;
+                                if (level_.decided(i)) {
+                                    result.stage = stage_;
+                                    undecided_here += refined.verdict == Verdict::undecided;
+                                }
+                                out_here += refined.verdict != Verdict::separate;
+                            }
+                            undecided += undecided_here, out += out_here;
+                        });
+        stats.undecided += undecided, stats.out += out;
     }
     /// True if the level would leave these pairs, of which only the boxes are known, to the exact level.
     bool leaves_all(const BodyTable& bodies, const Frame& frame, std::span<const std::uint32_t> pairs) const
@@ -70,17 +88,22 @@ private:
                    return level_.there(bodies.model(frame.pairs[i].a), bodies.model(frame.pairs[i].b));
                });
     }
-    void add(const BodyTable& bodies, const PairResult& result, std::uint32_t number)
+    static PairTask task_of(const BodyTable& bodies, const PairResult& result, std::uint32_t number)
     {
         const std::uint32_t a = result.a.slot, b = result.b.slot;
-        tasks_.push_back({number, &bodies.model(a), &bodies.model(b), &bodies.pose(a), &bodies.pose(b),
-                          bodies.travel(a) + bodies.travel(b), bodies.stretch(a) + bodies.stretch(b)});
-        refined_.push_back(result);
+        return {number,
+                &bodies.model(a),
+                &bodies.model(b),
+                &bodies.pose(a),
+                &bodies.pose(b),
+                bodies.travel(a) + bodies.travel(b),
+                bodies.stretch(a) + bodies.stretch(b)};
     }
 
     Narrowing level_;
     StageId stage_;
-    std::vector<PairTask> tasks_;
+    std::vector<std::uint32_t> wanted_; ///< results, by number
+    std::vector<PairTask> tasks_;       ///< for each of them
     std::vector<Finding> refined_;
 };
 
@@ -184,14 +207,17 @@ private:
     static void bound(const BodyTable& bodies, Frame& frame, std::span<const std::uint32_t> pairs)
     {
         constexpr std::size_t ahead = 8;
-        for (std::size_t k = 0; k < pairs.size(); ++k) {
-            if (k + ahead < pairs.size()) {
-                const BodyPair later = frame.pairs[pairs[k + ahead]];
-                bodies.prefetch(later.b);
-                if (later.a != frame.pairs[pairs[k + ahead - 1]].a) bodies.prefetch(later.a);
-            }
-            frame.results[pairs[k]] = undecided(bodies, frame.pairs[pairs[k]]);
-        }
+        parallel_chunks(pairs.size(), results_at_once, frame.context.threads,
+                        [&](std::size_t begin, std::size_t end, int) {
+                            for (std::size_t k = begin; k < end; ++k) {
+                                if (k + ahead < pairs.size()) {
+                                    const BodyPair later = frame.pairs[pairs[k + ahead]];
+                                    bodies.prefetch(later.b);
+                                    if (later.a != frame.pairs[pairs[k + ahead - 1]].a) bodies.prefetch(later.a);
+                                }
+                                frame.results[pairs[k]] = undecided(bodies, frame.pairs[pairs[k]]);
+                            }
+                        });
     }
 
     LevelRun level_;

@@ -81,7 +81,8 @@ std::span<const Finding> WorldAccess::PlacedTests::decide(std::span<const PairTa
     WorldImpl::QueryWorker& worker = parts_->worker;
     worker.context.trees = {}, worker.context.rounds.clear();
     worker.tasks.assign(tasks.begin(), tasks.end());
-    parts_->world.decide(worker);
+    worker.refined.resize(tasks.size());
+    parts_->world.decide(worker, worker.refined);
     return worker.refined;
 }
 

@@ -19,6 +19,11 @@ MeshWalkCounts WorldAccess::gpu_counts(const World& world)
     const WorldImpl& p = world.impl();
     return p.gpu ? p.gpu->counts() : MeshWalkCounts{};
 }
+GpuHostTimes WorldAccess::gpu_host_times(const World& world)
+{
+    const WorldImpl& p = world.impl();
+    return p.gpu ? p.gpu->host() : GpuHostTimes{};
+}
 
 std::string WorldAccess::backend(const World& world)
 {

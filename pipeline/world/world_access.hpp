@@ -11,6 +11,7 @@
 
 namespace oncollide {
 
+struct GpuHostTimes;
 struct MeshWalkCounts;
 struct MeshWalkOptions;
 
@@ -23,6 +24,7 @@ struct WorldAccess {
     static World make(const Settings& settings, const MeshWalkOptions& gpu_options);
     /// The work of the backend gl so far; all 0 with another backend.
     static MeshWalkCounts gpu_counts(const World& world);
+    static GpuHostTimes gpu_host_times(const World& world);
     // As in WorldInfo, without the cost of the rest. Do not call it while queries run.
     static std::string backend(const World& world);
     static std::string renderer(const World& world);

@@ -23,8 +23,8 @@ struct PairTasks {
 };
 
 /// The data of a World, which its views share. Implemented in world.cpp (checks of arguments), world_models.cpp,
-/// world_bodies.cpp, world_step.cpp (frames), world_pairs.cpp, world_sweeps.cpp and world_manifolds.cpp (Pairs),
-/// world_space.cpp and world_casts.cpp (Space).
+/// world_bodies.cpp, world_step.cpp (frames), world_pairs.cpp, world_contacts.cpp, world_sweeps.cpp and
+/// world_manifolds.cpp (Pairs), world_space.cpp and world_casts.cpp (Space).
 struct ONCOLLIDE_LOCAL WorldImpl {
     Models models_view{*this};
     Bodies bodies_view{*this};
@@ -101,7 +101,7 @@ struct ONCOLLIDE_LOCAL WorldImpl {
     void check_side(const PairSide& side);                  ///< throws for an id or a pose that is refused
     PairTask task_of(const PairSide& a, const PairSide& b); ///< the task of two sides that were checked
     PairTask checked_task(const PairSide& a, const PairSide& b);
-    PairTask task_of(const PairOfColumns& pairs, std::size_t i, Eigen::Isometry3d* poses);
+    PairTask task_of(const PairOfColumns& pairs, std::size_t first, std::size_t k, Eigen::Isometry3d* poses);
     template <class Pair>
     void check_pairs(std::span<const Pair> pairs);
     PairTasks ready_tasks(const char* call, const PairSpan& pairs);
@@ -113,7 +113,7 @@ struct ONCOLLIDE_LOCAL WorldImpl {
     }
     /// Makes the trees that contacts and distances are found with, where a walk does not make them.
     void need_trees(std::span<const PairTask> tasks);
-    void decide(QueryWorker& worker);
+    void decide(QueryWorker& worker, std::span<Finding> found);
     /// Decides pairs on the GPU, many at a time. Returns false, and does nothing, if that does not pay or cannot be.
     template <class Form>
     bool decide_on_gpu(const Form& pairs, std::span<Finding> found);

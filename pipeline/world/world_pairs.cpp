@@ -106,18 +106,24 @@ PairTask WorldImpl::checked_task(const PairSide& a, const PairSide& b)
     return task_of(a, b);
 }
 
-/// Pair i of columns, whose two poses are written to `poses`.
-PairTask WorldImpl::task_of(const PairOfColumns& pairs, std::size_t i, Eigen::Isometry3d* poses)
+/// Pair first + k of columns. Its poses are written to poses[2 k] and [2 k + 1], but a pose that serves all pairs only
+/// for k = 0.
+PairTask WorldImpl::task_of(const PairOfColumns& pairs, std::size_t first, std::size_t k, Eigen::Isometry3d* poses)
 {
-    const auto side = [&](const char* name, const ModelColumns& of, Eigen::Isometry3d& pose) {
-        const ModelId id = *entry(of.models, 1, i);
-        pose.matrix() = RowByRow(entry(of.poses, 16, i));
-        naming("pair", i, name, [&] { check_model(id), check_pose("", pose); });
-        return &models[id];
+    PairTask task{};
+    const auto side = [&](const char* name, const ModelColumns& of, Eigen::Isometry3d* pose, Model*& model) {
+        const ModelId id = *entry(of.models, 1, first + k);
+        const bool written = k == 0 || of.poses.size() > 16;
+        if (written) pose += 2 * k, pose->matrix() = RowByRow(entry(of.poses, 16, first + k));
+        naming("pair", first + k, name, [&] {
+            check_model(id);
+            if (written) check_pose("", *pose);
+        });
+        model = &models[id];
+        return pose;
     };
-    Model* const a = side("a", pairs.a, poses[0]);
-    Model* const b = side("b", pairs.b, poses[1]);
-    return {0, a, b, &poses[0], &poses[1]};
+    task.pose_a = side("a", pairs.a, poses, task.a), task.pose_b = side("b", pairs.b, poses + 1, task.b);
+    return task;
 }
 
 /// Sets worker.tasks to the pairs from `first` on.
@@ -125,15 +131,17 @@ template <class Form>
 void WorldImpl::take_tasks(QueryWorker& worker, const Form& pairs, std::size_t first, std::size_t many)
 {
     constexpr bool columns = std::is_same_v<Form, PairOfColumns>;
-    worker.tasks.clear();
+    worker.tasks.resize(many);
     if constexpr (columns) worker.poses.resize(2 * many);
-    for (std::size_t i = 0; i < many; ++i) {
-        if constexpr (columns)
-            worker.tasks.push_back(task_of(pairs, first + i, &worker.poses[2 * i]));
-        else
-            worker.tasks.push_back(task_of(pairs[first + i].a, pairs[first + i].b));
-        worker.tasks.back().number = static_cast<std::uint32_t>(i);
-    }
+    parallel_chunks(many, 256, worker.context.threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t k = begin; k < end; ++k) {
+            if constexpr (columns)
+                worker.tasks[k] = task_of(pairs, first, k, worker.poses.data());
+            else
+                worker.tasks[k] = task_of(pairs[first + k].a, pairs[first + k].b);
+            worker.tasks[k].number = static_cast<std::uint32_t>(k);
+        }
+    });
 }
 
 /// Calls work(worker, first), whose worker.tasks are pairs `first` and following, on the World's threads. Throws unless
@@ -166,7 +174,7 @@ PairTasks WorldImpl::ready_tasks(const char* call, const PairSpan& pairs)
         const std::size_t count = count_of(call, form);
         if constexpr (std::is_same_v<Form, PairOfColumns>) {
             ready.poses.resize(2 * count);
-            for (std::size_t i = 0; i < count; ++i) ready.tasks.push_back(task_of(form, i, &ready.poses[2 * i]));
+            for (std::size_t i = 0; i < count; ++i) ready.tasks.push_back(task_of(form, 0, i, ready.poses.data()));
         } else {
             check_pairs(form);
             for (const auto& pair : form) ready.tasks.push_back(task_of(pair.a, pair.b));
@@ -176,22 +184,21 @@ PairTasks WorldImpl::ready_tasks(const char* call, const PairSpan& pairs)
     return ready;
 }
 
-/// Refines worker.tasks to worker.refined.
-void WorldImpl::decide(QueryWorker& worker)
+/// Refines worker.tasks.
+void WorldImpl::decide(QueryWorker& worker, std::span<Finding> found)
 {
-    constexpr double unknown = std::numeric_limits<double>::infinity();
-    worker.refined.assign(worker.tasks.size(), {Verdict::undecided, ContactKind::unknown, unknown});
-    worker.levels.run(worker.context, worker.tasks, worker.refined);
+    constexpr double unknown = Finding{}.bound;
+    std::ranges::fill(found, Finding{});
+    worker.levels.run(worker.context, worker.tasks, found);
     for (std::size_t i = 0; i < worker.tasks.size(); ++i) {
-        Finding& found = worker.refined[i];
-        if (found.verdict == Verdict::separate || found.verdict == Verdict::colliding) continue;
+        if (found[i].verdict == Verdict::separate || found[i].verdict == Verdict::colliding) continue;
         const PairTask& task = worker.tasks[i];
         const Aabb a = task.a->bounds().box(*task.pose_a), b = task.b->bounds().box(*task.pose_b);
         // The pair would not be a candidate in a frame.
         if (const double gap = least_gap(a, b); gap > settings.clearance)
-            found = {Verdict::separate, ContactKind::unknown, gap};
-        else if (found.bound == unknown) // no level had room or time
-            found.bound = farthest_apart(a, b);
+            found[i] = {Verdict::separate, ContactKind::unknown, gap};
+        else if (found[i].bound == unknown) // no level had room or time
+            found[i].bound = farthest_apart(a, b);
     }
 }
 
@@ -201,8 +208,9 @@ Finding Pairs::decide(PairSide a, PairSide b) const
     const PairTask task = p.checked_task(a, b);
     WorldImpl::Lease worker(p);
     worker->tasks.assign(1, task);
-    p.decide(*worker);
-    return worker->refined.front();
+    Finding found;
+    p.decide(*worker, {&found, 1});
+    return found;
 }
 
 template <class Form>
@@ -215,11 +223,14 @@ bool WorldImpl::decide_on_gpu(const Form& pairs, std::span<Finding> found)
     QueryWorker& worker = *gpu_worker;
     worker.context.frame = frame.number, worker.context.threads = frame.context.threads;
     const ExecutorScope scope(settings.executor);
-    for (std::size_t first = 0; first < count; first += MeshWalks::most_pairs) {
-        take_tasks(worker, pairs, first, std::min(MeshWalks::most_pairs, count - first));
+    constexpr std::size_t at_once = 4 * MeshWalks::most_pairs; // about 100 MB of working memory
+    for (std::size_t first = 0; first < count; first += at_once) {
+        {
+            const GpuStage stage(gpu->host().tasks_ms);
+            take_tasks(worker, pairs, first, std::min(at_once, count - first));
+        }
         worker.context.trees = {}, worker.context.rounds.clear();
-        decide(worker);
-        std::ranges::copy(worker.refined, found.begin() + static_cast<std::ptrdiff_t>(first));
+        decide(worker, found.subspan(first, worker.tasks.size()));
     }
     return true;
 }
@@ -229,8 +240,7 @@ void Pairs::decide(PairSpan pairs, std::span<Finding> found) const
     pairs.visit([&](const auto& form) {
         if (world_->decide_on_gpu(form, found)) return;
         world_->in_batches("decide", form, found.size(), [&](WorldImpl::QueryWorker& worker, std::size_t first) {
-            world_->decide(worker);
-            std::ranges::copy(worker.refined, found.begin() + static_cast<std::ptrdiff_t>(first));
+            world_->decide(worker, found.subspan(first, worker.tasks.size()));
         });
     });
 }
@@ -333,62 +343,6 @@ void WorldAccess::near(const World& world, std::span<const PairOfModels> pairs, 
         for (std::size_t i = 0; i < worker.tasks.size(); ++i)
             near[first + i] = p.may_be_near(worker, worker.tasks[i], reaches[first + i]);
     });
-}
-
-/// The trees must be there. Appends.
-void WorldImpl::contacts(QueryWorker& worker, const PairTask& task, std::vector<Contact>& found)
-{
-    models.with_room([&, begin = found.size()] {
-        found.resize(begin);
-        tests_for(task).contacts(worker.pairs, task, found);
-    });
-}
-
-std::vector<Contact> Pairs::contacts(PairSide a, PairSide b) const
-{
-    WorldImpl& p = *world_;
-    const PairTask task = p.checked_task(a, b);
-    p.need_trees({&task, 1});
-    std::vector<Contact> found;
-    WorldImpl::Lease worker(p);
-    p.contacts(*worker, task, found);
-    return found;
-}
-
-void Pairs::contacts(PairSpan pairs, Lists<Contact>& found) const
-{
-    const PairTasks tasks = world_->ready_tasks("contacts", pairs);
-    world_->gather(tasks.size(), 16, found,
-                   [&](auto& worker, std::size_t i, auto& list) { world_->contacts(worker, tasks[i], list); });
-}
-
-/// The trees must be there.
-Penetration WorldImpl::penetration(QueryWorker& worker, const PairTask& task)
-{
-    const auto measure = tests_for(task).penetration;
-    if (!measure || reads_a_part(task)) {
-        Penetration none;
-        none.supported = false;
-        return none;
-    }
-    return models.with_room([&] { return measure(worker.pairs, task); });
-}
-
-Penetration Pairs::penetration(PairSide a, PairSide b) const
-{
-    WorldImpl& p = *world_;
-    const PairTask task = p.checked_task(a, b);
-    p.need_trees({&task, 1});
-    WorldImpl::Lease worker(p);
-    return p.penetration(*worker, task);
-}
-
-void Pairs::penetration(PairSpan pairs, std::span<Penetration> found) const
-{
-    const PairTasks tasks = world_->ready_tasks("penetration", pairs);
-    same_room("penetration", "pairs", tasks.size(), "results", found.size());
-    world_->each(tasks.size(), 4,
-                 [&](auto& worker, std::size_t i) { found[i] = world_->penetration(worker, tasks[i]); });
 }
 
 double Pairs::max_error(PairSide a, PairSide b) const

@@ -163,6 +163,21 @@ def gpu():
     return table(["renderer", "", "gl-compute", "cpu"], out)
 
 
+def gpu_walks():
+    """Counts per frame of the backend gl, and of the CPU."""
+    out = []
+    for what, by in pivot([r for r in rows_of("gpu/walks") if float(r["pairs"])], "what", "backend").items():
+        gl, cpu, all_gl, all_cpu = (by[b] for b in ("gl, 1 thread", "cpu, 1 thread", "gl, 1 thread, every pair walked",
+                                                    "cpu, 1 thread, every pair walked"))
+        both = lambda a, b, column: f"{number(a[column])}; {number(b[column])}"
+        out.append([f"`{what}`".replace(", ", "`, ", 1)[:-1] if ", " in what else f"`{what}`", number(gl["gpu_pairs"]),
+                    number(gl["bytes_up"]), number(gl["tree_bytes_up"]), number(gl["bytes_down"]), number(gl["dispatches"]),
+                    both(gl, cpu, "box_rows"), both(all_gl, all_cpu, "box_rows"), both(gl, cpu, "triangle_pairs"),
+                    number(gl["gpu_unsure_pairs"])])
+    return table(["scene", "pairs on the GPU", "bytes up", "of trees", "bytes down", "dispatches", "box tests, gl and cpu",
+                  "walked", "triangle tests, gl and cpu", "not certain"], out)
+
+
 def continuous():
     titles = {"oncollide": "oncollide, `Pairs::sweep`", "fcl-advancement": "FCL, conservative advancement, linear motion",
               "fcl-sampled": "FCL, its default: ten poses of a translation"}

@@ -1,5 +1,5 @@
 // A batch is one dispatch that places the pairs, and a fixed number of rounds of the walk; nothing is read back between
-// them. A round without items ends at once.
+// them. The shaders write how many work groups the next round needs.
 #include <oncollide/narrowphase/gl/walk/mesh_walks.hpp>
 
 #include <algorithm>
@@ -67,11 +67,48 @@ std::string edited(const MeshWalkOptions& options, std::string source)
     return options.edit_shader ? options.edit_shader(std::move(source)) : source;
 }
 
+/// Drivers without doubles may still compile shaders that use them.
+void need_doubles(const MeshWalkOptions& options, const GpuInfo& info)
+{
+    constexpr const char* extension = "GL_ARB_gpu_shader_fp64";
+    if (options.hidden_extension == extension || (epoxy_gl_version() < 40 && !epoxy_has_gl_extension(extension)))
+        throw GpuLost(fmt::format("{}: no doubles in shaders ({})", info.renderer, extension));
+}
+
+/// A batch has these besides the buffers that all batches use one after the other.
+struct Batch {
+    MappedBuffer upload{GL_MAP_WRITE_BIT}; ///< the header of the results, then the pairs
+    MappedBuffer readback{GL_MAP_READ_BIT};
+    Buffer pairs, out;
+    StageClock clock;
+    GLsync fence = nullptr;
+    std::size_t count = 0; ///< pairs
+    std::uint32_t item_room = 0, unsure_room = 0;
+    MeshWalkCounts counts;
+
+    Batch() = default;
+    ~Batch()
+    {
+        if (fence) glDeleteSync(fence);
+    }
+    Batch(const Batch&) = delete;
+    Batch& operator=(const Batch&) = delete;
+
+    std::uint32_t first_of(std::uint32_t room) const { return std::min(room, read_at_once(count)); }
+    // Positions in `out` (words). In the readback, the first entries of the lists follow the results.
+    std::size_t unsure_at() const { return header_words + result_words * count; }
+    std::size_t wanted_at() const { return unsure_at() + std::size_t{unsure_words} * unsure_room; }
+    std::size_t out_bytes() const { return 4 * (wanted_at() + wanted_words * wanted_room); }
+    std::size_t wanted_in_readback() const { return unsure_at() + unsure_words * first_of(unsure_room); }
+    std::size_t readback_bytes() const { return 4 * (wanted_in_readback() + wanted_words * first_of(wanted_room)); }
+    const std::uint32_t* read() const { return reinterpret_cast<const std::uint32_t*>(readback.data()); }
+};
+
 class GlMeshWalks final : public MeshWalks {
 public:
     explicit GlMeshWalks(const MeshWalkOptions& options)
         : options_(options), context_((step(MeshWalkStep::context), options.gpu)), most_(allowed_bytes(options)),
-          trees_(most_), prepare_((step(MeshWalkStep::shaders), "gl, prepare"),
+          trees_(most_), prepare_((check_doubles(), step(MeshWalkStep::shaders), "gl, prepare"),
                                   {{GL_COMPUTE_SHADER, edited(options, WalkShaders::prepare())}}),
           walk_("gl, walk", {{GL_COMPUTE_SHADER, edited(options, WalkShaders::walk())}}),
           item_room_(std::max<std::uint32_t>(options.first_items, 64))
@@ -81,11 +118,7 @@ public:
         if (blocks < 8) throw GpuLost(fmt::format("gl: a shader may use {} buffers; the walk needs 8", blocks));
         context_.check("the making of gl");
     }
-    ~GlMeshWalks() override
-    {
-        context_.use_at_end();
-        if (fence_) glDeleteSync(fence_);
-    }
+    ~GlMeshWalks() override { context_.use_at_end(); }
 
     const GpuInfo& info() const override { return context_.info(); }
     bool is_owner() const override { return std::this_thread::get_id() == owner_; }
@@ -102,197 +135,184 @@ public:
         trees_.drop_unused(frame);
     }
 
-    void submit(std::span<const MeshWalkPose> poses, std::span<const MeshWalkPair> pairs, bool by_distance) override
+    std::span<MeshWalkPair> begin(std::size_t pairs) override
+    {
+        ONCOLLIDE_ASSERT(pairs > 0 && pairs <= most_pairs && under_way_ < most_batches);
+        context_.use();
+        Batch& batch = batches_[next_];
+        batch.count = pairs, batch.item_room = item_room_, batch.unsure_room = unsure_room_, batch.counts = {};
+        batch.upload.make_room(head_bytes + pairs * sizeof(MeshWalkPair), "gl, pairs");
+        return {reinterpret_cast<MeshWalkPair*>(batch.upload.data() + head_bytes), pairs};
+    }
+
+    void submit(bool by_distance) override
     {
         context_.use();
-        pairs_ = pairs.size(), results_.clear(), unsure_.clear(), wanted_.clear();
-        if (pairs.empty()) return;
-        clock_.mark(0);
+        Batch& batch = batches_[next_];
+        batch.clock.mark(0);
         step(MeshWalkStep::trees);
-        counts_.tree_bytes += trees_.upload();
+        batch.counts.tree_bytes = trees_.upload();
         context_.check("the upload of trees");
-        make_room();
+        make_room(batch);
         step(MeshWalkStep::upload);
-        upload(poses, pairs);
-        clock_.mark(1);
+        upload(batch);
+        batch.clock.mark(1);
         step(MeshWalkStep::dispatch);
-        dispatch(by_distance);
-        queue_readback();
-        counts_.batches += 1, counts_.pairs += pairs.size();
+        dispatch(batch, by_distance);
+        queue_readback(batch);
+        next_ = (next_ + 1) % most_batches, ++under_way_;
     }
 
     std::span<const MeshWalkResult> collect() override
     {
-        if (pairs_ == 0) return {};
+        ONCOLLIDE_ASSERT(under_way_ > 0);
         context_.use();
+        Batch& batch = batches_[(next_ + most_batches - under_way_) % most_batches];
+        --under_way_;
         step(MeshWalkStep::readback);
-        counts_.wait_ms += wait_for(fence_);
+        MeshWalkCounts& counts = batch.counts;
+        counts.wait_ms = wait_for(batch.fence);
         context_.check("a batch of walks");
         std::array<std::uint32_t, header_words> head;
-        std::memcpy(head.data(), readback_.data(), sizeof head);
-        counts_.box_rows += head[header::box_rows], counts_.triangle_pairs += head[header::triangles];
-        counts_.unsure_pairs += head[header::unsure];
-        read_results();
-        const std::uint32_t unsure = std::min(head[header::unsure], unsure_room_),
-                            wanted = std::min(head[header::wanted], wanted_room);
-        read_list(unsure, unsure_at(), first_of(unsure_room_), list_at(), [&](const std::uint32_t* w) {
-            unsure_.push_back({w[0], w[1], w[2]});
-        });
-        read_list(wanted, wanted_at(), first_of(wanted_room), list_at() + unsure_words * first_of(unsure_room_),
-                  [&](const std::uint32_t* w) {
-                      wanted_.push_back({w[0], w[1], w[2]});
-                  });
-        counts_.upload_ms += clock_.ms(0), counts_.prepare_ms += clock_.ms(1), counts_.walk_ms += clock_.ms(2);
-        counts_.readback_ms += clock_.ms(3);
-        enlarge(head);
-        return results_;
+        std::copy_n(batch.read(), header_words, head.begin());
+        read_list(batch, unsure_, std::min(head[header::unsure], batch.unsure_room), batch.unsure_room,
+                  batch.unsure_at(), batch.unsure_at());
+        read_list(batch, wanted_, std::min(head[header::wanted], wanted_room), wanted_room, batch.wanted_at(),
+                  batch.wanted_in_readback());
+        counts.batches = 1, counts.pairs = batch.count;
+        counts.box_rows = head[header::box_rows], counts.triangle_pairs = head[header::triangles];
+        counts.unsure_pairs = head[header::unsure];
+        const StageClock& clock = batch.clock;
+        counts.upload_ms = clock.ms(0), counts.prepare_ms = clock.ms(1), counts.walk_ms = clock.ms(2);
+        counts.readback_ms = clock.ms(3);
+        enlarge(batch, head);
+        counts_ += counts, last_ = counts;
+        return {reinterpret_cast<const MeshWalkResult*>(batch.read() + header_words), batch.count};
     }
     std::span<const UnsureTriangles> unsure() const override { return unsure_; }
     std::span<const WantedNode> wanted() const override { return wanted_; }
+    const MeshWalkCounts& batch() const override { return last_; }
     const MeshWalkCounts& counts() const override { return counts_; }
     std::size_t bytes() const override
     {
-        return trees_.bytes() + poses_.bytes() + pair_buffer_.bytes() + frames_.bytes() + items_.bytes() + out_.bytes();
+        std::size_t all = trees_.bytes() + frames_.bytes() + items_.bytes();
+        for (const Batch& batch : batches_) all += batch.pairs.bytes() + batch.out.bytes();
+        return all;
     }
 
 private:
+    static constexpr std::size_t head_bytes = 4 * header_words;
+
     void step(MeshWalkStep which)
     {
         if (options_.before) options_.before(which);
     }
-    std::uint32_t first_of(std::uint32_t room) const { return std::min(room, read_at_once(pairs_)); }
-    std::size_t unsure_at() const { return header_words + result_words * pairs_; }
-    std::size_t wanted_at() const { return unsure_at() + std::size_t{unsure_words} * unsure_room_; }
-    std::size_t out_bytes() const { return 4 * (wanted_at() + wanted_words * wanted_room); }
-    /// In the readback, where the first entries of the lists follow the results.
-    std::size_t list_at() const { return unsure_at(); }
-    std::size_t readback_bytes() const
+    void check_doubles() { step(MeshWalkStep::doubles), need_doubles(options_, context_.info()); }
+
+    void make_room(Batch& batch)
     {
-        return 4 * (list_at() + unsure_words * first_of(unsure_room_) + wanted_words * first_of(wanted_room));
+        grow(frames_, batch.count * frame_bytes, 0, most_, "gl, frames");
+        grow(items_, std::size_t{2} * 4 * item_words * batch.item_room, 0, most_, "gl, items");
+        grow(batch.pairs, batch.count * sizeof(MeshWalkPair), 0, most_, "gl, pairs");
+        grow(batch.out, batch.out_bytes(), 0, most_, "gl, results");
+        batch.readback.make_room(batch.readback_bytes(), "gl, results");
     }
 
-    void make_room()
+    void upload(Batch& batch)
     {
-        grow(frames_, pairs_ * frame_bytes, 0, most_, "gl, frames");
-        grow(items_, std::size_t{2} * 4 * item_words * item_room_, 0, most_, "gl, items");
-        grow(out_, out_bytes(), 0, most_, "gl, results");
-        readback_.make_room(readback_bytes(), "gl, results");
-    }
-
-    /// Poses, pairs and the header of the results, in one buffer.
-    void upload(std::span<const MeshWalkPose> poses, std::span<const MeshWalkPair> pairs)
-    {
-        const std::size_t pose_bytes = poses.size_bytes(), pair_bytes = pairs.size() * sizeof(GpuPair),
-                          head_bytes = 4 * header_words;
-        grow(poses_, pose_bytes, 0, most_, "gl, poses"), grow(pair_buffer_, pair_bytes, 0, most_, "gl, pairs");
-        upload_.make_room(pose_bytes + pair_bytes + head_bytes, "gl, poses");
-        std::byte* to = upload_.data();
-        std::memcpy(to, poses.data(), pose_bytes);
-        auto* rows = reinterpret_cast<GpuPair*>(to + pose_bytes); // a pose is 96 bytes
-        for (std::size_t i = 0; i < pairs.size(); ++i) {
-            const MeshWalkPair& p = pairs[i];
-            rows[i] = {p.pose_a, p.pose_b, p.tree_a, p.tree_b, p.hint_a, p.hint_b, p.enough, 0};
+        std::array<std::uint32_t, header_words> head{};
+        for (std::uint32_t round = 0; round < rounds; ++round) {
+            std::uint32_t* const groups = &head[header::groups + 3 * round];
+            groups[1] = groups[2] = 1; // the shaders count groups[0]
         }
-        std::memset(to + pose_bytes + pair_bytes, 0, head_bytes);
+        std::memcpy(batch.upload.data(), head.data(), head_bytes);
+        const std::size_t pair_bytes = batch.count * sizeof(MeshWalkPair);
         const auto copy = [&](const Buffer& target, std::size_t from, std::size_t bytes) {
-            glCopyNamedBufferSubData(upload_.name(), target.name(), static_cast<GLintptr>(from), 0,
+            glCopyNamedBufferSubData(batch.upload.name(), target.name(), static_cast<GLintptr>(from), 0,
                                      static_cast<GLsizeiptr>(bytes));
         };
-        copy(poses_, 0, pose_bytes), copy(pair_buffer_, pose_bytes, pair_bytes);
-        copy(out_, pose_bytes + pair_bytes, head_bytes);
-        counts_.bytes_up += pose_bytes + pair_bytes + head_bytes;
+        copy(batch.out, 0, head_bytes), copy(batch.pairs, head_bytes, pair_bytes);
+        batch.counts.bytes_up = pair_bytes + head_bytes;
     }
 
-    void dispatch(bool by_distance)
+    void dispatch(Batch& batch, bool by_distance)
     {
         trees_.bind();
         const auto bind = [](unsigned where, const Buffer& buffer) {
             glBindBufferBase(GL_SHADER_STORAGE_BUFFER, where, buffer.name());
         };
-        bind(slot::poses, poses_), bind(slot::pairs, pair_buffer_), bind(slot::frames, frames_);
-        bind(slot::items, items_), bind(slot::out, out_);
-        run(prepare_, 0, by_distance, static_cast<GLuint>((pairs_ + 63) / 64));
-        clock_.mark(2);
-        // Enough groups to fill a GPU; teams take items until there are none. llvmpipe ends a loop after some time, so
-        // a group must not have too many items.
-        const GLuint most = context_.info().software ? 1024 : 4096;
-        const GLuint groups = std::clamp<GLuint>(static_cast<GLuint>((pairs_ + teams - 1) / teams), 64, most);
-        for (GLuint round = 0; round < rounds; ++round) run(walk_, round, by_distance, groups);
-        glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-        clock_.mark(3);
+        bind(slot::pairs, batch.pairs), bind(slot::frames, frames_), bind(slot::items, items_);
+        bind(slot::out, batch.out);
+        glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, batch.out.name());
+        use(prepare_, batch, 0, by_distance);
+        glDispatchCompute(static_cast<GLuint>((batch.count + 63) / 64), 1, 1);
+        for (GLuint round = 0; round < rounds; ++round) {
+            glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+            if (round == 0) batch.clock.mark(2);
+            use(walk_, batch, round, by_distance);
+            glDispatchComputeIndirect(static_cast<GLintptr>(4 * (header::groups + 3 * round)));
+        }
+        glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+        batch.clock.mark(3);
+        batch.counts.dispatches = 1 + rounds;
         context_.check("the dispatch of walks");
     }
 
-    void run(const Program& program, GLuint round, bool by_distance, GLuint groups)
+    void use(const Program& program, const Batch& batch, GLuint round, bool by_distance)
     {
         glUseProgram(program.name());
         const auto set = [](GLint where, std::size_t value) { glUniform1ui(where, static_cast<GLuint>(value)); };
-        set(0, pairs_), set(1, item_room_), set(2, unsure_room_), set(3, wanted_room);
+        set(0, batch.count), set(1, batch.item_room), set(2, batch.unsure_room), set(3, wanted_room);
         set(4, round), set(5, row_limits[round]), set(6, by_distance);
-        glDispatchCompute(groups, 1, 1);
-        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-        ++counts_.dispatches;
+        // Enough groups to fill a GPU; teams take items until there are none. llvmpipe ends a loop after some time, so
+        // a group must not have too many items.
+        set(7, context_.info().software ? 1024 : 4096);
     }
 
-    void queue_readback()
+    void queue_readback(Batch& batch)
     {
         const auto copy = [&](std::size_t from, std::size_t to, std::size_t words) {
-            glCopyNamedBufferSubData(out_.name(), readback_.name(), static_cast<GLintptr>(4 * from),
+            glCopyNamedBufferSubData(batch.out.name(), batch.readback.name(), static_cast<GLintptr>(4 * from),
                                      static_cast<GLintptr>(4 * to), static_cast<GLsizeiptr>(4 * words));
         };
-        const std::size_t unsure = unsure_words * first_of(unsure_room_);
-        copy(0, 0, list_at() + unsure); // the list of unsure pairs follows the results
-        copy(wanted_at(), list_at() + unsure, wanted_words * first_of(wanted_room));
-        clock_.mark(4);
+        copy(0, 0, batch.wanted_in_readback()); // the list of unsure pairs follows the results
+        copy(batch.wanted_at(), batch.wanted_in_readback(), wanted_words * batch.first_of(wanted_room));
+        batch.clock.mark(4);
         glMemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
-        if (fence_) glDeleteSync(fence_);
-        fence_ = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+        if (batch.fence) glDeleteSync(batch.fence);
+        batch.fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
         glFlush();
-        counts_.bytes_down += readback_bytes();
+        batch.counts.bytes_down = batch.readback_bytes();
     }
 
-    void read_results()
+    /// Reads the first `count` entries of a list, of which the readback has some.
+    /// @param at           position in `out` (words)
+    /// @param in_readback  position in the readback (words)
+    template <class Entry>
+    void read_list(Batch& batch, std::vector<Entry>& list, std::uint32_t count, std::uint32_t room, std::size_t at,
+                   std::size_t in_readback)
     {
-        results_.resize(pairs_);
-        const auto* words = reinterpret_cast<const std::uint32_t*>(readback_.data()) + header_words;
-        for (std::size_t i = 0; i < pairs_; ++i, words += result_words) {
-            MeshWalkResult& result = results_[i];
-            std::memcpy(&result.bound, words + 1, sizeof result.bound);
-            result.a = words[2], result.b = words[3];
-            const bool ended = words[0] < state::item;
-            result.verdict = words[0] & state::met              ? MeshWalkVerdict::meets
-                             : words[0] & state::open || !ended ? MeshWalkVerdict::open
-                             : words[0] & state::unsure         ? MeshWalkVerdict::unsure
-                                                                : MeshWalkVerdict::apart;
-        }
-    }
-
-    /// Calls take(words) for the entries of a list, of which the readback has the first `there`.
-    template <class Take>
-    void read_list(std::uint32_t count, std::size_t at, std::uint32_t there, std::size_t in_readback, Take take)
-    {
-        static_assert(unsure_words == wanted_words);
-        const auto* words = reinterpret_cast<const std::uint32_t*>(readback_.data()) + in_readback;
-        for (std::uint32_t i = 0; i < std::min(count, there); ++i) take(words + unsure_words * i);
-        if (count <= there) return;
-        rest_.resize(std::size_t{unsure_words} * (count - there));
-        glGetNamedBufferSubData(out_.name(), static_cast<GLintptr>(4 * (at + std::size_t{unsure_words} * there)),
-                                static_cast<GLsizeiptr>(4 * rest_.size()), rest_.data());
+        static_assert(sizeof(Entry) == 4 * unsure_words && unsure_words == wanted_words);
+        const std::uint32_t there = std::min(count, batch.first_of(room));
+        list.resize(count);
+        std::memcpy(list.data(), batch.read() + in_readback, there * sizeof(Entry));
+        if (count == there) return;
+        const std::size_t bytes = (count - there) * sizeof(Entry);
+        glGetNamedBufferSubData(batch.out.name(), static_cast<GLintptr>(4 * at + there * sizeof(Entry)),
+                                static_cast<GLsizeiptr>(bytes), list.data() + there);
         context_.check("the reading of a list");
-        counts_.bytes_down += 4 * rest_.size();
-        for (std::size_t i = 0; i < rest_.size(); i += unsure_words) take(rest_.data() + i);
+        batch.counts.bytes_down += bytes;
     }
 
-    /// Makes room for the next batch if this one had too little.
-    void enlarge(const std::array<std::uint32_t, header_words>& head)
+    /// Makes room for later batches if this one had too little.
+    void enlarge(Batch& batch, const std::array<std::uint32_t, header_words>& head)
     {
-        const std::uint32_t items = *std::max_element(&head[header::queued], &head[header::queued] + rounds + 1);
-        const bool full = items > item_room_ || head[header::unsure] > unsure_room_;
-        counts_.full += full;
+        const std::uint32_t items = *std::max_element(&head[header::queued], &head[header::queued] + rounds + 1),
+                            unsure = head[header::unsure];
+        batch.counts.full = items > batch.item_room || unsure > batch.unsure_room;
         const auto most = [&](std::size_t bytes) { return static_cast<std::uint32_t>(most_ / (2 * bytes)); };
         if (items > item_room_) item_room_ = std::min(2 * items, std::max(item_room_, most(2 * 4 * item_words)));
-        if (head[header::unsure] > unsure_room_)
-            unsure_room_ = std::min(2 * head[header::unsure], std::max(unsure_room_, most(4 * unsure_words)));
+        if (unsure > unsure_room_) unsure_room_ = std::min(2 * unsure, std::max(unsure_room_, most(4 * unsure_words)));
     }
 
     MeshWalkOptions options_;
@@ -300,17 +320,13 @@ private:
     std::size_t most_;
     TreeStore trees_;
     Program prepare_, walk_;
-    Buffer poses_, pair_buffer_, frames_, items_, out_;
-    MappedBuffer upload_{GL_MAP_WRITE_BIT}, readback_{GL_MAP_READ_BIT};
-    StageClock clock_;
-    GLsync fence_ = nullptr;
+    Buffer frames_, items_;
+    std::array<Batch, most_batches> batches_;
+    std::size_t next_ = 0, under_way_ = 0; ///< the batch that begins next; batches that were not collected
     std::uint32_t item_room_, unsure_room_ = first_unsure_room;
-    std::size_t pairs_ = 0;
-    std::vector<MeshWalkResult> results_;
     std::vector<UnsureTriangles> unsure_;
     std::vector<WantedNode> wanted_;
-    std::vector<std::uint32_t> rest_;
-    MeshWalkCounts counts_;
+    MeshWalkCounts counts_, last_;
     std::thread::id owner_ = std::this_thread::get_id();
 };
 

@@ -98,8 +98,8 @@ struct Placed {
 std::string fault_of(const Placed& placed, const MeshWalkResult& result, std::span<const UnsureTriangles> unsure)
 {
     const std::size_t of_a = placed.of.a->mesh().triangles.size(), of_b = placed.of.b->mesh().triangles.size();
-    if (result.verdict == MeshWalkVerdict::open) return "it is open";
-    if (result.verdict == MeshWalkVerdict::meets) {
+    if (result.verdict() == MeshWalkVerdict::open) return "it is open";
+    if (result.verdict() == MeshWalkVerdict::meets) {
         if (result.a >= of_a || result.b >= of_b) return "the triangles that meet do not exist";
         return triangles_meet(placed.a(result.a), placed.b(result.b)) ? "" : "it meets by triangles that are apart";
     }
@@ -123,16 +123,13 @@ std::string fault_of(MeshWalks& walks)
     ObbTree ball_tree(ball_mesh), box_tree(box_mesh);
     for (ObbTree* tree : {&ball_tree, &box_tree}) tree->grow_in(tree->bounds(), ObbTree::leaf_triangles);
     const std::vector<Case> all = cases(ball_tree, box_tree);
-    std::vector<MeshWalkPose> poses;
-    std::vector<MeshWalkPair> pairs;
-    for (const Case& c : all) {
-        const auto a = walks.hold(*c.a, 0), b = walks.hold(*c.b, 0);
+    const std::span<MeshWalkPair> pairs = walks.begin(all.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const auto a = walks.hold(*all[i].a, 0), b = walks.hold(*all[i].b, 0);
         if (!a || !b) return "there is no room for two small meshes";
-        const auto first = static_cast<std::uint32_t>(poses.size());
-        poses.emplace_back(c.pose_a), poses.emplace_back(c.pose_b);
-        pairs.push_back({first, first + 1, *a, *b});
+        pairs[i] = {RelativePose(all[i].pose_a, all[i].pose_b), *a, *b};
     }
-    walks.submit(poses, pairs, false);
+    walks.submit(false);
     const std::span<const MeshWalkResult> results = walks.collect();
     std::size_t met = 0;
     std::vector<UnsureTriangles> unsure;
@@ -143,7 +140,7 @@ std::string fault_of(MeshWalks& walks)
         if (unsure.size() > 8) return fmt::format("pair {}: {} pairs of triangles are not certain", i, unsure.size());
         if (const std::string fault = fault_of(Placed(all[i]), results[i], unsure); !fault.empty())
             return fmt::format("pair {}: {}", i, fault);
-        met += results[i].verdict == MeshWalkVerdict::meets;
+        met += results[i].verdict() == MeshWalkVerdict::meets;
     }
     walks.drop_unused(1);
     if (met == 0 || met == all.size()) return fmt::format("{} of {} pairs meet", met, all.size());

@@ -31,9 +31,8 @@ dvec3 placed(uint pair, dvec3 p)
 {
     dvec3 q;
     for (int i = 0; i < 3; ++i)
-        q[i] = frames[pair].rotation[3 * i] * p.x +
-               (frames[pair].rotation[3 * i + 1] * p.y + frames[pair].rotation[3 * i + 2] * p.z) +
-               frames[pair].translation[i];
+        q[i] = pairs[pair].rotation[i] * p.x +
+               (pairs[pair].rotation[3 + i] * p.y + pairs[pair].rotation[6 + i] * p.z) + pairs[pair].translation[i];
     return q;
 }
 
@@ -74,8 +73,15 @@ float gap_of(double height, dvec3 axis, double axis_error)
 uint judge(Corners a, Corners b, double error, out float gap)
 {
     gap = 0.0;
-    dvec3 lo = min(min(min(a.p, a.q), a.r), min(min(b.p, b.q), b.r));
-    dvec3 hi = max(max(max(a.p, a.q), a.r), max(max(b.p, b.q), b.r));
+    dvec3 lo_a = min(min(a.p, a.q), a.r), hi_a = max(max(a.p, a.q), a.r);
+    dvec3 lo_b = min(min(b.p, b.q), b.r), hi_b = max(max(b.p, b.q), b.r);
+    dvec3 between = max(lo_b - hi_a, lo_a - hi_b);
+    double widest = max(max(between.x, between.y), between.z);
+    if (widest > 4.0LF * error) { // also in one plane, where the other tests are not certain
+        gap = float(widest) * 0.999;
+        return gap > 0.0 ? apart : unsure;
+    }
+    dvec3 lo = min(lo_a, lo_b), hi = max(hi_a, hi_b);
     dvec3 side = hi - lo + (2.0LF * error + 4.9e-91LF);
     double faces = side.x * side.y + side.y * side.z + side.z * side.x;
     double bound = side.x * side.y * side.z * 7.2e-15LF + 16.0LF * error * faces;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <oncollide/narrowphase/gl/walk/mesh_walks.hpp>
 #include <oncollide/narrowphase/gl/walk/walk_layout.hpp>
 
 namespace oncollide::gl::walk {
@@ -10,16 +11,17 @@ namespace {
 
 std::string constants()
 {
-    std::string text = "#version 450 core\n";
+    std::string text = "#version 430 core\n";
     const auto add = [&](const char* name, std::uint32_t value) {
         text += fmt::format("const uint {} = {}u;\n", name, value);
     };
     add("rounds", rounds), add("team_size", team), add("teams", teams), add("stack_room", stack_room);
     add("header_words", header_words), add("unsure_count", header::unsure), add("wanted_count", header::wanted);
     add("row_count", header::box_rows), add("triangle_count", header::triangles), add("dropped_count", header::dropped);
-    add("queued", header::queued), add("taken", header::taken);
-    add("state_met", state::met), add("state_open", state::open), add("state_unsure", state::unsure);
-    add("state_item", state::item);
+    add("queued", header::queued), add("taken", header::taken), add("groups", header::groups);
+    using R = MeshWalkResult;
+    add("state_met", R::state_met), add("state_open", R::state_open), add("state_unsure", R::state_unsure);
+    add("state_item", R::state_item), add("most_unsure", most_unsure);
     return text;
 }
 
@@ -31,24 +33,23 @@ struct Tree {
     uint nodes, order, triangles, vertices, spare[4];
 };
 layout(std430, binding = 2) readonly buffer Trees { Tree trees[]; };
-layout(std430, binding = 3) readonly buffer Poses { double poses[]; }; // 12 a pose: columns of the rotation, translation
 struct Pair {
-    uint pose_a, pose_b, tree_a, tree_b, hint_a, hint_b;
+    double rotation[9], translation[3]; // b into a's frame; columns
+    uint tree_a, tree_b, hint_a, hint_b;
     float enough;
-    uint spare;
+    uint spare[3];
 };
-layout(std430, binding = 4) readonly buffer Pairs { Pair pairs[]; };
+layout(std430, binding = 3) readonly buffer Pairs { Pair pairs[]; };
 struct Frame {
-    double rotation[9], translation[3]; // b into a's frame
-    double error;                       // of a placed coordinate, against the CPU's
+    double error; // of a placed coordinate, against the CPU's
     double enough;
     float turn[9], from_a[3], from_b[3], shift[3]; // as BoxPlacement
     float limit;                                   // boxes with a larger gap hold nothing near enough
     float rounding;                                // of gaps, through the placement
 };
-layout(std430, binding = 5) buffer Frames { Frame frames[]; };
-layout(std430, binding = 6) buffer Items { uint items[]; }; // two queues
-layout(std430, binding = 7) coherent buffer Results { uint results[]; };
+layout(std430, binding = 4) buffer Frames { Frame frames[]; };
+layout(std430, binding = 5) buffer Items { uint items[]; }; // two queues
+layout(std430, binding = 6) coherent buffer Results { uint results[]; };
 layout(location = 0) uniform uint pair_count;
 layout(location = 1) uniform uint item_room;
 layout(location = 2) uniform uint unsure_room;
@@ -56,6 +57,7 @@ layout(location = 3) uniform uint wanted_room;
 layout(location = 4) uniform uint round_number;
 layout(location = 5) uniform uint row_limit;
 layout(location = 6) uniform uint by_distance;
+layout(location = 7) uniform uint most_groups;
 
 uint result_of(uint pair) { return header_words + 4u * pair; }
 uint unsure_at() { return header_words + 4u * pair_count; }
@@ -72,6 +74,7 @@ void add_item(uint queue, uint pair, uint a, uint b)
         return;
     }
     atomicAdd(results[result_of(pair)], state_item);
+    if (at % teams == 0u) atomicMax(results[groups + 3u * queue], min(at / teams + 1u, most_groups));
     at = 3u * (at + (queue & 1u) * item_room);
     items[at] = pair, items[at + 1u] = a, items[at + 2u] = b;
 }
@@ -82,6 +85,18 @@ void set_met(uint pair, uint a, uint b)
     if ((atomicOr(results[at], state_met) & state_met) != 0u) return;
     results[at + 2u] = a, results[at + 3u] = b;
 }
+// Adds two triangles to the list for exact arithmetic.
+void add_unsure(uint pair, uint a, uint b)
+{
+    atomicOr(results[result_of(pair)], state_unsure);
+    uint at = atomicAdd(results[unsure_count], 1u);
+    if (at >= unsure_room) {
+        leave_open(pair);
+        return;
+    }
+    at = unsure_at() + 3u * at;
+    results[at] = pair, results[at + 1u] = a, results[at + 2u] = b;
+}
 )";
 
 constexpr const char* prepare_main = R"(
@@ -89,21 +104,14 @@ layout(local_size_x = 64) in;
 
 double size_of(double x, double y, double z) { return abs(x) + abs(y) + abs(z); }
 
-// As RelativePose and WalkFrame, with larger margins: square roots and conversions may be less exact here.
+// As WalkFrame, with larger margins: square roots and conversions may be less exact here.
 void place(uint p, out double apart_by)
 {
     Pair pair = pairs[p];
-    uint of_a = 12u * pair.pose_a, of_b = 12u * pair.pose_b;
     double r[9], t[3], ca[3], cb[3], d[3];
-    bool same = true;
-    for (uint i = 0u; i < 9u; ++i) same = same && poses[of_a + i] == poses[of_b + i];
-    for (uint i = 0u; i < 3u; ++i) {
-        double x = poses[of_a + 3u * i], y = poses[of_a + 3u * i + 1u], z = poses[of_a + 3u * i + 2u];
-        for (uint j = 0u; j < 3u; ++j)
-            r[3u * i + j] = same ? (i == j ? 1.0LF : 0.0LF)
-                                 : x * poses[of_b + 3u * j] + y * poses[of_b + 3u * j + 1u] + z * poses[of_b + 3u * j + 2u];
-        t[i] = x * (poses[of_b + 9u] - poses[of_a + 9u]) + y * (poses[of_b + 10u] - poses[of_a + 10u]) +
-               z * (poses[of_b + 11u] - poses[of_a + 11u]);
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) r[3 * i + j] = pair.rotation[3 * j + i];
+        t[i] = pair.translation[i];
         ca[i] = trees[pair.tree_a].centre[i], cb[i] = trees[pair.tree_b].centre[i];
     }
     double radius_a = trees[pair.tree_a].radius, radius_b = trees[pair.tree_b].radius, both = radius_a + radius_b;
@@ -129,11 +137,7 @@ void place(uint p, out double apart_by)
     for (int i = 0; i < 3; ++i) {
         double moved = r[3 * i] * double(from_b[0]) + r[3 * i + 1] * double(from_b[1]) + r[3 * i + 2] * double(from_b[2]);
         frames[p].shift[i] = float(d[i] + moved - (from_a ? 0.0LF : double(float(d[i]))));
-        for (int j = 0; j < 3; ++j) {
-            frames[p].rotation[3 * i + j] = r[3 * i + j];
-            frames[p].turn[3 * i + j] = float(r[3 * i + j]);
-        }
-        frames[p].translation[i] = t[i];
+        for (int j = 0; j < 3; ++j) frames[p].turn[3 * i + j] = float(r[3 * i + j]);
     }
 }
 
@@ -152,8 +156,13 @@ void main()
     if (pairs[p].hint_a != 0xffffffffu) {
         float gap;
         atomicAdd(results[triangle_count], 1u);
-        if (judge_pair(p, pairs[p].hint_a, pairs[p].hint_b, gap) == meets) {
+        uint how = judge_pair(p, pairs[p].hint_a, pairs[p].hint_b, gap);
+        if (how == meets) {
             set_met(p, pairs[p].hint_a, pairs[p].hint_b);
+            return;
+        }
+        if (how == unsure) { // bodies that rest on each other: the CPU probably finds that these triangles still meet
+            add_unsure(p, pairs[p].hint_a, pairs[p].hint_b), leave_open(p);
             return;
         }
     }
@@ -171,6 +180,7 @@ const uint idle = 0u, walking = 1u, finished = 2u, waiting_room = 12u, no_box = 
 shared uint stack_a[teams * stack_room], stack_b[teams * stack_room];
 shared uint waiting_a[teams * waiting_room], waiting_b[teams * waiting_room];
 shared uint top[teams], waiting[teams], status[teams], pair_of[teams], rows[teams], tests[teams], ended[teams], tested[teams];
+shared uint unsure_pairs[teams];
 shared float order[teams * team_size];
 
 void synchronise()
@@ -196,6 +206,7 @@ void take(uint team)
         if (is_decided(pair)) continue;
         stack_a[team * stack_room] = items[at + 1u], stack_b[team * stack_room] = items[at + 2u];
         top[team] = 1u, waiting[team] = 0u, rows[team] = 0u, tests[team] = 0u, ended[team] = 0u, tested[team] = 0u;
+        unsure_pairs[team] = 0u;
         pair_of[team] = pair, status[team] = walking;
         return;
     }
@@ -219,14 +230,11 @@ void test_triangles(uint pair, uint a, uint b, uint team, inout float least)
         least = min(least, gap);
         return;
     }
-    atomicOr(results[result_of(pair)], state_unsure);
-    uint at = atomicAdd(results[unsure_count], 1u);
-    if (at >= unsure_room) {
+    add_unsure(pair, a, b);
+    if (atomicAdd(unsure_pairs[team], 1u) + 1u >= most_unsure) {
+        ended[team] = 1u;
         leave_open(pair);
-        return;
     }
-    at = unsure_at() + 3u * at;
-    results[at] = pair, results[at + 1u] = a, results[at + 2u] = b;
 }
 
 void want(uint pair, uint tree, uint node, uint box)
@@ -313,7 +321,7 @@ void main()
                     uint node = trees[opens_a ? tree_a : tree_b].nodes + 16u * child;
                     if (lane < lanes_of(node)) {
                         Box part = box_of(pair, !opens_a, node, lane);
-                        Box other = opens_a ? box_of(pair, true, node_b, box_b) : box_of(pair, false, node_a, box_a);
+                        Box other = box_of(pair, opens_a, opens_a ? node_b : node_a, opens_a ? box_b : box_a);
                         float gap = gap_of_boxes(part, other, frames[pair].limit);
                         if (gap > frames[pair].limit) {
                             least = min(least, (gap - frames[pair].rounding) * 0.9999);

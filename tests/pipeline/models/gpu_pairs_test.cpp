@@ -1,3 +1,4 @@
+#include <functional>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -24,10 +25,60 @@ struct Played {
     std::uint64_t narrowed = 0;
 };
 
+/// Called before each step of shared_walks().
+std::function<void(MeshWalkStep)> before_step;
+
+/// Compiling the shaders takes longer than most tests, so that the Worlds of one process share a MeshWalks.
+MeshWalks& shared_walks()
+{
+    static const std::unique_ptr<MeshWalks> walks = make_mesh_walks({.before = [](MeshWalkStep step) {
+        if (before_step) before_step(step);
+    }});
+    return *walks;
+}
+
+/// The boxes that each batch of a LentWalks missed.
+std::vector<std::size_t> boxes_missed;
+
+/// Lends the shared MeshWalks to one World.
+class LentWalks final : public MeshWalks {
+public:
+    const GpuInfo& info() const override { return walks_.info(); }
+    bool is_owner() const override { return walks_.is_owner(); }
+    std::optional<std::uint32_t> hold(const ObbTree& tree, std::uint32_t frame) override
+    {
+        return walks_.hold(tree, frame);
+    }
+    void drop_unused(std::uint32_t frame) override { walks_.drop_unused(frame); }
+    std::span<MeshWalkPair> begin(std::size_t pairs) override { return walks_.begin(pairs); }
+    void submit(bool by_distance) override { walks_.submit(by_distance); }
+    std::span<const MeshWalkResult> collect() override
+    {
+        const auto results = walks_.collect();
+        counts_ += walks_.batch();
+        boxes_missed.push_back(walks_.wanted().size());
+        return results;
+    }
+    std::span<const UnsureTriangles> unsure() const override { return walks_.unsure(); }
+    std::span<const WantedNode> wanted() const override { return walks_.wanted(); }
+    const MeshWalkCounts& batch() const override { return walks_.batch(); }
+    const MeshWalkCounts& counts() const override { return counts_; }
+    std::size_t bytes() const override { return walks_.bytes(); }
+
+private:
+    MeshWalks& walks_ = shared_walks();
+    MeshWalkCounts counts_;
+};
+
+MeshWalkOptions lent()
+{
+    return {.make = [] { return std::make_unique<LentWalks>(); }};
+}
+
 /// Every pair that can go to the GPU does.
 constexpr std::uint32_t all_pairs = 1;
 
-Played play(Scene scene, Settings settings, int frames, MeshWalkOptions gpu = {})
+Played play(Scene scene, Settings settings, int frames, MeshWalkOptions gpu = lent())
 {
     gpu.worth_pairs = all_pairs;
     Played played;
@@ -85,22 +136,28 @@ TEST(GpuPairs, EndOnTheCpuIfAnyStepFails)
 {
     const Scene scene = scene_of("many", 200);
     const Played cpu = play(scene, {}, 6);
+    const auto expect_fall_back = [&](MeshWalkStep step, int after, MeshWalkOptions options) {
+        const auto die = [&](MeshWalkStep now) {
+            if (now == step && after-- == 0) throw GpuLost("it died");
+        };
+        (options.make ? before_step : options.before) = die;
+        const Played gpu = play(scene, {.backend = BackendKind::gl}, 6, options);
+        before_step = {};
+        EXPECT_EQ(gpu.hashes, cpu.hashes) << int(step);
+        EXPECT_NE(gpu.note.find("it died"), std::string::npos) << gpu.note;
+    };
     for (const MeshWalkStep step :
-         {MeshWalkStep::context, MeshWalkStep::shaders, MeshWalkStep::self_test, MeshWalkStep::trees,
-          MeshWalkStep::upload, MeshWalkStep::dispatch, MeshWalkStep::readback}) {
-        const bool at_start = step <= MeshWalkStep::self_test;
-        for (const int after : at_start ? std::vector{0} : std::vector{0, 2}) {
-            int left = after;
-            MeshWalkOptions options;
-            options.before = [&](MeshWalkStep now) {
-                if (now == step && left-- == 0) throw GpuLost("it died");
-            };
-            const Played gpu = play(scene, {.backend = BackendKind::gl}, 6, options);
-            EXPECT_EQ(gpu.hashes, cpu.hashes) << int(step);
-            EXPECT_NE(gpu.note.find("it died"), std::string::npos) << gpu.note;
-        }
-    }
-    const Played none = play(scene, {.backend = BackendKind::gl, .gpu = 63}, 6);
+         {MeshWalkStep::context, MeshWalkStep::doubles, MeshWalkStep::shaders, MeshWalkStep::self_test})
+        expect_fall_back(step, 0, {});
+    for (const MeshWalkStep step :
+         {MeshWalkStep::trees, MeshWalkStep::upload, MeshWalkStep::dispatch, MeshWalkStep::readback})
+        for (const int after : {0, 2}) expect_fall_back(step, after, lent());
+    MeshWalkOptions floats;
+    floats.hidden_extension = "GL_ARB_gpu_shader_fp64";
+    const Played without_doubles = play(scene, {.backend = BackendKind::gl}, 6, floats);
+    EXPECT_EQ(without_doubles.hashes, cpu.hashes);
+    EXPECT_NE(without_doubles.note.find("no doubles"), std::string::npos) << without_doubles.note;
+    const Played none = play(scene, {.backend = BackendKind::gl, .gpu = 63}, 6, {});
     EXPECT_EQ(none.hashes, cpu.hashes);
     EXPECT_NE(none.note.find("no GPU 63"), std::string::npos) << none.note;
     const Played small = play(scene, {.backend = BackendKind::gl}, 6, {.most_buffer_bytes = 1 << 19});
@@ -125,7 +182,7 @@ TEST(GpuPairs, DecideColumnsOfPosesAsTheCpuDoes)
         std::make_shared<const Geometry>(Geometry{"knot", make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 2000), {}});
     std::vector<Finding> found[2];
     for (const BackendKind backend : {BackendKind::cpu, BackendKind::gl}) {
-        World world({.backend = backend});
+        World world = WorldAccess::make({.backend = backend}, lent());
         const ModelId model = world.models().add(mesh);
         const std::vector<ModelId> models{model};
         std::vector<Finding>& results = found[backend == BackendKind::gl];
@@ -150,6 +207,59 @@ TEST(GpuPairs, DecideColumnsOfPosesAsTheCpuDoes)
     EXPECT_LT(met, count / 2);
 }
 
+TEST(GpuPairs, GrowTheBoxesThatTheGpuMissed)
+{
+    constexpr std::size_t count = 400;
+    std::vector<double> at(16 * count), origin(16);
+    const auto put = [](const Eigen::Isometry3d& pose, double* to) {
+        Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> row(to);
+        row = pose.matrix();
+    };
+    put(random_pose(1, 1), origin.data());
+    for (std::size_t i = 0; i < count; ++i) put(random_pose(2 + i, 0.8), &at[16 * i]);
+    const auto mesh =
+        std::make_shared<const Geometry>(Geometry{"knot", make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 20000), {}});
+    World world = WorldAccess::make({.backend = BackendKind::gl}, lent());
+    const std::vector<ModelId> models{world.models().add(mesh)};
+    std::vector<Finding> found(count);
+    boxes_missed.clear();
+    for (int call = 0; call < 12; ++call) world.pairs().decide(PairOfColumns{{models, origin}, {models, at}}, found);
+    ASSERT_GT(boxes_missed.size(), 8u);
+    EXPECT_GT(boxes_missed.front(), 50u);
+    EXPECT_LT(boxes_missed.back(), boxes_missed.front() / 3); // each call shows the boxes below the new nodes
+}
+
+TEST(GpuPairs, DecideManyBatchesInOneCall)
+{
+    constexpr std::size_t count = 4 * MeshWalks::most_pairs + 100; // the working memory holds four batches
+    std::vector<double> at(16 * count), origin(16);
+    const auto put = [](const Eigen::Isometry3d& pose, double* to) {
+        Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> row(to);
+        row = pose.matrix();
+    };
+    put(random_pose(1, 1), origin.data());
+    for (std::size_t i = 0; i < count; ++i) put(random_pose(2 + i, 3), &at[16 * i]);
+    const auto mesh = std::make_shared<const Geometry>(Geometry{"box", make_box_mesh({0.8, 0.5, 0.3}), {}});
+    std::vector<Finding> found[2];
+    for (const bool gl : {false, true}) {
+        World world = WorldAccess::make({.backend = gl ? BackendKind::gl : BackendKind::cpu, .threads = 2}, lent());
+        const std::vector<ModelId> models{world.models().add(mesh)};
+        found[gl].resize(count);
+        for (int call = 0; call < 1 + gl; ++call) // trees grow in the first one
+            world.pairs().decide(PairOfColumns{{models, origin}, {models, at}}, found[gl]);
+        if (gl) {
+            EXPECT_GE(WorldAccess::gpu_counts(world).batches, 5u);
+        }
+    }
+    std::size_t different = 0, met = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        different += found[1][i].verdict != found[0][i].verdict;
+        met += found[0][i].verdict == Verdict::colliding;
+    }
+    EXPECT_EQ(different, 0u);
+    EXPECT_GT(met, count / 20);
+}
+
 TEST(GpuPairs, DecideTouchingBodiesInTheFrameOfTheFirst)
 {
     // The faces of two boxes coincide, up to the rounding of their poses: it decides whether they meet.
@@ -168,7 +278,7 @@ TEST(GpuPairs, DecideTouchingBodiesInTheFrameOfTheFirst)
     std::vector<Finding> found[2][2];
     for (const bool gl : {false, true})
         for (const bool swapped : {false, true}) {
-            World world({.backend = gl ? BackendKind::gl : BackendKind::cpu});
+            World world = WorldAccess::make({.backend = gl ? BackendKind::gl : BackendKind::cpu}, lent());
             const std::vector<ModelId> models{
                 world.models().add(std::make_shared<const Geometry>(Geometry{"box", make_box_mesh({1, 1, 1}), {}}))};
             std::vector<Finding>& results = found[gl][swapped];
@@ -194,7 +304,7 @@ TEST(GpuPairs, DecideTheHardCasesAsTheCpuDoes)
     std::vector<Finding> found[2];
     std::vector<Distance> distances;
     for (const bool gl : {false, true}) {
-        World world({.backend = gl ? BackendKind::gl : BackendKind::cpu});
+        World world = WorldAccess::make({.backend = gl ? BackendKind::gl : BackendKind::cpu}, lent());
         std::vector<PairOfModels> pairs;
         for (const tools::BodyCase& c : cases) {
             const ModelId a = world.models().add(c.a), b = world.models().add(c.b);
@@ -229,7 +339,7 @@ TEST(GpuPairs, BelongToTheThreadThatMadeTheWorld)
     const Scene scene = scene_of("many", 200);
     const Played cpu = play(scene, {}, 3);
     Scene moved = scene;
-    Pipeline pipeline(moved, WorldAccess::make({.backend = BackendKind::gl}, MeshWalkOptions{}));
+    Pipeline pipeline(moved, WorldAccess::make({.backend = BackendKind::gl}, lent()));
     std::vector<std::uint64_t> hashes;
     std::thread([&] {
         Mover mover;
@@ -239,7 +349,7 @@ TEST(GpuPairs, BelongToTheThreadThatMadeTheWorld)
         }
     }).join();
     EXPECT_EQ(hashes, cpu.hashes);
-    EXPECT_EQ(WorldAccess::gpu_counts(pipeline.world()).batches, 1u); // the self-test
+    EXPECT_EQ(WorldAccess::gpu_counts(pipeline.world()).batches, 0u);
 }
 
 } // namespace

@@ -381,10 +381,11 @@ void add_gpu(Arguments bench)
     b.whole("--repeats N", b->runs, "number of runs of octants and trees; the least time counts (default 5; small: 2)",
             {1, 1000});
     b.option("--scene SCENE", b->scene,
-             "scene of paper, timeline and comparators: a file, or a name from 'oncollide scene --list'");
+             "scene of frames, paper, timeline and comparators: a file, or a name from 'oncollide scene --list'");
     b.whole("--bodies N", b->bodies, "bodies of these scenes");
     b.whole("--frames N", b->frames, "frames of these scenes");
     b.whole("--every N", b->every, "play every N-th frame of them");
+    b.whole("--poses N", b->poses, "poses of batches (default 1,000,000; small sizes: 1,000)", {1, 100'000'000});
     b.option("--depth D", b->depth, "depth of their sphere-trees (default 5, as in the paper)");
     b.option("--age N", b->age, "frames after which unused cells are dropped (default 60)");
     b.option("--viewport PX", b->viewport, "gl-query: pixels per side of a cell (default 16)");

@@ -7,6 +7,7 @@
 
 #include <oncollide/base/numbers/random.hpp>
 #include <oncollide/narrowphase/gl/walk/mesh_walks.hpp>
+#include <oncollide/pipeline/refine/gpu_pairs.hpp>
 #include <oncollide/pipeline/world/world_access.hpp>
 #include <oncollide/runs/pipeline.hpp>
 #include <oncollide/samples/generators.hpp>
@@ -26,20 +27,43 @@ std::vector<ExactContender> exact_contenders(const ExactContest& contest)
     std::vector<ExactContender> all{{"cpu, 1 thread", {}}};
     if (contest.threads > 1)
         all.push_back({fmt::format("cpu, {} threads", contest.threads), {.threads = contest.threads}});
-    all.push_back({"gl", {.backend = BackendKind::gl, .gpu = contest.gpu, .threads = contest.threads}});
+    all.push_back({"gl, 1 thread", {.backend = BackendKind::gl, .gpu = contest.gpu}});
+    if (contest.threads > 1)
+        all.push_back({fmt::format("gl, {} threads", contest.threads),
+                       {.backend = BackendKind::gl, .gpu = contest.gpu, .threads = contest.threads}});
     return all;
 }
 
-/// The work between two states of the counters, for each of `n` frames or calls.
-Figures figures_of(const MeshWalkCounts& now, const MeshWalkCounts& before, double n)
+/// The work of the backend gl so far.
+struct GpuWork {
+    MeshWalkCounts gpu;
+    GpuHostTimes host;
+
+    GpuWork() = default;
+    explicit GpuWork(const World& world) : gpu(WorldAccess::gpu_counts(world)), host(WorldAccess::gpu_host_times(world))
+    {
+    }
+};
+
+/// The work between two states, for each of `n` frames or calls.
+Figures figures_of(const GpuWork& now, const GpuWork& before, double n)
 {
-    const auto each = [&](auto member) { return double(now.*member - before.*member) / n; };
     using C = MeshWalkCounts;
-    return figures("gpu_pairs", each(&C::pairs), "dispatches", each(&C::dispatches), "bytes_up", each(&C::bytes_up),
+    using H = GpuHostTimes;
+    const auto each = [&](auto member) { return double(now.gpu.*member - before.gpu.*member) / n; };
+    const auto host = [&](double H::*member) { return (now.host.*member - before.host.*member) / n; };
+    const double spread =
+        host(&H::tasks_ms) + host(&H::sort_ms) + host(&H::trees_ms) + host(&H::fill_ms) + host(&H::take_ms);
+    const double pairs = each(&C::pairs);
+    return figures("gpu_pairs", pairs, "dispatches", each(&C::dispatches), "bytes_up", each(&C::bytes_up),
                    "tree_bytes_up", each(&C::tree_bytes), "bytes_down", each(&C::bytes_down), "gpu_box_rows",
                    each(&C::box_rows), "gpu_triangle_pairs", each(&C::triangle_pairs), "gpu_unsure_pairs",
                    each(&C::unsure_pairs), "upload_ms", each(&C::upload_ms), "prepare_ms", each(&C::prepare_ms),
-                   "walk_ms", each(&C::walk_ms), "readback_ms", each(&C::readback_ms), "wait_ms", each(&C::wait_ms));
+                   "walk_ms", each(&C::walk_ms), "readback_ms", each(&C::readback_ms), "wait_ms", each(&C::wait_ms),
+                   "host_tasks_ms", host(&H::tasks_ms), "host_sort_ms", host(&H::sort_ms), "host_trees_ms",
+                   host(&H::trees_ms), "host_fill_ms", host(&H::fill_ms), "host_submit_ms", host(&H::submit_ms),
+                   "host_meanwhile_ms", host(&H::meanwhile_ms), "host_take_ms", host(&H::take_ms), "host_rest_ms",
+                   host(&H::rest_ms), "host_ns_per_pair", pairs > 0 ? 1e6 * spread / pairs : 0.0);
 }
 
 Figures joined(Figures all, const Figures& more)
@@ -84,11 +108,11 @@ int exact_frames(const ExactContest& contest, const std::string& title, const Sc
             Mover mover;
             double first_ms = 0, warm_ms = 0;
             std::uint64_t rows = 0, triangles = 0, candidates = 0;
-            MeshWalkCounts before;
+            GpuWork before;
             int frames = 0;
             for (int frame = 0; frame < played.frames; frame += every, ++frames) {
                 mover.move(played, frame);
-                if (frames == cold) before = WorldAccess::gpu_counts(pipeline.world());
+                if (frames == cold) before = GpuWork(pipeline.world());
                 const FrameView view = pipeline.step(played);
                 if (frames == 0) first_ms = view.ms;
                 if (frames < cold) continue;
@@ -103,7 +127,7 @@ int exact_frames(const ExactContest& contest, const std::string& title, const Sc
                                      warm_ms / warm, "pairs", double(candidates) / warm, "box_rows",
                                      double(rows) / warm, "triangle_pairs", double(triangles) / warm, "hash",
                                      Hex{pipeline.hash()}, "equal", pipeline.hash() == hash),
-                             figures_of(WorldAccess::gpu_counts(pipeline.world()), before, warm)));
+                             figures_of(GpuWork(pipeline.world()), before, warm)));
         }
     return different;
 }
@@ -119,9 +143,9 @@ int exact_batches(const ExactContest& contest, std::size_t poses, ResultTable& t
         World world(settings);
         const std::vector<ModelId> models{world.models().add(mesh)};
         double ms[2];
-        MeshWalkCounts before;
+        GpuWork before;
         for (double& of_call : ms) { // trees grow and go up in the first call
-            before = WorldAccess::gpu_counts(world);
+            before = GpuWork(world);
             const auto from = Clock::now();
             world.pairs().decide(PairOfColumns{{models, origin}, {models, at}}, found);
             of_call = milliseconds_since(from);
@@ -134,7 +158,7 @@ int exact_batches(const ExactContest& contest, std::size_t poses, ResultTable& t
                                  name, "renderer", contest.renderer, "poses", poses, "meeting",
                                  std::ranges::count(found, Verdict::colliding, &Finding::verdict), "first_ms", ms[0],
                                  "ms", ms[1], "poses_per_s", 1e3 * double(poses) / ms[1], "equal", unequal == 0),
-                         figures_of(WorldAccess::gpu_counts(world), before, 1)));
+                         figures_of(GpuWork(world), before, 1)));
     }
     return different;
 }

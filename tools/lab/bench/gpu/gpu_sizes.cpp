@@ -64,7 +64,8 @@ Sizes sizes_of(const GpuOptions& o, bool software)
         if (o.frames) cut.frames = o.frames;
         cut.every = o.every.value_or(cut.every);
     };
-    if (!o.scene.empty()) sizes.comparators.resize(1);
+    if (!o.scene.empty()) sizes.comparators.resize(1), sizes.exact.resize(1), replace(sizes.exact.front());
+    if (o.poses) sizes.poses = std::size_t(*o.poses);
     replace(sizes.paper);
     for (Cut& cut : sizes.comparators) replace(cut);
     return sizes;

@@ -19,8 +19,9 @@ constexpr std::array<std::string_view, 11> gpu_parts{"correctness", "frames",   
 struct GpuOptions : SharedOptions {
     std::string sizes = "auto";
     std::string parts; ///< empty: all parts
-    std::string scene; ///< of the last three parts; empty: the usual scenes
+    std::string scene; ///< of frames and of the last three parts; empty: the usual scenes
     std::optional<int> bodies, frames, every, runs;
+    std::optional<int> poses;
     int depth = 5, viewport = 16, age = Settings{}.age_limit;
     double limit_s = 420; ///< no measurement begins later
     std::optional<double> batch_s;
