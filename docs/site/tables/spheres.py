@@ -178,6 +178,20 @@ def gpu_walks():
                   "walked", "triangle tests, gl and cpu", "not certain"], out)
 
 
+def gpu_host():
+    """The CPU's time for a pair of a batch (ns), by stage."""
+    gl = lambda name, what: next(r for r in rows_of(name) if r["what"].startswith(what) and r["backend"] == "gl, 1 thread")
+    frame, poses = gl("gpu/walks", "many, 10,000"), gl("gpu/poses", "")
+    ns = lambda r, stage: number(round(1e6 * float(r[f"host_{stage}_ms"]) / float(r["gpu_pairs"])))
+    stages = {"tasks": ("reads and checks columns of poses", "all"), "sort": ("finds the pairs that need a walk", "all"),
+              "trees": ("looks up the trees, divides the pairs", "one"), "fill": ("writes the pairs", "all"),
+              "take": ("takes the results", "all")}
+    out = [[f"`{stage}`", words, threads, ns(frame, stage), ns(poses, stage)] for stage, (words, threads) in stages.items()]
+    out.append(["sum", "", "", *(number(round(float(r["host_ns_per_pair"]))) for r in (frame, poses))])
+    return table(["column", "the CPU", "threads", f"a frame, {number(frame['gpu_pairs'])} pairs",
+                  f"{number(poses['poses'])} poses"], out)
+
+
 def continuous():
     titles = {"oncollide": "oncollide, `Pairs::sweep`", "fcl-advancement": "FCL, conservative advancement, linear motion",
               "fcl-sampled": "FCL, its default: ten poses of a translation"}

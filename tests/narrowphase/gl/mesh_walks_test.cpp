@@ -324,7 +324,8 @@ TEST(MeshWalks, FailTheSelfTestOnADriverThatComputesWrongly)
     struct Fault {
         const char *from, *to;
     };
-    for (const Fault& fault : {Fault{"return q;", "return dvec3(vec3(q));"}, // floats for doubles
+    for (const Fault& fault : {Fault{"return q;", "return dvec3(vec3(q));"},               // floats for doubles
+                               Fault{"gap = float(widest)", "gap = 0.05 + float(widest)"}, // bounds
                                Fault{"gap > frames[pair].limit", "gap + 0.5 > frames[pair].limit"}, // lost boxes
                                Fault{"if (lone_b < 0) first", "if (lone_b > 0) first"},             // a wrong sign
                                Fault{"float(bitfieldExtract(int(", "float(bitfieldExtract(uint("}}) {

@@ -43,6 +43,11 @@ std::vector<std::size_t> boxes_missed;
 /// Lends the shared MeshWalks to one World.
 class LentWalks final : public MeshWalks {
 public:
+    ~LentWalks() override // the next World finds no batch under way, even if this one lost its GPU
+    {
+        before_step = {};
+        for (; under_way_ > 0; --under_way_) walks_.collect();
+    }
     const GpuInfo& info() const override { return walks_.info(); }
     bool is_owner() const override { return walks_.is_owner(); }
     std::optional<std::uint32_t> hold(const ObbTree& tree, std::uint32_t frame) override
@@ -51,9 +56,10 @@ public:
     }
     void drop_unused(std::uint32_t frame) override { walks_.drop_unused(frame); }
     std::span<MeshWalkPair> begin(std::size_t pairs) override { return walks_.begin(pairs); }
-    void submit(bool by_distance) override { walks_.submit(by_distance); }
+    void submit(bool by_distance) override { walks_.submit(by_distance), ++under_way_; }
     std::span<const MeshWalkResult> collect() override
     {
+        --under_way_;
         const auto results = walks_.collect();
         counts_ += walks_.batch();
         boxes_missed.push_back(walks_.wanted().size());
@@ -67,6 +73,7 @@ public:
 
 private:
     MeshWalks& walks_ = shared_walks();
+    int under_way_ = 0; ///< batches
     MeshWalkCounts counts_;
 };
 
@@ -168,16 +175,28 @@ TEST(GpuPairs, EndOnTheCpuIfAnyStepFails)
     EXPECT_GT(full.counts.full, 0u);
 }
 
+/// Random poses as a column: 16 numbers for each, row by row.
+std::vector<double> random_column(std::size_t count, std::uint64_t seed, double reach)
+{
+    std::vector<double> column(16 * count);
+    for (std::size_t i = 0; i < count; ++i) {
+        Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> row(&column[16 * i]);
+        row = random_pose(seed + i, reach).matrix();
+    }
+    return column;
+}
+
+std::size_t differences(const std::vector<Finding>& a, const std::vector<Finding>& b)
+{
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) count += a[i].verdict != b[i].verdict;
+    return count;
+}
+
 TEST(GpuPairs, DecideColumnsOfPosesAsTheCpuDoes)
 {
     constexpr std::size_t count = 2000;
-    std::vector<double> at(16 * count), origin(16);
-    const auto put = [](const Eigen::Isometry3d& pose, double* to) {
-        Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> row(to);
-        row = pose.matrix();
-    };
-    put(random_pose(1, 1), origin.data());
-    for (std::size_t i = 0; i < count; ++i) put(random_pose(2 + i, 2.5), &at[16 * i]);
+    const std::vector<double> origin = random_column(1, 1, 1), at = random_column(count, 2, 2.5);
     const auto mesh =
         std::make_shared<const Geometry>(Geometry{"knot", make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 2000), {}});
     std::vector<Finding> found[2];
@@ -210,13 +229,7 @@ TEST(GpuPairs, DecideColumnsOfPosesAsTheCpuDoes)
 TEST(GpuPairs, GrowTheBoxesThatTheGpuMissed)
 {
     constexpr std::size_t count = 400;
-    std::vector<double> at(16 * count), origin(16);
-    const auto put = [](const Eigen::Isometry3d& pose, double* to) {
-        Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> row(to);
-        row = pose.matrix();
-    };
-    put(random_pose(1, 1), origin.data());
-    for (std::size_t i = 0; i < count; ++i) put(random_pose(2 + i, 0.8), &at[16 * i]);
+    const std::vector<double> origin = random_column(1, 1, 1), at = random_column(count, 2, 0.8);
     const auto mesh =
         std::make_shared<const Geometry>(Geometry{"knot", make_torus_knot_mesh(2, 3, 1, 0.4, 0.15, 20000), {}});
     World world = WorldAccess::make({.backend = BackendKind::gl}, lent());
@@ -229,35 +242,66 @@ TEST(GpuPairs, GrowTheBoxesThatTheGpuMissed)
     EXPECT_LT(boxes_missed.back(), boxes_missed.front() / 3); // each call shows the boxes below the new nodes
 }
 
+/// Boxes at random poses, for calls with many pairs.
+struct ManyBoxes {
+    World world;
+    std::vector<ModelId> models;
+    std::vector<double> origin = random_column(1, 1, 1), at;
+    std::vector<Finding> found;
+
+    ManyBoxes(const Settings& settings, std::size_t count)
+        : world(WorldAccess::make(settings, lent())), models{world.models().add(std::make_shared<const Geometry>(
+                                                          Geometry{"box", make_box_mesh({0.8, 0.5, 0.3}), {}}))},
+          at(random_column(count, 2, 5)), found(count)
+    {
+    }
+    const std::vector<Finding>& decide()
+    {
+        world.pairs().decide(PairOfColumns{{models, origin}, {models, at}}, found);
+        return found;
+    }
+};
+
 TEST(GpuPairs, DecideManyBatchesInOneCall)
 {
     constexpr std::size_t count = 4 * MeshWalks::most_pairs + 100; // the working memory holds four batches
-    std::vector<double> at(16 * count), origin(16);
-    const auto put = [](const Eigen::Isometry3d& pose, double* to) {
-        Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> row(to);
-        row = pose.matrix();
+    const std::vector<Finding> cpu = ManyBoxes({.threads = 2}, count).decide();
+    EXPECT_GT(std::ranges::count(cpu, Verdict::colliding, &Finding::verdict), std::ptrdiff_t{count / 100});
+    ManyBoxes gpu({.backend = BackendKind::gl, .threads = 2}, count);
+    gpu.decide(); // trees grow
+    EXPECT_EQ(differences(gpu.decide(), cpu), 0u);
+    EXPECT_GE(WorldAccess::gpu_counts(gpu.world).batches, 5u);
+
+    int left = 2; // the GPU is lost while the third batch and the fourth one are under way
+    before_step = [&](MeshWalkStep step) {
+        if (step == MeshWalkStep::readback && left-- == 0) throw GpuLost("it died");
     };
-    put(random_pose(1, 1), origin.data());
-    for (std::size_t i = 0; i < count; ++i) put(random_pose(2 + i, 3), &at[16 * i]);
-    const auto mesh = std::make_shared<const Geometry>(Geometry{"box", make_box_mesh({0.8, 0.5, 0.3}), {}});
-    std::vector<Finding> found[2];
-    for (const bool gl : {false, true}) {
-        World world = WorldAccess::make({.backend = gl ? BackendKind::gl : BackendKind::cpu, .threads = 2}, lent());
-        const std::vector<ModelId> models{world.models().add(mesh)};
-        found[gl].resize(count);
-        for (int call = 0; call < 1 + gl; ++call) // trees grow in the first one
-            world.pairs().decide(PairOfColumns{{models, origin}, {models, at}}, found[gl]);
-        if (gl) {
-            EXPECT_GE(WorldAccess::gpu_counts(world).batches, 5u);
-        }
+    EXPECT_EQ(differences(gpu.decide(), cpu), 0u);
+    before_step = {};
+    EXPECT_NE(gpu.world.inspect().backend_note.find("it died"), std::string::npos);
+}
+
+TEST(GpuPairs, StopBetweenBatches)
+{
+    constexpr std::size_t count = 2 * MeshWalks::most_pairs + 1;
+    const std::vector<Finding> cpu = ManyBoxes({}, count).decide();
+    int left = -1; // checks until the call stops; negative: it does not
+    ManyBoxes gpu(
+        {.backend = BackendKind::gl, .stop = [&] { return left >= 0 && left-- == 0 ? (left = 0, true) : false; }},
+        count);
+    gpu.decide(); // trees grow
+    for (const int checks : {1, 2}) {
+        left = checks;
+        const std::vector<Finding>& found = gpu.decide();
+        EXPECT_GT(std::ranges::count(found, Verdict::undecided, &Finding::verdict), 0) << checks;
+        for (std::size_t i = 0; i < count; ++i)
+            if (found[i].verdict != Verdict::undecided) {
+                ASSERT_EQ(found[i].verdict, cpu[i].verdict) << i;
+            }
+        left = -1;
+        EXPECT_EQ(differences(gpu.decide(), cpu), 0u);
     }
-    std::size_t different = 0, met = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        different += found[1][i].verdict != found[0][i].verdict;
-        met += found[0][i].verdict == Verdict::colliding;
-    }
-    EXPECT_EQ(different, 0u);
-    EXPECT_GT(met, count / 20);
+    EXPECT_EQ(gpu.world.inspect().backend_note, "");
 }
 
 TEST(GpuPairs, DecideTouchingBodiesInTheFrameOfTheFirst)
