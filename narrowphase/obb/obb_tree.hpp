@@ -60,8 +60,8 @@ public:
     /// The node below the root; the root if it has none.
     Node below_root() { return node(root).leaves ? root : child(root, 0); }
     LaneMasks open(Node index, const BoxPlacement* placement, OpenBoxes& boxes) const;
-    /// OrientedBoxKernel::on_segment() for a node's boxes, which is faster than opening the node. Sets `leaves` to the
-    /// boxes that are leaves. Requires !of_triangles(index).
+    /// OrientedBoxKernel::node_on_segment() for a node's boxes, which is faster than opening the node. Sets `leaves` to
+    /// the boxes that are leaves. Requires !of_triangles(index).
     unsigned on_segment(Node index, const SegmentLine& line, float (&entry)[8], unsigned& leaves) const;
     std::span<const std::uint32_t> primitives(Node index, unsigned k) const
     {
@@ -165,8 +165,8 @@ public:
 
     /// The triangles at these positions of the tree's order, which traversals sort as they grow the tree.
     void copy_order(std::uint32_t begin, std::uint32_t count, std::vector<std::uint32_t>& to) const;
-    /// Overwrites `growth` with the parts that a copy of the first `from` lines lacks; 0: all. May run concurrently with
-    /// traversals. Not for a cooked mesh. Cost: O(nodes).
+    /// Overwrites `growth` with the parts that a copy of the first `from` lines lacks; 0: all. May run concurrently
+    /// with traversals. Not for a cooked mesh. Cost: O(nodes).
     void copy_growth(std::uint32_t from, TreeGrowth& growth) const;
     /// Null if the tree counts in none.
     BoxTotals* totals() const { return totals_; }

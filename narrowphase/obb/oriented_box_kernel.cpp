@@ -193,7 +193,7 @@ unsigned meet_in_time(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k
     return bits(times.some() & used);
 }
 
-/// As OrientedBoxKernel::on_segment().
+/// As OrientedBoxKernel::node_on_segment().
 /// @param to         the centres relative to the segment's middle
 /// @param direction  the segment's
 /// @param p, d       both, projected onto the boxes' axes
@@ -216,16 +216,6 @@ unsigned meet_in_time(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k
     }
     store(entry, s.half > 0 ? (dot(to, direction) - reach) / s.half : splat(-1));
     return bits(meets);
-}
-
-unsigned on_segment(const OpenBoxes& boxes, const SegmentLine& s, float (&entry)[8])
-{
-    const Vec to{load(boxes.c[0]) - s.middle[0], load(boxes.c[1]) - s.middle[1], load(boxes.c[2]) - s.middle[2]};
-    const Vec direction{splat(s.direction[0]), splat(s.direction[1]), splat(s.direction[2])};
-    const Vec axes[3] = {load(boxes.axis[0]), load(boxes.axis[1]), load(boxes.axis[2])};
-    return on_segment(to, direction, {dot(to, axes[0]), dot(to, axes[1]), dot(to, axes[2])},
-                      {dot(direction, axes[0]), dot(direction, axes[1]), dot(direction, axes[2])}, load(boxes.h),
-                      boxes.margin, s, entry);
 }
 
 /// True if all boxes have the frame's axes.
@@ -259,8 +249,8 @@ unsigned node_on_segment(const BoxNode& node, const SegmentLine& s, float (&entr
 
 OrientedBoxKernel oriented_box_kernel()
 {
-    return {open,  open_triangles, open_octants, compare_near, compare_likely, compare_far,
-            reach, from_point,     meet_in_time, on_segment,   node_on_segment};
+    return {open,        open_triangles, open_octants, compare_near, compare_likely,
+            compare_far, reach,          from_point,   meet_in_time, node_on_segment};
 }
 
 } // namespace oncollide::ONCOLLIDE_ISA

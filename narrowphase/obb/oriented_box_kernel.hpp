@@ -59,10 +59,8 @@ struct OrientedBoxKernel {
     /// @param entries  out: lower bounds of the first such times, at least -1
     unsigned (*meet_in_time)(const OpenBoxes& boxes, const OpenBoxes& other, unsigned k, const BoxMotion& motion,
                              float until, float (&entries)[8]);
-    /// Returns one bit for each box that the segment may meet. The boxes must not be moved: see SegmentLine.
+    /// Returns one bit for each box of a node that the segment may meet: see SegmentLine.
     /// @param entry  out: lower bounds of the parameters, -1 to 1, of the segment's points in the box
-    unsigned (*on_segment)(const OpenBoxes& boxes, const SegmentLine& segment, float (&entry)[8]);
-    /// The same for the boxes of a node.
     unsigned (*node_on_segment)(const BoxNode& node, const SegmentLine& segment, float (&entry)[8]);
 };
 

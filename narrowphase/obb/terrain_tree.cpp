@@ -119,6 +119,22 @@ TerrainTree::Entry TerrainTree::entry(const Aabb& box) const
     return {Node{0, 0, top_.level, true}, gap};
 }
 
+TerrainTree::Node TerrainTree::node_around(const Aabb& box) const
+{
+    const auto cell = [&](double at, int axis) {
+        const double last = (axis ? terrain_.cells_y() : terrain_.cells_x()) - 1;
+        const double number = (at - terrain_.origin()[axis]) / terrain_.spacing()[axis];
+        return static_cast<std::uint32_t>(std::clamp(number, 0.0, last));
+    };
+    const Block from{cell(box.min.x(), 0), cell(box.min.y(), 1)}, to{cell(box.max.x(), 0), cell(box.max.y(), 1)};
+    std::uint32_t level = 0;
+    while (level < top_.level && ((from.x ^ to.x) >> log_width(level + 1) || (from.y ^ to.y) >> log_height(level + 1)))
+        ++level;
+    if (level >= top_.level) return top_;
+    return {(from.x >> log_width(level + 1)) * wide(level), (from.y >> log_height(level + 1)) * high(level), level,
+            false};
+}
+
 namespace {
 
 /// @param centre, axes  the centre relative to the placement's `from`; the axes are columns
@@ -316,17 +332,33 @@ void TerrainTree::open_blocks(const Node& node, const Eigen::Vector3d& from, Ter
         std::fill_n(blocks.slope_x, 8, s.slope_x), std::fill_n(blocks.slope_y, 8, s.slope_y);
         return;
     }
-    for (unsigned k = 0; k < 8; ++k) {
-        const std::uint32_t x = node.x + k % w, y = node.y + k / w;
-        if (x >= all.x || y >= all.y) {
-            put(k, {nothing, -nothing}, {});
-        } else if (level == 2) {
-            const Square& s = square(x, y);
+    const auto each = [&](auto put_block) {
+        const std::uint32_t columns = std::min(w, all.x - node.x), rows = std::min(h, all.y - node.y);
+        for (unsigned k = 0; columns * rows < 8 && k < 8; ++k) put(k, {nothing, -nothing}, {});
+        for (std::uint32_t j = 0; j < rows; ++j)
+            for (std::uint32_t i = 0; i < columns; ++i) put_block(j * w + i, node.x + i, node.y + j);
+    };
+    const bool in_memory = !TerrainAccess::chunks(terrain_);
+    if (level == 2) {
+        const auto put_square = [&](unsigned k, const Square& s) {
             put(k, range_of(s), {{s.slab_low, s.slab_low + 255 * s.slab_step}, s.slope_x, s.slope_y});
-        } else {
-            const Bounds& of = bounds(level, x, y);
-            put(k, of.range, of.slab);
-        }
+        };
+        if (in_memory)
+            each([&, squares = squares_.data()](unsigned k, std::uint32_t x, std::uint32_t y) {
+                put_square(k, squares[std::size_t(y) * all.x + x]);
+            });
+        else
+            each([&](unsigned k, std::uint32_t x, std::uint32_t y) { put_square(k, square(x, y)); });
+    } else if (in_memory || level >= part_level) {
+        each([&, of = bounds_[level - 3].data()](unsigned k, std::uint32_t x, std::uint32_t y) {
+            const Bounds& block = of[std::size_t(y) * all.x + x];
+            put(k, block.range, block.slab);
+        });
+    } else {
+        each([&](unsigned k, std::uint32_t x, std::uint32_t y) {
+            const Bounds& block = bounds(level, x, y);
+            put(k, block.range, block.slab);
+        });
     }
 }
 

@@ -59,6 +59,9 @@ public:
         double gap;
     };
     Entry entry(const Aabb& box) const;
+    /// The lowest node below the root that covers all cells in a box, along x and y; it begins where a block of the
+    /// next level does. The box must overlap the bounds.
+    Node node_around(const Aabb& box) const;
 
     const Eigen::Vector3d& centre() const { return centre_; }
     double radius() const { return radius_; }

@@ -5,6 +5,7 @@
 #include <oncollide/base/simd/cpu_features.hpp>
 #include <oncollide/broadphase/segment_part.hpp>
 #include <oncollide/narrowphase/rays/nearest_boxes.hpp>
+#include <oncollide/narrowphase/rays/ray_part.hpp>
 #include <oncollide/narrowphase/rays/tree/ray_kernel.hpp>
 #include <oncollide/narrowphase/rays/tree/ray_tree.hpp>
 
@@ -30,41 +31,16 @@ public:
     void walk(RayTree& tree, const Segment& segment, Take take, double reach = 1);
 
 private:
-    /// The part of the segment in the mesh's bounds.
-    struct Part {
-        Eigen::Vector3d middle; ///< relative to the tree's centre, within `error` metres
-        Eigen::Vector3d direction;
-        double half, error;
-        RayLine line; ///< from the part's begin
-
-        Part(const RayTree& tree, const Segment& segment, const SegmentPart& part);
-    };
     struct Box {
         float entry;
         std::uint32_t lane;
         RayTree::Ref node;
     };
-    static RayHits hits(const RayTriangles& row, const Part& part, const float (&direction)[3]);
+    static RayHits hits(const RayTriangles& row, const RayPart& part, const float (&direction)[3]);
     void open(RayTree& tree, RayTree::Ref node, const RayLine& line, float last);
 
     NearestBoxes<Box> waiting_;
 };
-
-inline RayWalk::Part::Part(const RayTree& tree, const Segment& segment, const SegmentPart& part)
-    : middle(part.middle - tree.tree().centre()), direction((segment.to - segment.from).normalized()),
-      half(part.half.norm()), error(part.error + tree.rounding())
-{
-    // With u = 2^-24, the begin errs by u of a coordinate, a box by 2 u of its distance from there, and t times the
-    // direction by 4 u of that: at most 16 u of the mesh's radius in all.
-    const double widened = error + 0x1p-18 * tree.tree().radius() + 1e-30;
-    for (int axis = 0; axis < 3; ++axis) {
-        constexpr double least = 1e-18;
-        const double d = direction[axis], begin = middle[axis] - part.half[axis];
-        line.inverse[axis] = static_cast<float>(1 / (std::abs(d) > least ? d : std::copysign(least, d)));
-        line.from_less[axis] = static_cast<float>(begin - widened);
-        line.from_more[axis] = static_cast<float>(begin + widened);
-    }
-}
 
 /// Adds the boxes of a node that the segment meets, the nearest last.
 inline void RayWalk::open(RayTree& tree, RayTree::Ref node, const RayLine& line, float last)
@@ -78,7 +54,7 @@ inline void RayWalk::open(RayTree& tree, RayTree::Ref node, const RayLine& line,
     }
 }
 
-inline RayHits RayWalk::hits(const RayTriangles& row, const Part& part, const float (&direction)[3])
+inline RayHits RayWalk::hits(const RayTriangles& row, const RayPart& part, const float (&direction)[3])
 {
     // The point of the line that is nearest to the centre of the triangles.
     const Eigen::Vector3d to_middle = part.middle - Eigen::Vector3d(row.centre[0], row.centre[1], row.centre[2]);
@@ -91,7 +67,7 @@ inline RayHits RayWalk::hits(const RayTriangles& row, const Part& part, const fl
     const double size = nearest.norm() + reach, error = 1 + part.error * to_units;
     RayHits hits =
         ray_kernel().triangles(row, point, direction, static_cast<float>(4 * size * error + 0x1p-18 * size * size));
-    if (std::abs(along) + reach * double(row.unit) + part.error > part.half) hits.certain = 0;
+    if (!part.covers(-along, reach * double(row.unit))) hits.certain = 0;
     return hits;
 }
 
@@ -100,15 +76,8 @@ void RayWalk::walk(RayTree& tree, const Segment& segment, Take take, double reac
 {
     const std::optional<SegmentPart> of_segment = part_in(segment, tree.tree().bounds());
     if (!of_segment) return;
-    const Part part(tree, segment, *of_segment);
-    // An upper bound of the farthest t of interest.
-    const double length = of_segment->end - of_segment->begin;
-    const auto last_of = [&](double allowed) {
-        if (allowed < of_segment->begin) return -1.0f;
-        const double t = length > 0 ? 2 * part.half * (allowed - of_segment->begin) / length : 0;
-        return static_cast<float>((t + part.error) * (1 + 0x1p-20) + 1e-30);
-    };
-    float last = last_of(reach);
+    const RayPart part(segment, *of_segment, tree.tree().centre(), tree.tree().radius(), tree.rounding());
+    float last = part.last(reach);
     if (last < 0) return;
     const float direction[3] = {float(part.direction.x()), float(part.direction.y()), float(part.direction.z())};
     waiting_.clear();
@@ -120,7 +89,7 @@ void RayWalk::walk(RayTree& tree, const Segment& segment, Take take, double reac
                 auto [possible, certain] = hits(row, part, direction);
                 for (; possible; possible &= possible - 1) {
                     const auto lane = static_cast<unsigned>(__builtin_ctz(possible));
-                    last = std::min(last, last_of(take(row.triangle[lane], (certain >> lane & 1) != 0)));
+                    last = std::min(last, part.last(take(row.triangle[lane], (certain >> lane & 1) != 0)));
                     if (last < 0) return;
                 }
             }

@@ -41,18 +41,18 @@ std::optional<SegmentQuery::Candidate> SegmentQuery::nearest_candidate(double re
     return nearest;
 }
 
-/// @param entry  returns the entry into a primitive
+/// @param entry  entry(primitive, across) returns the entry into a primitive; across: the segment crosses its inside
 template <class Tree, class Entry>
 std::optional<SegmentQuery::Candidate> SegmentQuery::nearest(SegmentWalk<Tree>& walk, Tree& tree,
                                                              const Segment& segment, double reach, Entry entry)
 {
     candidates_.clear();
     const double slack = slack_of(segment, tree);
-    const auto take = [&](const auto& primitive) {
+    const auto take = [&](const auto& primitive, bool across = false) {
         if constexpr (std::same_as<Tree, ObbTree>)
-            add(entry(primitive), tree.source(primitive), primitive, reach);
+            add(entry(primitive, across), tree.source(primitive), primitive, reach);
         else
-            add(entry(primitive), primitive, 0, reach);
+            add(entry(primitive, across), primitive, 0, reach);
         return reach + slack;
     };
     walk.walk(tree, segment, take, reach + slack);
@@ -66,14 +66,16 @@ std::optional<SegmentHit> SegmentQuery::first_on_surface(Model& model, const Seg
     const auto corners = [&](std::uint32_t triangle) -> TrianglePoints {
         return tree ? tree->corners(triangle) : corners_of(*model.surface_mesh(), triangle);
     };
-    const auto entry = [&](std::uint32_t triangle) { return entry_of(segment, corners(triangle)); };
+    const auto entry = [&](std::uint32_t triangle, bool across = false) -> std::optional<SegmentEntry> {
+        if (across) return entry_across(segment, corners(triangle));
+        return entry_of(segment, corners(triangle));
+    };
     std::optional<Candidate> found;
     if (RayTree* const rays = RayWalk::covers(segment) ? model.ray_tree() : nullptr) {
         candidates_.clear();
         const double slack = slack_of(segment, *tree);
         const auto take = [&](std::uint32_t triangle, bool certain) {
-            add(certain ? entry_across(segment, corners(triangle)) : entry(triangle), tree->source(triangle), triangle,
-                reach);
+            add(entry(triangle, certain), tree->source(triangle), triangle, reach);
             return reach + slack;
         };
         rays_.walk(*rays, segment, take, reach + slack);
@@ -101,15 +103,18 @@ std::optional<SegmentHit> SegmentQuery::first(Model& model, const Segment& segme
         return first_on_surface(model, segment, reach);
     case Kind::terrain: {
         TerrainTree& tree = model.heights();
-        const auto found = nearest(terrains_, tree, segment, reach,
-                                   [&](std::uint32_t triangle) { return entry_of(segment, tree.points(triangle)); });
+        const auto entry = [&](std::uint32_t triangle, bool across) -> std::optional<SegmentEntry> {
+            if (across) return entry_across(segment, tree.points(triangle));
+            return entry_of(segment, tree.points(triangle));
+        };
+        const auto found = nearest(terrains_, tree, segment, reach, entry);
         if (!found) return {};
         return SegmentHit{found->entry, found->part, normal_facing(segment, tree.points(found->part.triangle))};
     }
     case Kind::map: {
         const auto box = [&](const MapCell& cell) { return MapAccess::box(*model.map(), cell); };
         const auto found = nearest(maps_, model.cells(), segment, reach,
-                                   [&](const MapCell& cell) { return entry_of(segment, box(cell)); });
+                                   [&](const MapCell& cell, bool) { return entry_of(segment, box(cell)); });
         if (!found) return {};
         return SegmentHit{found->entry, found->part, normal_facing(segment, box(found->part.cell))};
     }

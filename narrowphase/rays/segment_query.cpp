@@ -54,9 +54,13 @@ bool SegmentQuery::meets(Model& model, const Segment& segment)
             return segment_meets(segment, TrianglePoints{vertices[t[0]], vertices[t[1]], vertices[t[2]]});
         });
     case Kind::terrain: {
-        TerrainTree& tree = model.heights();
-        return any(terrains_, tree, segment,
-                   [&](std::uint32_t triangle) { return segment_meets(segment, tree.points(triangle)); });
+        const TerrainTree& tree = model.heights();
+        bool met = false;
+        terrains_.walk(tree, segment, [&](std::uint32_t triangle, bool certain) {
+            met = certain || segment_meets(segment, tree.points(triangle));
+            return met ? -1.0 : 1.0;
+        });
+        return met;
     }
     case Kind::map: {
         return any(maps_, model.cells(), segment,

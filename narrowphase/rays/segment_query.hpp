@@ -6,6 +6,7 @@
 #include <oncollide/narrowphase/rays/ray_walk.hpp>
 #include <oncollide/narrowphase/rays/segment_entry.hpp>
 #include <oncollide/narrowphase/rays/segment_walk.hpp>
+#include <oncollide/narrowphase/rays/terrain_walk.hpp>
 
 namespace oncollide {
 

@@ -26,22 +26,11 @@ public:
 
 private:
     struct Box {
-        float entry; ///< as OrientedBoxKernel::on_segment() returns it
+        float entry; ///< as OrientedBoxKernel::node_on_segment() returns it
         bool leaf;
         std::uint8_t lane;
         typename Tree::Node node;
     };
-    static Aabb bounds_of(const Tree& tree)
-    {
-        if constexpr (requires { tree.bounds(); }) return tree.bounds();
-        const Eigen::Vector3d radius = Eigen::Vector3d::Constant(tree.radius());
-        return {tree.centre() - radius, tree.centre() + radius};
-    }
-    static typename Tree::Node first_node(Tree& tree)
-    {
-        if constexpr (requires { tree.below_root(); }) return tree.below_root();
-        return Tree::root;
-    }
     void open(Tree& tree, const typename Tree::Node& node, const SegmentLine& line, float last);
 
     NearestBoxes<Box> waiting_;
@@ -53,25 +42,16 @@ template <BoxHierarchy Tree>
 void SegmentWalk<Tree>::open(Tree& tree, const typename Tree::Node& node, const SegmentLine& line, float last)
 {
     float entry[8];
-    unsigned met, leaves;
-    if constexpr (requires { tree.on_segment(node, line, entry, leaves); }) {
-        met = tree.on_segment(node, line, entry, leaves);
-    } else {
-        OpenBoxes boxes;
-        leaves = tree.open(node, nullptr, boxes).leaves;
-        met = oriented_box_kernel().on_segment(boxes, line, entry);
-    }
+    unsigned leaves;
     waiting_.begin_node();
-    for (; met; met &= met - 1) {
+    for (unsigned met = tree.on_segment(node, line, entry, leaves); met; met &= met - 1) {
         const auto lane = static_cast<unsigned>(__builtin_ctz(met));
         if (entry[lane] > last) continue;
         const Box box{entry[lane], (leaves >> lane & 1) != 0, static_cast<std::uint8_t>(lane), node};
-        if constexpr (requires { tree.prefetch_child(node, lane); }) {
-            if (box.leaf)
-                tree.prefetch_primitives(node, lane);
-            else
-                tree.prefetch_child(node, lane), tree.prefetch_order(node, lane);
-        }
+        if (box.leaf)
+            tree.prefetch_primitives(node, lane);
+        else
+            tree.prefetch_child(node, lane), tree.prefetch_order(node, lane);
         waiting_.add(box);
     }
 }
@@ -81,7 +61,7 @@ template <class Take>
 void SegmentWalk<Tree>::walk(Tree& tree, const Segment& segment, Take take, double reach)
 {
     const Eigen::Vector3d centre = tree.centre();
-    const std::optional<SegmentPart> part = part_in(segment, bounds_of(tree));
+    const std::optional<SegmentPart> part = part_in(segment, tree.bounds());
     if (!part) return;
     const SegmentLine line = line_of(*part, centre, 4 * tree.radius()); // corners of boxes lie farther out
     // Entries are relative to the part: -1 is its beginning, 1 its end.
@@ -93,7 +73,7 @@ void SegmentWalk<Tree>::walk(Tree& tree, const Segment& segment, Take take, doub
     float last = last_entry(reach);
     if (last < -1) return;
     waiting_.clear();
-    open(tree, first_node(tree), line, last);
+    open(tree, tree.below_root(), line, last);
     while (!waiting_.empty()) {
         const Box box = waiting_.take();
         if (std::max(box.entry, -1.0f) > last) continue;

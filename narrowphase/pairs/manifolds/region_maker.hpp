@@ -7,6 +7,7 @@
 #include <oncollide/narrowphase/pairs/manifolds/points/point_choice.hpp>
 #include <oncollide/narrowphase/pairs/manifolds/region_draft.hpp>
 #include <oncollide/narrowphase/rays/segment_walk.hpp>
+#include <oncollide/narrowphase/rays/terrain_walk.hpp>
 
 namespace oncollide {
 
