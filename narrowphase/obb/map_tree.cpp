@@ -23,6 +23,27 @@ inline unsigned octants_at(const MapCell& cube, unsigned octants, const CellBox&
     return octants;
 }
 
+/// The keys of the first and the last cells of a box share the bits above the cube around the box.
+struct KeysOfCells {
+    Eigen::Array3i first;
+    std::int32_t parts; ///< the bits that they do not share are not above this
+
+    KeysOfCells(const CellBox& cells, int margin)
+    {
+        const auto key = [](const Eigen::Vector3i& cell) -> Eigen::Array3i {
+            return (cell.array() - CellTree::lowest).max(0).min(CellTree::side - 1);
+        };
+        first = key(cells.low.array() - margin);
+        const Eigen::Array3i last = key(cells.high.array() + (margin - 1));
+        parts = (first.x() ^ last.x()) | (first.y() ^ last.y()) | (first.z() ^ last.z());
+    }
+    /// The octant, of side `half`, that holds the box. The first step takes the whole grid as octant 0.
+    unsigned octant(std::int32_t half) const
+    {
+        return ((first.x() & half) != 0) | ((first.y() & half) != 0) << 1 | ((first.z() & half) != 0) << 2;
+    }
+};
+
 } // namespace
 
 MapTree::MapTree(const OccupancyMap& map)
@@ -64,17 +85,10 @@ double MapTree::starts(const Aabb& box, double size, std::vector<Node>& nodes) c
     int gap = margin;                                             // cells
     nodes.clear();
 
-    // Descends to the cube around the box and its margin: the keys of their first and last cells share the bits above
-    // it.
-    const auto key = [](const Eigen::Vector3i& cell) -> Eigen::Array3i {
-        return (cell.array() - CellTree::lowest).max(0).min(CellTree::side - 1);
-    };
-    const Eigen::Array3i first = key(near.low.array() - margin - 1), last = key(near.high.array() + margin);
-    const std::int32_t parts = (first.x() ^ last.x()) | (first.y() ^ last.y()) | (first.z() ^ last.z());
+    const KeysOfCells keys(near, margin + 1);
     Node node{cells_.top(), CellTree::top_cube};
-    for (std::int32_t half = CellTree::side; half > parts; half /= 2) { // the first step takes the whole grid as an
-                                                                        // octant
-        const unsigned k = ((first.x() & half) != 0) | ((first.y() & half) != 0) << 1 | ((first.z() & half) != 0) << 2;
+    for (std::int32_t half = CellTree::side; half > keys.parts; half /= 2) {
+        const unsigned k = keys.octant(half);
         if (!(node.octants.solid >> k & 1)) return gap * resolution * (1 - 0x1p-20);
         if (cells_.whole(node.octants) >> k & 1) break;
         node = below(node, k);
@@ -95,6 +109,22 @@ double MapTree::starts(const Aabb& box, double size, std::vector<Node>& nodes) c
                 waiting[count++] = below(node, static_cast<unsigned>(__builtin_ctz(left)));
     }
     return gap * resolution * (1 - 0x1p-20);
+}
+
+std::optional<MapTree::Octant> MapTree::octant_around(const Aabb& box) const
+{
+    const CellBox near = MapAccess::cells_touching(map_, box), &all = MapAccess::cell_bounds(map_);
+    const CellBox inside{near.low.cwiseMax(all.low), near.high.cwiseMin(all.high)};
+    if (inside.empty()) return std::nullopt;
+    const KeysOfCells keys(inside, 0);
+    Octant octant{{cells_.top(), CellTree::top_cube}, 0, false};
+    for (std::int32_t half = CellTree::side;; half /= 2) {
+        octant.number = keys.octant(half);
+        if (!(solid(octant.of) >> octant.number & 1)) return std::nullopt;
+        octant.whole = cells_.whole(octant.of.octants) >> octant.number & 1;
+        if (octant.whole || half / 2 <= keys.parts) return octant;
+        octant.of = below(octant.of, octant.number);
+    }
 }
 
 LaneMasks MapTree::open(const Node& node, const BoxPlacement* placement, OpenBoxes& boxes) const

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <oncollide/base/aabb.hpp>
@@ -26,6 +27,13 @@ public:
     /// the squared radius `size`, as far down as the tree extends. Returns a lower bound of the distance from the box
     /// to all other cells, metres.
     double starts(const Aabb& box, double size, std::vector<Node>& nodes) const;
+    struct Octant {
+        Node of; ///< the node that it is an octant of
+        unsigned number;
+        bool whole;
+    };
+    /// The smallest octant that holds all solid cells at a box, or is whole; nothing if there are none.
+    std::optional<Octant> octant_around(const Aabb& box) const;
 
     const OccupancyMap& map() const { return map_; }
     const Eigen::Vector3d& centre() const { return centre_; }

@@ -18,12 +18,17 @@ public:
     template <class Take>
     void walk(const MapTree& tree, const Segment& segment, Take take, double reach = 1)
     {
+        const std::optional<SegmentPart> part = part_in(segment, tree.map().bounds());
+        if (!part) return;
+        const Eigen::Vector3d around = part->half.cwiseAbs().array() + 2 * part->error;
+        const auto first = tree.octant_around({part->middle - around, part->middle + around});
+        if (!first) return;
         const Line line(segment, tree.map().resolution());
         std::size_t waiting = 0;
         double limit = reach;
         const auto push = [&](Cube& cube) { waiting += (cube.enters = line.entry(cube, limit)) <= limit; };
-        waiting_[0].parent = MapTree::root, waiting_[0].octant = 0, waiting_[0].leaf = false;
-        line.set_planes(CellTree::top_cube, waiting_[0]), push(waiting_[0]);
+        waiting_[0].parent = first->of, waiting_[0].octant = first->number, waiting_[0].leaf = first->whole;
+        line.set_planes(first->of.cube.octant(first->number), waiting_[0]), push(waiting_[0]);
         while (waiting) {
             Cube cube = waiting_[--waiting];
             if (cube.enters > limit) continue;
@@ -42,17 +47,19 @@ public:
             const unsigned solid = tree.solid(node), leaves = tree.whole(node) & solid;
             const std::int32_t half = c.side / 2;
             const double middle[] = {line.at(c.x + half, 0), line.at(c.y + half, 1), line.at(c.z + half, 2)};
-            for (unsigned order = 8; order-- > 0;) { // the farthest first, so that the nearest comes next
-                const unsigned octant = order ^ line.backward;
-                if (!(solid >> octant & 1)) continue;
-                Cube& next = waiting_[waiting];
+            double entries[8];
+            // The farthest first, so that the nearest comes next.
+            for (unsigned met = line.backed(solid & line.octants(cube, middle, limit, entries)); met;) {
+                const unsigned order = 31 - static_cast<unsigned>(__builtin_clz(met)), octant = order ^ line.backward;
+                met ^= 1u << order;
+                Cube& next = waiting_[waiting++];
                 for (unsigned axis = 0; axis < 3; ++axis) {
                     const bool high = octant >> axis & 1;
                     next.low[axis] = high ? middle[axis] : cube.low[axis];
                     next.high[axis] = high ? cube.high[axis] : middle[axis];
                 }
+                next.enters = entries[octant];
                 next.parent = node, next.octant = octant, next.leaf = leaves >> octant & 1;
-                push(next);
             }
         }
     }
@@ -110,6 +117,43 @@ private:
             }
             enters *= 1 - 0x1p-50;
             return enters <= leaves * (1 + 0x1p-50) ? enters : never;
+        }
+
+        /// One bit for each octant of a cube that the segment enters by `limit`. Writes the octants' `enters`.
+        unsigned octants(const Cube& cube, const double (&middle)[3], double limit, double (&entries)[8]) const
+        {
+            constexpr double never = std::numeric_limits<double>::infinity();
+            double enters[3][2], leaves[3][2]; // by axis and half
+            for (unsigned axis = 0; axis < 3; ++axis) {
+                const bool back = backward >> axis & 1;
+                const double low = cube.low[axis], high = cube.high[axis], between = middle[axis];
+                if (along[axis]) {
+                    enters[axis][0] = back ? between : low, leaves[axis][0] = back ? low : between;
+                    enters[axis][1] = back ? high : between, leaves[axis][1] = back ? between : high;
+                } else {
+                    enters[axis][0] = low > most[axis] || between < least[axis] ? never : 0;
+                    enters[axis][1] = between > most[axis] || high < least[axis] ? never : 0;
+                    leaves[axis][0] = leaves[axis][1] = limit;
+                }
+            }
+            unsigned met = 0;
+            for (unsigned yz = 0; yz < 4; ++yz) {
+                const double first = std::max(std::max(enters[1][yz & 1], enters[2][yz >> 1]), 0.0),
+                             last = std::min(std::min(leaves[1][yz & 1], leaves[2][yz >> 1]), limit);
+                for (unsigned x = 0; x < 2; ++x) {
+                    const double entry = entries[2 * yz + x] = std::max(enters[0][x], first) * (1 - 0x1p-50);
+                    met |= unsigned{entry <= std::min(leaves[0][x], last) * (1 + 0x1p-50)} << (2 * yz + x);
+                }
+            }
+            return met;
+        }
+        /// The mask by order along the segment: bit k becomes bit k ^ backward.
+        unsigned backed(unsigned mask) const
+        {
+            if (backward & 1) mask = (mask & 0x55) << 1 | (mask >> 1 & 0x55);
+            if (backward & 2) mask = (mask & 0x33) << 2 | (mask >> 2 & 0x33);
+            if (backward & 4) mask = (mask & 0x0f) << 4 | mask >> 4;
+            return mask;
         }
 
         Eigen::Vector3d from, least, most, per_metre;
