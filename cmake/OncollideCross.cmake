@@ -34,7 +34,7 @@ add_library(oncollide_qhull STATIC ${qhull_sources})
 target_include_directories(oncollide_qhull SYSTEM INTERFACE ${ONCOLLIDE_QHULL}/src)
 set_target_properties(oncollide_qhull PROPERTIES UNITY_BUILD OFF C_VISIBILITY_PRESET hidden)
 target_compile_definitions(oncollide_qhull PRIVATE qh_NOtrace) # messages for its own development, a third of its code
-target_compile_options(oncollide_qhull PRIVATE -ffp-contract=off $<$<BOOL:${EMSCRIPTEN}>:-Os>)
+target_compile_options(oncollide_qhull PRIVATE -ffp-contract=off $<$<BOOL:${EMSCRIPTEN}>:-Oz>)
 add_library(Qhull::qhull_r ALIAS oncollide_qhull)
 
 # The command needs more libraries.

@@ -3,7 +3,7 @@ import { boxMesh, pose, sphereMesh, torusKnotMesh, torusMesh, World } from '../l
 import { facets, onDrag, Orbit, Painter } from './gl.mjs';
 
 const side = 30; // metres, of the cube
-const makers = [() => torusKnotMesh(2, 3, 0.45, 0.18, 0.08, 600), () => boxMesh([0.4, 0.3, 0.2]), () => torusMesh(0.4, 0.15, 200), () => sphereMesh(0.4, 128)];
+export const makers = [() => torusKnotMesh(2, 3, 0.45, 0.18, 0.08, 600), () => boxMesh([0.4, 0.3, 0.2]), () => torusMesh(0.4, 0.15, 200), () => sphereMesh(0.4, 128)];
 
 /** Numbers from 0 to 1, the same in every run. */
 function dice(seed) {

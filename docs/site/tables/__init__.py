@@ -7,7 +7,7 @@ TABLES = {f.__name__: f for f in (
     phases.narrow_pairs, phases.planner, spheres.study, spheres.study_peers, spheres.occlusion_losses, spheres.spheres,
     spheres.sphere_levels, spheres.octants, spheres.octants_missed, spheres.paper, spheres.comparators, spheres.gpu, spheres.gpu_walks, spheres.gpu_host,
     spheres.continuous, products.rays, products.contacts, products.contacts_played,
-    products.contacts_of_shapes, products.contacts_of_pairs, products.avalanche, products.reading, products.clash, products.league, products.view, products.python, products.robot_models, products.robot_checks, products.robot_distances, products.robot_edges, products.robot_plans)}
+    products.contacts_of_shapes, products.contacts_of_pairs, products.avalanche, products.reading, products.clash, products.league, products.view, products.python, products.web, products.web_native, products.robot_models, products.robot_checks, products.robot_distances, products.robot_edges, products.robot_plans)}
 TABLES |= {name: lambda name=name: phases.medians(name) for name in ("narrow", "narrow_large")}
 TABLES |= {f"dart_{scene}": lambda scene=scene: products.dart(scene, *products.DART[scene]) for scene in products.DART}
 

@@ -1,5 +1,7 @@
-"""Segments, contacts for a solver, files, clash reports, pages, Python, robots and DART."""
-from .common import listed, number, of, pivot, rows_of, table, three
+"""Segments, contacts for a solver, files, clash reports, pages, Python, JavaScript, robots and DART."""
+import json
+
+from .common import DOCS, listed, number, of, pivot, rows_of, table, three
 
 
 def rays():
@@ -146,6 +148,29 @@ def view():
 def python():
     return listed(rows_of("python"), {"call": of("call", "`{}`".format), "items": of("items"), "Python": of("python_ns", str),
                                       "C++": of("cpp_ns", str), "overhead": of("overhead_ns", str)})
+
+
+def measured_in_node():
+    return json.loads((DOCS / "data/web/node.json").read_text(encoding="utf-8"))
+
+
+def web():
+    """The npm package and three-mesh-bvh."""
+    return listed(measured_in_node()["pairs"], {
+        "triangles of each mesh": of("triangles"), "yes or no, us": of("ours_us", three),
+        "`intersectsGeometry`, us": of("bvh_us", three), "distance, us": of("ours_distance_us", three),
+        "`closestPointToGeometry`, ms": of("bvh_distance_us", three, 1e-3)})
+
+
+def web_native():
+    """The module, and the native library with its baseline kernels."""
+    found = measured_in_node()
+    rows = []
+    for title, ours, native in (("yes or no", "batch_us", "native_us"), ("distance", "batch_distance_us", "native_distance_us")):
+        rows += [(f"{title}, {number(r['triangles'])} triangles each", r[ours], r[native], "us") for r in found["pairs"]]
+    rows += [(f"a frame of {number(r['bodies'])} moving bodies", r["median_ms"], r["native_ms"], "ms") for r in found["crowds"]]
+    return table(["", "WebAssembly", "native, baseline", "ratio"],
+                 [[title, f"{three(ours)} {unit}", f"{three(native)} {unit}", f"{ours / native:.2f}"] for title, ours, native, unit in rows])
 
 
 def robot_models():
