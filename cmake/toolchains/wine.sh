@@ -1,8 +1,13 @@
 #!/bin/sh
 # Runs a program of Windows under Wine: wine.sh FOLDER PROGRAM ARGUMENTS
 # FOLDER: for Wine's settings and disks; made at first use
-wine=/usr/lib/wine/wine64 # Debian's package wine64 has no link in PATH
+wine=/usr/lib/wine/wine64 server=/usr/lib/wine/wineserver64 # Debian's packages have no links in PATH
 [ -x "$wine" ] || wine=wine
+[ -x "$server" ] || server=wineserver
+mkdir -p "$1"
 export WINEPREFIX="$1" WINEDEBUG=-all WINEDLLOVERRIDES='mscoree=;mshtml=' LC_ALL=C.UTF-8
 shift
+# All programs of a folder share a server. If the first program started it, the server would hold that program's output
+# open until the last one ends, and a test would seem to run for as long.
+"$server" </dev/null >/dev/null 2>&1
 exec "$wine" "$@"
