@@ -5,6 +5,9 @@
 #include <shared_mutex>
 
 #include <oncollide/base/error.hpp>
+#ifdef _WIN32
+#include <oncollide/base/threads/windows/condition.hpp>
+#endif
 
 namespace oncollide {
 
@@ -57,11 +60,17 @@ private:
 
     Mutex mutex_;
 };
-/// Waits with an OrderedMutex.
-using OrderedCondition = std::condition_variable_any;
 #else
 template <LockRank rank, class Mutex = std::mutex>
 using OrderedMutex = Mutex;
+#endif
+
+/// Waits with an OrderedMutex.
+#if defined(_WIN32)
+using OrderedCondition = Condition;
+#elif defined(ONCOLLIDE_ASSERTIONS)
+using OrderedCondition = std::condition_variable_any;
+#else
 using OrderedCondition = std::condition_variable;
 #endif
 
