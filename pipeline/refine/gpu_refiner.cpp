@@ -223,8 +223,8 @@ void GpuRefiner::decide_unsure(const Call& call, std::span<const std::uint32_t> 
 {
     const std::span<const UnsureTriangles> listed = gpu_->walks()->unsure();
     unsure_.clear(), begins_.clear();
-    std::ranges::copy_if(listed, std::back_inserter(unsure_),
-                         [&](const UnsureTriangles& u) { return found[u.pair].verdict() != MeshWalkVerdict::meets; });
+    std::copy_if(listed.begin(), listed.end(), std::back_inserter(unsure_),
+                 [&](const UnsureTriangles& u) { return found[u.pair].verdict() != MeshWalkVerdict::meets; });
     std::ranges::sort(unsure_, {}, [](const UnsureTriangles& u) { return std::array{u.pair, u.a, u.b}; });
     for (std::size_t i = 0; i < unsure_.size(); ++i)
         if (i == 0 || unsure_[i].pair != unsure_[i - 1].pair) begins_.push_back(i);

@@ -52,8 +52,8 @@ private:
             return;
         }
         wanted_.clear();
-        std::ranges::copy_if(pairs, std::back_inserter(wanted_),
-                             [&](std::uint32_t i) { return wanted(frame.results[i]); });
+        std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(wanted_),
+                     [&](std::uint32_t i) { return wanted(frame.results[i]); });
         tasks_.resize(wanted_.size()), refined_.resize(wanted_.size());
         parallel_chunks(wanted_.size(), results_at_once, frame.context.threads,
                         [&](std::size_t begin, std::size_t end, int) {
