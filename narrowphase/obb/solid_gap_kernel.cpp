@@ -1,6 +1,6 @@
 // Compiled once per instruction set; see oncollide_add_kernel.
 #include <oncollide/base/simd/simd.hpp>
-#include <oncollide/narrowphase/obb/solid_gap_kernel.hpp>
+#include <oncollide/narrowphase/obb/terrain_lanes.hpp>
 
 namespace oncollide::ONCOLLIDE_ISA {
 namespace {
@@ -116,18 +116,9 @@ inline F32x8 slab_gap(const TerrainBlocks& blocks, const F32x8 (&from)[3], const
 unsigned of_blocks(const TerrainBlocks& blocks, const SolidReach& solid, const BoxLine& line, float gap_limit,
                    float (&gaps)[8], float (&nearest)[8])
 {
-    const float(&x)[5] = blocks.x, (&y)[5] = blocks.y;
-    const bool wide = blocks.wide;
-    const F32x8 from[3] = {wide ? F32x8{x[0], x[1], x[2], x[3], x[0], x[1], x[2], x[3]}
-                                : F32x8{x[0], x[1], x[0], x[1], x[0], x[1], x[0], x[1]},
-                           wide ? F32x8{y[0], y[0], y[0], y[0], y[1], y[1], y[1], y[1]}
-                                : F32x8{y[0], y[0], y[1], y[1], y[2], y[2], y[3], y[3]},
-                           blocks.zero + load(blocks.low)};
-    const F32x8 to[3] = {wide ? F32x8{x[1], x[2], x[3], x[4], x[1], x[2], x[3], x[4]}
-                              : F32x8{x[1], x[2], x[1], x[2], x[1], x[2], x[1], x[2]},
-                         wide ? F32x8{y[1], y[1], y[1], y[1], y[2], y[2], y[2], y[2]}
-                              : F32x8{y[1], y[1], y[2], y[2], y[3], y[3], y[4], y[4]},
-                         blocks.zero + load(blocks.high)};
+    const TerrainLanes lanes = lanes_of(blocks);
+    const F32x8 from[3] = {lanes.from[0], lanes.from[1], blocks.zero + load(blocks.low)},
+                to[3] = {lanes.to[0], lanes.to[1], blocks.zero + load(blocks.high)};
     F32x8 out[3], least = splat(-line.other_reach);
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
@@ -181,28 +172,21 @@ inline F32x8 triangle_gap(const Vec& p, const Vec& u, const Vec& v, const SolidR
 unsigned of_cells(const TerrainCells& cells, const SolidReach& solid, const BoxLine& line, float gap_limit,
                   float (&gaps)[2][8], float (&nearest)[8], float& apart)
 {
-    const float(&x)[5] = cells.x, (&y)[3] = cells.y, (&z)[3][5] = cells.z, (&o)[3] = solid.centre;
-    const F32x8 west = F32x8{x[0], x[1], x[2], x[3], x[0], x[1], x[2], x[3]} - o[0],
-                east = F32x8{x[1], x[2], x[3], x[4], x[1], x[2], x[3], x[4]} - o[0],
-                south = F32x8{y[0], y[0], y[0], y[0], y[1], y[1], y[1], y[1]} - o[1],
-                north = F32x8{y[1], y[1], y[1], y[1], y[2], y[2], y[2], y[2]} - o[1];
-    const auto heights = [&](int i, int j) {
-        return F32x8{z[j][i],     z[j][i + 1],     z[j][i + 2],     z[j][i + 3],
-                     z[j + 1][i], z[j + 1][i + 1], z[j + 1][i + 2], z[j + 1][i + 3]} -
-               o[2];
-    };
+    const float(&o)[3] = solid.centre;
+    const TerrainLanes lanes = four_by_two(cells.x, cells.y);
+    const F32x8 west = lanes.from[0] - o[0], east = lanes.to[0] - o[0], south = lanes.from[1] - o[1],
+                north = lanes.to[1] - o[1];
+    const auto heights = [&](int i, int j) { return heights_of(cells, i, j) - o[2]; };
     const Vec p00{west, south, heights(0, 0)}, p10{east, south, heights(1, 0)}, p01{west, north, heights(0, 1)},
         p11{east, north, heights(1, 1)};
     const F32x8 high = max(max(p00.z, p10.z), max(p01.z, p11.z)), low = min(min(p00.z, p10.z), min(p01.z, p11.z)),
                 sum = p00.z + p10.z + p01.z + p11.z;
-    constexpr I32x8 bit{1, 2, 4, 8, 16, 32, 64, 128};
-    const I32x8 falling = (bit & static_cast<std::int32_t>(cells.falling)) != 0,
-                there = (sum == sum) & (west < east) & (south < north);
-    const Vec corner = choose(falling, p10, p00), across = choose(falling, p01, p11); // ends of the diagonal
+    const I32x8 falls = falling(cells), there = (sum == sum) & (west < east) & (south < north);
+    const Vec corner = choose(falls, p10, p00), across = choose(falls, p01, p11); // ends of the diagonal
     const Vec diagonal = across - corner;
     F32x8 of_even, of_odd;
-    const F32x8 even = triangle_gap(corner, diagonal, choose(falling, p00, p10) - corner, solid, line, of_even),
-                odd = triangle_gap(corner, diagonal, choose(falling, p11, p01) - corner, solid, line, of_odd);
+    const F32x8 even = triangle_gap(corner, diagonal, choose(falls, p00, p10) - corner, solid, line, of_even),
+                odd = triangle_gap(corner, diagonal, choose(falls, p11, p01) - corner, solid, line, of_odd);
     const F32x8 margin = cells.margin + box_margin * (high - low);
     float least[8];
     store(least, sqrt(there ? min(of_odd, of_even) : splat(far_away)) + margin);

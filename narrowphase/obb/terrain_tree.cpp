@@ -332,34 +332,24 @@ void TerrainTree::open_blocks(const Node& node, const Eigen::Vector3d& from, Ter
         std::fill_n(blocks.slope_x, 8, s.slope_x), std::fill_n(blocks.slope_y, 8, s.slope_y);
         return;
     }
-    const auto each = [&](auto put_block) {
-        const std::uint32_t columns = std::min(w, all.x - node.x), rows = std::min(h, all.y - node.y);
-        for (unsigned k = 0; columns * rows < 8 && k < 8; ++k) put(k, {nothing, -nothing}, {});
-        for (std::uint32_t j = 0; j < rows; ++j)
-            for (std::uint32_t i = 0; i < columns; ++i) put_block(j * w + i, node.x + i, node.y + j);
-    };
+    // Only chunks of a cooked terrain are read on demand.
     const bool in_memory = !TerrainAccess::chunks(terrain_);
-    if (level == 2) {
-        const auto put_square = [&](unsigned k, const Square& s) {
-            put(k, range_of(s), {{s.slab_low, s.slab_low + 255 * s.slab_step}, s.slope_x, s.slope_y});
-        };
-        if (in_memory)
-            each([&, squares = squares_.data()](unsigned k, std::uint32_t x, std::uint32_t y) {
-                put_square(k, squares[std::size_t(y) * all.x + x]);
-            });
-        else
-            each([&](unsigned k, std::uint32_t x, std::uint32_t y) { put_square(k, square(x, y)); });
-    } else if (in_memory || level >= part_level) {
-        each([&, of = bounds_[level - 3].data()](unsigned k, std::uint32_t x, std::uint32_t y) {
-            const Bounds& block = of[std::size_t(y) * all.x + x];
-            put(k, block.range, block.slab);
-        });
-    } else {
-        each([&](unsigned k, std::uint32_t x, std::uint32_t y) {
-            const Bounds& block = bounds(level, x, y);
-            put(k, block.range, block.slab);
-        });
-    }
+    const Square* const squares = level == 2 && in_memory ? squares_.data() : nullptr;
+    const Bounds* const stored = level > 2 && (in_memory || level >= part_level) ? bounds_[level - 3].data() : nullptr;
+    const std::uint32_t columns = std::min(w, all.x - node.x), rows = std::min(h, all.y - node.y);
+    for (unsigned k = 0; columns * rows < 8 && k < 8; ++k) put(k, {nothing, -nothing}, {});
+    for (std::uint32_t j = 0; j < rows; ++j)
+        for (std::uint32_t i = 0; i < columns; ++i) {
+            const std::uint32_t x = node.x + i, y = node.y + j;
+            const std::size_t number = std::size_t(y) * all.x + x;
+            if (level == 2) {
+                const Square& block = squares ? squares[number] : square(x, y);
+                put(j * w + i, range_of(block), slab_of(block));
+            } else {
+                const Bounds& block = stored ? stored[number] : bounds(level, x, y);
+                put(j * w + i, block.range, block.slab);
+            }
+        }
 }
 
 std::size_t TerrainTree::bytes() const

@@ -41,9 +41,10 @@ std::optional<SegmentQuery::Candidate> SegmentQuery::nearest_candidate(double re
     return nearest;
 }
 
+/// @param tree   the tree of the primitives
 /// @param entry  entry(primitive, across) returns the entry into a primitive; across: the segment crosses its inside
 template <class Tree, class Entry>
-std::optional<SegmentQuery::Candidate> SegmentQuery::nearest(SegmentWalk<Tree>& walk, Tree& tree,
+std::optional<SegmentQuery::Candidate> SegmentQuery::nearest(auto& walk, auto& walked, const Tree& tree,
                                                              const Segment& segment, double reach, Entry entry)
 {
     candidates_.clear();
@@ -55,7 +56,7 @@ std::optional<SegmentQuery::Candidate> SegmentQuery::nearest(SegmentWalk<Tree>& 
             add(entry(primitive, across), primitive, 0, reach);
         return reach + slack;
     };
-    walk.walk(tree, segment, take, reach + slack);
+    walk.walk(walked, segment, take, reach + slack);
     return nearest_candidate(reach);
 }
 
@@ -72,16 +73,9 @@ std::optional<SegmentHit> SegmentQuery::first_on_surface(Model& model, const Seg
     };
     std::optional<Candidate> found;
     if (RayTree* const rays = RayWalk::covers(segment) ? model.ray_tree() : nullptr) {
-        candidates_.clear();
-        const double slack = slack_of(segment, *tree);
-        const auto take = [&](std::uint32_t triangle, bool certain) {
-            add(entry(triangle, certain), tree->source(triangle), triangle, reach);
-            return reach + slack;
-        };
-        rays_.walk(*rays, segment, take, reach + slack);
-        found = nearest_candidate(reach);
+        found = nearest(rays_, *rays, *tree, segment, reach, entry);
     } else if (tree) {
-        found = nearest(meshes_, *tree, segment, reach, entry);
+        found = nearest(meshes_, *tree, *tree, segment, reach, entry);
     } else {
         ONCOLLIDE_ASSERT(model.kind() == Kind::polytope);
         candidates_.clear();
@@ -107,13 +101,14 @@ std::optional<SegmentHit> SegmentQuery::first(Model& model, const Segment& segme
             if (across) return entry_across(segment, tree.points(triangle));
             return entry_of(segment, tree.points(triangle));
         };
-        const auto found = nearest(terrains_, tree, segment, reach, entry);
+        const auto found = nearest(terrains_, tree, tree, segment, reach, entry);
         if (!found) return {};
         return SegmentHit{found->entry, found->part, normal_facing(segment, tree.points(found->part.triangle))};
     }
     case Kind::map: {
         const auto box = [&](const MapCell& cell) { return MapAccess::box(*model.map(), cell); };
-        const auto found = nearest(maps_, model.cells(), segment, reach,
+        const MapTree& tree = model.cells();
+        const auto found = nearest(maps_, tree, tree, segment, reach,
                                    [&](const MapCell& cell, bool) { return entry_of(segment, box(cell)); });
         if (!found) return {};
         return SegmentHit{found->entry, found->part, normal_facing(segment, box(found->part.cell))};

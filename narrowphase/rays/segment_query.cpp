@@ -4,11 +4,15 @@
 
 namespace oncollide {
 
+/// @param meets  tests a primitive of which the walk is not certain
 template <class Tree, class Meets>
-bool SegmentQuery::any(SegmentWalk<Tree>& walk, Tree& tree, const Segment& segment, Meets meets)
+bool SegmentQuery::any(auto& walk, Tree& tree, const Segment& segment, Meets meets)
 {
     bool met = false;
-    walk.walk(tree, segment, [&](const auto& primitive) { return (met = meets(primitive)) ? -1.0 : 1.0; });
+    walk.walk(tree, segment, [&](const auto& primitive, bool certain = false) {
+        met = certain || meets(primitive);
+        return met ? -1.0 : 1.0;
+    });
     return met;
 }
 
@@ -33,13 +37,7 @@ bool SegmentQuery::meets_surface(Model& model, ObbTree& tree, const Segment& seg
 {
     const auto meets = [&](std::uint32_t triangle) { return segment_meets(segment, tree.corners(triangle)); };
     RayTree* const rays = RayWalk::covers(segment) ? model.ray_tree() : nullptr;
-    if (!rays) return any(meshes_, tree, segment, meets);
-    bool met = false;
-    rays_.walk(*rays, segment, [&](std::uint32_t triangle, bool certain) {
-        met = certain || meets(triangle);
-        return met ? -1.0 : 1.0;
-    });
-    return met;
+    return rays ? any(rays_, *rays, segment, meets) : any(meshes_, tree, segment, meets);
 }
 
 bool SegmentQuery::meets(Model& model, const Segment& segment)
@@ -55,12 +53,8 @@ bool SegmentQuery::meets(Model& model, const Segment& segment)
         });
     case Kind::terrain: {
         const TerrainTree& tree = model.heights();
-        bool met = false;
-        terrains_.walk(tree, segment, [&](std::uint32_t triangle, bool certain) {
-            met = certain || segment_meets(segment, tree.points(triangle));
-            return met ? -1.0 : 1.0;
-        });
-        return met;
+        return any(terrains_, tree, segment,
+                   [&](std::uint32_t triangle) { return segment_meets(segment, tree.points(triangle)); });
     }
     case Kind::map: {
         return any(maps_, model.cells(), segment,

@@ -49,12 +49,12 @@ private:
     };
     bool begins_inside(Model& model, const Segment& segment, bool solid);
     template <class Tree, class Entry>
-    std::optional<Candidate> nearest(SegmentWalk<Tree>& walk, Tree& tree, const Segment& segment, double reach,
+    std::optional<Candidate> nearest(auto& walk, auto& walked, const Tree& tree, const Segment& segment, double reach,
                                      Entry entry);
     std::optional<Candidate> nearest_candidate(double reach) const;
     void add(const std::optional<SegmentEntry>& entry, const BodyPart& part, std::uint32_t number, double& reach);
     template <class Tree, class Meets>
-    bool any(SegmentWalk<Tree>& walk, Tree& tree, const Segment& segment, Meets meets);
+    bool any(auto& walk, Tree& tree, const Segment& segment, Meets meets);
     bool meets_surface(Model& model, ObbTree& tree, const Segment& segment);
     std::optional<SegmentHit> first_on_surface(Model& model, const Segment& segment, double reach);
 

@@ -5,11 +5,11 @@
 
 namespace oncollide {
 
-/// A RayLine with the coordinates that the test of slabs needs.
+/// A line in floats, as blocks of a terrain need it.
 struct TerrainLine {
     RayLine ray;
-    float from[3], direction[3];
-    float error; ///< of a point of the line, metres; exceeds all rounding of floats
+    float direction[3];
+    float error; ///< of a point of the line, metres: exceeds all rounding of floats. `ray` is widened by it
 };
 
 /// The hits of the triangles with even numbers in the terrain, and of the odd ones; a bit for each cell.

@@ -90,12 +90,9 @@ void SegmentWalk<TerrainTree>::walk(const TerrainTree& tree, const Segment& segm
     const std::optional<SegmentPart> of_segment = part_in(segment, tree.terrain().bounds());
     if (!of_segment) return;
     const RayPart part(segment, *of_segment, tree.centre(), tree.radius(), 0);
-    TerrainLine line;
-    line.ray = part.line, line.error = static_cast<float>(part.widened);
-    for (int axis = 0; axis < 3; ++axis) {
-        line.from[axis] = static_cast<float>(part.middle[axis] - of_segment->half[axis]);
-        line.direction[axis] = static_cast<float>(part.direction[axis]);
-    }
+    const TerrainLine line{part.line,
+                           {float(part.direction.x()), float(part.direction.y()), float(part.direction.z())},
+                           static_cast<float>(part.widened)};
     float last = part.last(reach);
     if (last < 0) return;
     waiting_.clear();

@@ -174,11 +174,11 @@ TEST(TerrainWalk, KernelsAreAlikeOnEveryInstructionSet)
             if (top.level == 0) continue;
             TerrainBlocks blocks;
             tree.open_blocks(top, tree.centre(), blocks);
-            TerrainLine line{{{}, {}, {}}, {}, {}, 1e-3f};
+            TerrainLine line{{{}, {}, {}}, {}, 1e-3f};
             for (int i = 0; i < 3; ++i) {
-                line.from[i] = static_cast<float>(from[i] - tree.centre()[i]), line.direction[i] = direction[i];
-                line.ray.inverse[i] = 1 / direction[i];
-                line.ray.from_less[i] = line.from[i] - 1e-3f, line.ray.from_more[i] = line.from[i] + 1e-3f;
+                const auto at = static_cast<float>(from[i] - tree.centre()[i]);
+                line.ray.inverse[i] = 1 / direction[i], line.direction[i] = direction[i];
+                line.ray.from_less[i] = at - 1e-3f, line.ray.from_more[i] = at + 1e-3f;
             }
             float entry_one[8], entry_two[8];
             const unsigned of_one = one.blocks(blocks, line, 1e4f, entry_one);
