@@ -3,32 +3,35 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#ifdef _WIN32
+#include <oncollide/base/threads/windows/waiting.hpp>
+#endif
 
 namespace oncollide {
 
 #ifdef _WIN32
 /// The std::once_flag of MinGW-w64 waits for ever after an exception: its pthread_once() does not expect one.
 struct OnceFlag {
-    enum State : int { none, running, done };
-    std::atomic<State> state = none;
+    enum State : std::uint32_t { none, running, done };
+    std::atomic<std::uint32_t> state = none;
 };
 
 template <class Make>
 void call_once(OnceFlag& flag, Make make)
 {
     for (;;) {
-        OnceFlag::State seen = flag.state.load(std::memory_order_acquire);
+        std::uint32_t seen = flag.state.load(std::memory_order_acquire);
         if (seen == OnceFlag::done) return;
         if (seen == OnceFlag::running) {
-            flag.state.wait(seen, std::memory_order_acquire);
+            sleep_while(flag.state, seen);
         } else if (flag.state.compare_exchange_strong(seen, OnceFlag::running, std::memory_order_acquire)) {
             try {
                 make();
             } catch (...) {
-                flag.state.store(OnceFlag::none, std::memory_order_release), flag.state.notify_all();
+                flag.state.store(OnceFlag::none, std::memory_order_release), wake_all(flag.state);
                 throw;
             }
-            flag.state.store(OnceFlag::done, std::memory_order_release), flag.state.notify_all();
+            flag.state.store(OnceFlag::done, std::memory_order_release), wake_all(flag.state);
         }
     }
 }

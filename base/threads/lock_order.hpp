@@ -6,7 +6,7 @@
 
 #include <oncollide/base/error.hpp>
 #ifdef _WIN32
-#include <oncollide/base/threads/windows/condition.hpp>
+#include <oncollide/base/threads/windows/waiting.hpp>
 #endif
 
 namespace oncollide {
@@ -63,6 +63,10 @@ private:
 #else
 template <LockRank rank, class Mutex = std::mutex>
 using OrderedMutex = Mutex;
+#endif
+
+#ifndef _WIN32
+using SharedMutex = std::shared_mutex;
 #endif
 
 /// Waits with an OrderedMutex.

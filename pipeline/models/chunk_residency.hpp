@@ -37,7 +37,7 @@ private:
     const PreparedTrees& prepared_;
     std::vector<const Model*> trees_, grids_;
     /// Locked shared by traversals whose chunks may be dropped.
-    mutable OrderedMutex<LockRank::chunks_in_use, std::shared_mutex> in_use_;
+    mutable OrderedMutex<LockRank::chunks_in_use, SharedMutex> in_use_;
 };
 
 template <class Work>

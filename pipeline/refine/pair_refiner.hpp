@@ -13,7 +13,7 @@
 
 namespace oncollide {
 
-using WorldMutex = OrderedMutex<LockRank::world, std::shared_mutex>;
+using WorldMutex = OrderedMutex<LockRank::world, SharedMutex>;
 
 /// Data that refiners share with their caller.
 struct RefineContext {

@@ -12,7 +12,7 @@
 namespace oncollide::lock_order_test {
 namespace {
 
-OrderedMutex<LockRank::world, std::shared_mutex> world;
+OrderedMutex<LockRank::world, SharedMutex> world;
 OrderedMutex<LockRank::chunks> chunks;
 OrderedMutex<LockRank::cooked_file> file;
 

@@ -9,6 +9,7 @@
 #include <windows.h>
 
 #include <oncollide/base/error.hpp>
+#include <oncollide/base/threads/windows/waiting.hpp>
 
 // Windows grants committed memory only as far as the machine and its page file have it, also while it is untouched. The
 // class therefore reserves addresses, and a handler of access violations commits a block at its first use. System calls
@@ -52,7 +53,7 @@ public:
 private:
     static LONG CALLBACK on_exception(EXCEPTION_POINTERS* about);
 
-    std::shared_mutex mutex_;
+    SharedMutex mutex_;
     std::vector<Range> ranges_;
     void* handler_ = nullptr;
 };
