@@ -6,7 +6,6 @@
 #       DEPENDS geometry             lower modules only
 #       LINK    Qhull::qhull_r)      private third-party libraries
 #   SAMPLES: a part of oncollide::samples; only its users see the headers
-#   SLOW: its speed matters little, so that its code may be as small as possible (ONCOLLIDE_SMALLEST)
 #   FOLDER: where its headers are, if not in the folder of its name
 #
 # A module can include its own headers and the headers of modules that it depends on, as <oncollide/MODULE/x.hpp>, and
@@ -60,24 +59,6 @@ target_compile_options(oncollide_flags INTERFACE -ffp-contract=off -fno-tree-slp
 target_compile_options(oncollide_flags INTERFACE
   "$<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${CMAKE_UNITY_BUILD}>>:--param=ggc-min-expand=300;--param=ggc-min-heapsize=1500000>")
 
-# Browsers load the library over a network, so the preset wasm compiles it for its size. -finline-functions: Emscripten adds
-# -fno-inline-functions to -Os and -Oz, with which Eigen's functions are called instead of computed in place.
-set(ONCOLLIDE_SMALL)
-set(ONCOLLIDE_SMALLEST)
-set(ONCOLLIDE_FAST)
-if(EMSCRIPTEN)
-  set(ONCOLLIDE_SMALL -Os -finline-functions)
-  set(ONCOLLIDE_SMALLEST -Oz -finline-functions)
-  set(ONCOLLIDE_FAST -O2)
-endif()
-
-# Compiles sources for their speed in such builds, too.
-function(oncollide_keep_fast)
-  if(ONCOLLIDE_FAST)
-    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "${ONCOLLIDE_FAST}" SKIP_PRECOMPILE_HEADERS ON)
-  endif()
-endfunction()
-
 # Precompiles the headers that nearly every unit includes: Eigen alone takes three seconds. A header must not depend on
 # them: public headers are compiled alone, without precompiled headers. -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON turns them
 # off.
@@ -93,12 +74,11 @@ if(TARGET nlohmann_json::nlohmann_json) # tests/builds/portable has no modules
                                                                                   # flags
   set_target_properties(oncollide_precompiled PROPERTIES POSITION_INDEPENDENT_CODE ${ONCOLLIDE_SHAREABLE})
   target_link_libraries(oncollide_precompiled PRIVATE oncollide_flags Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json)
-  target_compile_options(oncollide_precompiled PRIVATE ${ONCOLLIDE_SMALL})
   oncollide_precompile(oncollide_precompiled <nlohmann/json.hpp>)
 endif()
 
 function(oncollide_add_module name)
-  cmake_parse_arguments(arg "SAMPLES;SLOW" "FOLDER" "HEADERS;SOURCES;DEPENDS;LINK" ${ARGN})
+  cmake_parse_arguments(arg "SAMPLES" "FOLDER" "HEADERS;SOURCES;DEPENDS;LINK" ${ARGN})
   set(include ${CMAKE_INSTALL_INCLUDEDIR})
   if(arg_SAMPLES)
     set(include ${ONCOLLIDE_SAMPLES_INCLUDE})
@@ -128,11 +108,6 @@ function(oncollide_add_module name)
     $<BUILD_INTERFACE:${include_tree}> $<INSTALL_INTERFACE:${include}>)
   target_link_libraries(oncollide_${name} PUBLIC Eigen3::Eigen
     PRIVATE $<BUILD_INTERFACE:oncollide_flags> ${arg_LINK})
-  if(arg_SLOW)
-    target_compile_options(oncollide_${name} PRIVATE ${ONCOLLIDE_SMALLEST})
-  else()
-    target_compile_options(oncollide_${name} PRIVATE ${ONCOLLIDE_SMALL})
-  endif()
   foreach(dependency IN LISTS arg_DEPENDS)
     target_link_libraries(oncollide_${name} PUBLIC oncollide_${dependency})
   endforeach()
@@ -193,7 +168,7 @@ function(oncollide_add_vectorised target)
   endforeach()
   set(unit ${CMAKE_CURRENT_BINARY_DIR}/vectorised.cpp)
   file(CONFIGURE OUTPUT ${unit} CONTENT "${includes}")
-  set_source_files_properties(${unit} PROPERTIES COMPILE_OPTIONS "${ONCOLLIDE_FAST};-ftree-slp-vectorize" OBJECT_DEPENDS "${sources}"
+  set_source_files_properties(${unit} PROPERTIES COMPILE_OPTIONS -ftree-slp-vectorize OBJECT_DEPENDS "${sources}"
                               SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
   target_sources(${target} PRIVATE ${unit})
 endfunction()

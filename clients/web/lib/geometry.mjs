@@ -1,4 +1,4 @@
-import { call, finite, OncollideError, pointerAt, put, room, wasm } from './module.mjs';
+import { call, finite, needRest, OncollideError, pointerAt, put, room, wasm } from './module.mjs';
 import { row } from './columns.mjs';
 
 const names = ['mesh', 'map', 'terrain', 'sphere', 'box', 'capsule', 'cylinder', 'hull', 'ellipsoid', 'cone', 'half_space'];
@@ -85,6 +85,7 @@ export const cone = (radius, length, { name = '' } = {}) => shape(6, 'cone', rad
 export const halfSpace = ({ name = '' } = {}) => shape(7, 'halfSpace', 0, 0, 0, name);
 
 export function convexHull(points, { name = '' } = {}) {
+  needRest();
   const [at, called, made] = put(Float64Array.from(points), name, room);
   call('_oc_hull', at, points.length / 3, called, made);
   return new Geometry(pointerAt(made), name);
@@ -94,12 +95,14 @@ export function terrain(heights, columns, { spacing = 1, origin = [0, 0, 0], err
   const rows = heights.length / columns;
   if (!Number.isInteger(rows)) throw new OncollideError('usage', `terrain: ${heights.length} heights are not whole rows of ${columns}`);
   const [x, y] = typeof spacing === 'number' ? [spacing, spacing] : spacing;
+  needRest();
   const [at, from, called, made] = put(Float64Array.from(heights), Float64Array.from(origin), name, room);
   call('_oc_terrain', at, columns, rows, x, y, from, error, called, made);
   return new Geometry(pointerAt(made), name);
 }
 
 export function occupancyMap(cells, resolution, { name = '' } = {}) {
+  needRest();
   const [at, called, made] = put(Int32Array.from(cells), name, room);
   call('_oc_map', at, cells.length / 3, resolution, called, made);
   return new Geometry(pointerAt(made), name);
@@ -108,6 +111,7 @@ export function occupancyMap(cells, resolution, { name = '' } = {}) {
 let folders = 0;
 
 export function load(name, bytes, { files = {}, scale = 1, fitDiagonal = 0, centre = false } = {}) {
+  needRest();
   const { FS } = wasm(), folder = `/oncollide-${++folders}`, written = [];
   const write = (path, content) => {
     const parts = path.split(/[\\/]/).filter((part) => part && part !== '.');

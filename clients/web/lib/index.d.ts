@@ -1,11 +1,24 @@
 import type { Contacts, Decision, Distance, DistanceOptions, FrameManifolds, ManifoldOptions, Pairs, Penetration, Space } from './queries.js';
 export * from './queries.js';
 
-/** Loads the WebAssembly module, once; every other call needs it. */
+/**
+ * Loads the WebAssembly module, once; every other call needs it. The module has two parts. `ready` waits for the first, which
+ * has verdicts, distances, contacts, casts and steps of meshes and shapes, and then loads the rest in the background. A call that
+ * needs the rest earlier waits for it; await whole() first where this must not be: hulls, terrains, maps, manifolds, sweeps and
+ * files need it. Throws no_input if the first part cannot be loaded.
+ */
 export function ready(options?: {
   /** Where oncollide.wasm is, or its bytes, or the compiled module; by default beside this package. */
-  wasm?: string | URL | ArrayBuffer | ArrayBufferView | WebAssembly.Module;
+  wasm?: Place;
+  /** The same of oncollide-rest.wasm; by default beside oncollide.wasm if that has a place, else beside this package. */
+  rest?: Place;
 }): Promise<void>;
+/**
+ * Waits for both parts. Throws no_input if one cannot be loaded. Without the rest, a call that would create a hull, a terrain, a map
+ * or a geometry from a file throws no_input, too; any other call that needs it does so half-way, and then all calls do.
+ */
+export function whole(): Promise<void>;
+export type Place = string | URL | ArrayBuffer | ArrayBufferView | WebAssembly.Module;
 
 /** The only error that calls throw. A call that throws has changed nothing. */
 export class OncollideError extends Error {

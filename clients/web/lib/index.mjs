@@ -1,4 +1,4 @@
-export { OncollideError, ready } from './module.mjs';
+export { OncollideError, ready, whole } from './module.mjs';
 export { pose } from './poses.mjs';
 export {
   box, boxMesh, capsule, cone, convexHull, cylinder, ellipsoid, Geometry, halfSpace, load, mesh, occupancyMap, sphere,

@@ -1,61 +1,39 @@
 // The WebAssembly module: loading it, calling its functions, arrays in, columns out, errors.
-import create from '../wasm/oncollide.mjs';
+import { load, OncollideError, reasonOf } from './loading.mjs';
+export { OncollideError };
 
 const kinds = { 64: 'usage', 65: 'bad_data', 66: 'no_input', 70: 'internal', 71: 'no_gpu', 73: 'cannot_write' };
 
-export class OncollideError extends Error {
-  constructor(kind, message) {
-    super(message);
-    this.name = 'OncollideError';
-    this.kind = kind;
-  }
-  /** The part of the message that names the cure, behind its last semicolon; empty if it has none. */
-  get cure() {
-    const at = this.message.lastIndexOf('; ');
-    return at < 0 ? '' : this.message.slice(at + 2);
-  }
-}
-
-let module = null, loading = null;
-
-async function bytesOf(source) {
-  if (source instanceof ArrayBuffer || ArrayBuffer.isView(source)) return source;
-  const url = source instanceof URL ? source : new URL(source, globalThis.document?.baseURI ?? import.meta.url);
-  if (url.protocol === 'file:' && globalThis.process?.versions?.node) {
-    const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ 'node:fs/promises');
-    return readFile(url);
-  }
-  const response = await fetch(url);
-  if (!response.ok) throw new OncollideError('no_input', `${url}: HTTP ${response.status}; pass the place of oncollide.wasm to ready({ wasm })`);
-  return response.arrayBuffer();
-}
-
-async function load(source) {
-  const compiled = source instanceof WebAssembly.Module ? source : await WebAssembly.compile(await bytesOf(source));
-  return new Promise((resolve, reject) => {
-    create({
-      locateFile: (name) => name, // the module is compiled already
-      instantiateWasm(imports, done) {
-        WebAssembly.instantiate(compiled, imports).then((instance) => done(instance, compiled), reject);
-        return {};
-      },
-    }).then(resolve, reject);
-  });
-}
+let module = null, rest = null, loading = null;
 
 export function ready(options = {}) {
-  loading ??= load(options.wasm ?? new URL('../wasm/oncollide.wasm', import.meta.url)).then(
-    (loaded) => { module = loaded; },
+  loading ??= load(options).then(
+    (loaded) => {
+      ({ module, rest } = loaded);
+      rest.load().catch(() => {}); // whole() tells, and calls that need the rest
+    },
     (fault) => {
       loading = null;
-      throw fault instanceof OncollideError ? fault : new OncollideError('no_input', `oncollide.wasm: ${fault.message ?? fault}; it needs a runtime with SIMD and exceptions of WebAssembly, such as Chrome 95, Firefox 100, Safari 16.4 or Node.js 18`);
+      throw new OncollideError('no_input', `oncollide.wasm: ${reasonOf(fault)}; pass its place to ready({ wasm }); it needs SIMD and exceptions of WebAssembly, such as Chrome 95, Firefox 100, Safari 16.4 and Node.js 18 have them`);
     });
   return loading;
 }
 
+export async function whole() {
+  await ready();
+  await rest.load();
+}
+
 export function wasm() {
   if (!module) throw new OncollideError('usage', 'oncollide is not loaded yet; call await ready() first');
+  if (rest.fault) throw rest.fault;
   return module;
+}
+
+/** For calls that nearly always need the rest: if it cannot be loaded, nothing has changed yet. */
+export function needRest() {
+  wasm();
+  rest.loadNow();
 }
 
 function textAt(at) {

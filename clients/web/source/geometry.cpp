@@ -30,7 +30,7 @@ std::vector<Eigen::Vector3d> points_at(const Number* numbers, std::size_t count)
 const Mesh& mesh_in(const HeldGeometry& held)
 {
     const Mesh* const mesh = std::get_if<Mesh>(&held.geometry->data);
-    if (!mesh) throw Error(ErrorKind::usage, held.geometry->name + ": the geometry is not a mesh");
+    if (!mesh) throw Error(ErrorKind::usage, "the geometry '" + held.geometry->name + "' is not a mesh; only meshes have vertices and faces");
     return *mesh;
 }
 

@@ -16,7 +16,7 @@ export class Browser {
     const browser = new Browser();
     browser.folder = mkdtempSync(join(tmpdir(), 'oncollide-browser-'));
     browser.process = spawn(chromium, ['--headless', '--no-sandbox', '--no-first-run', '--disable-background-networking', '--remote-debugging-pipe',
-      '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--host-resolver-rules=MAP * ~NOTFOUND', `--user-data-dir=${browser.folder}`],
+      '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1', `--user-data-dir=${browser.folder}`],
     { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'], detached: true }); // a group of its own
     browser.process.stdio[4].on('data', (data) => browser.#take(String(data)));
     const { targetId } = await browser.send('Target.createTarget', { url: 'about:blank' });

@@ -122,6 +122,7 @@ check('errors have a kind, name the place and the cure, and change nothing', () 
   refused('usage', /./, () => world.bodies.remove(body));
   refused('bad_data', /cut\.stl/, () => oc.load('cut.stl', 'solid x\nfacet normal 0 0'));
   refused('bad_data', /bad\.obj/, () => oc.load('bad.obj', 'v 0 0 0\nf 1 2 3\n'));
+  refused('usage', /^the geometry 'ball' is not a mesh/, () => oc.sphere(1, { name: 'ball' }).faces);
   refused('usage', /no name of a file/, () => oc.load('../x.obj', ''));
   world.dispose();
   refused('usage', /disposed of/, () => world.step());
