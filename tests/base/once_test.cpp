@@ -12,7 +12,7 @@ namespace {
 
 TEST(Once, IsMadeByOneThreadAndSeenByAll)
 {
-    for (int round = 0; round < 50; ++round) {
+    for (int round = 0; round < 300; ++round) {
         const Once<std::vector<int>> once;
         std::atomic<int> made = 0;
         std::vector<std::thread> threads;
