@@ -15,7 +15,7 @@ const after = (name, otherwise) => (options.includes(name) ? options[options.ind
 const folder = resolve(options[0] && !options[0].startsWith('--') ? options[0] : new URL('../../../build/wasm/npm', import.meta.url).pathname);
 const seconds = Number(after('--seconds', 2));
 const oc = await import(pathToFileURL(`${folder}/lib/index.mjs`).href);
-await oc.ready();
+await oc.whole();
 const native = after('--native', '');
 const shared = native ? mkdtempSync(join(tmpdir(), 'oncollide-bench-')) : ''; // native.py reads it
 const given = { rounds: 20, pairs: [], crowds: [] };
