@@ -77,7 +77,7 @@ TEST(FrameManifolds, HaveEveryPairThatHasARegionForAnyNumberOfThreads)
     for (const int threads : {1, 2, 8}) {
         Crowd crowd(threads, 60);
         std::uint64_t hash = 0;
-        for (int frame = 0; frame < 30; ++frame) {
+        for (int frame = 0; frame < 12; ++frame) {
             crowd.change();
             const FrameView view = crowd.world.step();
             std::vector<PairOfBodies> with_regions;

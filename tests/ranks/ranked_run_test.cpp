@@ -60,7 +60,7 @@ TEST_F(RanksTest, ScenesOfTheCatalogueAreThoseOfOneWorld)
 
 TEST_F(RanksTest, MeshesThatDeformAreThoseOfOneWorld)
 {
-    Scene flags = catalogue_scene("flags", 60, 30);
+    Scene flags = catalogue_scene("flags", 60, 12);
     expect_the_same(flags);
     expect_the_same(flags, {.ignore_touching = true});
     expect_the_same(flags, {.threads = 2, .coherence = false});
