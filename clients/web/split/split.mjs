@@ -40,7 +40,7 @@ function vectorFunctions(bytes) {
   return functions;
 }
 
-/** A custom section with the build's number. */
+/** With a custom section that holds the build's number: of the module, and of how it is divided. */
 function marked(bytes, build) {
   const text = (value) => [value.length, ...Buffer.from(value)];
   const content = [...text('oncollide.build'), ...Buffer.from(build)];
@@ -61,11 +61,10 @@ try {
   writeFileSync(at('profile'), profile);
 
   split(`--profile=${at('profile')}`, whole, '--export-prefix=%', '-o1', at('oncollide.wasm'), '-o2', at('oncollide-rest.wasm'));
-  const build = createHash('sha256').update(readFileSync(whole)).digest('hex').slice(0, 16);
+  const build = createHash('sha256').update(readFileSync(whole)).update(profile).digest('hex').slice(0, 16);
   for (const name of ['oncollide.wasm', 'oncollide-rest.wasm']) {
-    const bytes = marked(readFileSync(at(name)), build), target = `${npm}/wasm/${name}`;
-    WebAssembly.Module.customSections(new WebAssembly.Module(bytes), 'oncollide.build')[0].byteLength; // it is a module
-    writeFileSync(`${target}.new`, bytes);
+    const target = `${npm}/wasm/${name}`;
+    writeFileSync(`${target}.new`, marked(readFileSync(at(name)), build));
     renameSync(`${target}.new`, target);
   }
 } finally {
