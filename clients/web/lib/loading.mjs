@@ -29,7 +29,9 @@ async function bytesOf(source, fs) {
   return response.arrayBuffer();
 }
 
-/** The same in the middle of a call, which cannot wait for a promise. */
+const compiledOf = async (source, fs) => (source instanceof WebAssembly.Module ? source : WebAssembly.compile(await bytesOf(source, fs)));
+
+/** The bytes in the middle of a call, which cannot wait for a promise. */
 function bytesNow(source, fs) {
   if (!isPlace(source)) return source;
   const url = urlOf(source);
@@ -83,7 +85,7 @@ class Rest {
   async #load() {
     const source = this.#source;
     if (!source) return;
-    const compiled = this.#checked(source instanceof WebAssembly.Module ? source : await WebAssembly.compile(await bytesOf(source, this.#fs)));
+    const compiled = this.#checked(await compiledOf(source, this.#fs));
     if (this.#source) await WebAssembly.instantiate(compiled, { primary: this.#first });
     this.#source = null;
   }
@@ -110,7 +112,7 @@ const refusal = (fault) => new OncollideError('no_input',
 export async function load({ wasm, rest } = {}) {
   const fs = globalThis.process?.versions?.node ? await import(/* webpackIgnore: true */ /* @vite-ignore */ 'node:fs') : null;
   const source = wasm ?? new URL('../wasm/oncollide.wasm', import.meta.url);
-  const compiled = source instanceof WebAssembly.Module ? source : await WebAssembly.compile(await bytesOf(source, fs));
+  const compiled = await compiledOf(source, fs);
   const divided = WebAssembly.Module.imports(compiled).some(({ module }) => module === 'placeholder');
   const beside = () => (isPlace(wasm) ? new URL('oncollide-rest.wasm', urlOf(wasm)) : new URL('../wasm/oncollide-rest.wasm', import.meta.url));
   const second = new Rest(divided ? rest ?? beside() : null, fs, compiled);

@@ -4,6 +4,8 @@ export { OncollideError };
 
 const kinds = { 64: 'usage', 65: 'bad_data', 66: 'no_input', 70: 'internal', 71: 'no_gpu', 73: 'cannot_write' };
 
+const invalid = 'it must be the file of the package, and the runtime needs SIMD and exceptions of WebAssembly, such as Chrome 95, Firefox 100, Safari 16.4 or Node.js 18 has';
+
 let module = null, rest = null, loading = null;
 
 export function ready(options = {}) {
@@ -14,7 +16,7 @@ export function ready(options = {}) {
     },
     (fault) => {
       loading = null;
-      throw new OncollideError('no_input', `oncollide.wasm: ${reasonOf(fault)}; pass its place to ready({ wasm }); it needs SIMD and exceptions of WebAssembly, such as Chrome 95, Firefox 100, Safari 16.4 and Node.js 18 have them`);
+      throw new OncollideError('no_input', `oncollide.wasm: ${reasonOf(fault)}; ${fault instanceof WebAssembly.CompileError ? invalid : 'pass its place to ready({ wasm })'}`);
     });
   return loading;
 }
